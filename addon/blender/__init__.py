@@ -1,0 +1,1 @@
+"""The border to Blender's data: meshes in, results out, files in and out."""

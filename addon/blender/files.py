@@ -1,0 +1,127 @@
+"""Opens mesh files in Blender and writes results, beside and renamed."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+from ..core import InvalidMeshError
+from ..core.surface import FloatArray
+from .off_format import read_off
+
+SUFFIXES = (".blend", ".obj", ".ply", ".stl", ".glb", ".off")
+
+
+def open_meshes(path: Path) -> list[bpy.types.Object]:
+    """Open a file in place of what Blender holds and list its mesh objects, each mesh once.
+
+    Parameters
+    ----------
+    path : Path
+        A .blend, .obj, .ply, .stl, .glb or .off file.
+
+    Returns
+    -------
+    list of bpy.types.Object
+        The objects, in the order of their names.
+
+    Raises
+    ------
+    InvalidMeshError
+        If the file is not there, is of another kind, cannot be read or holds no mesh.
+    """
+    if path.suffix.lower() not in SUFFIXES:
+        raise InvalidMeshError(f"{path.name} is not of a kind that can be read: {', '.join(SUFFIXES)}.")
+    if not path.is_file():
+        raise InvalidMeshError(f"{path} is not a file.")
+    try:
+        if path.suffix.lower() == ".blend":
+            bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False)
+        else:
+            _empty()
+            _import(path)
+    except RuntimeError as error:
+        raise InvalidMeshError(f"Blender cannot read {path.name}: {str(error).strip()}") from error
+    found: dict[str, bpy.types.Object] = {}
+    for obj in sorted(bpy.context.scene.objects, key=lambda each: each.name):
+        if obj.type == "MESH" and len(obj.data.polygons):
+            found.setdefault(obj.data.name, obj)
+    if not found:
+        raise InvalidMeshError(f"{path.name} holds no mesh with faces.")
+    return list(found.values())
+
+
+def save_blend(path: Path) -> None:
+    """Save all that Blender holds to a .blend file.
+
+    Parameters
+    ----------
+    path : Path
+        The file; it is replaced in one step when the new one is whole.
+    """
+    _replace(path, lambda beside: bpy.ops.wm.save_as_mainfile(filepath=str(beside), copy=True, compress=True))
+
+
+def save_form(path: Path, vertices: FloatArray, mesh: bpy.types.Mesh) -> None:
+    """Write positions and the mesh's own polygons to an .obj or .ply file, in the mesh's own space and order.
+
+    Parameters
+    ----------
+    path : Path
+        The file, ending in .obj or .ply; it is replaced in one step when the new one is whole.
+    vertices : (n, 3) ndarray of float
+        Positions.
+    mesh : bpy.types.Mesh
+        The mesh that the polygons are read from.
+    """
+    polygons = [list(polygon.vertices) for polygon in mesh.polygons]
+    if path.suffix == ".obj":
+        lines = [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in vertices.tolist()]
+        lines += ["f " + " ".join(str(corner + 1) for corner in corners) for corners in polygons]
+    else:
+        lines = ["ply", "format ascii 1.0", f"element vertex {len(vertices)}"]
+        lines += ["property double x", "property double y", "property double z"]
+        lines += [f"element face {len(polygons)}", "property list uchar int vertex_indices", "end_header"]
+        lines += [f"{x:.9g} {y:.9g} {z:.9g}" for x, y, z in vertices.tolist()]
+        lines += [f"{len(corners)} " + " ".join(map(str, corners)) for corners in polygons]
+    text = "\n".join(lines) + "\n"
+    _replace(path, lambda beside: beside.write_text(text))
+
+
+def _replace(path: Path, write: Callable[[Path], object]) -> None:
+    beside = path.with_name(f".{path.stem}.{os.getpid()}.partial{path.suffix}")
+    try:
+        write(beside)
+        os.replace(beside, path)
+    finally:
+        beside.unlink(missing_ok=True)
+
+
+def _empty() -> None:
+    """Drop all data of the open file; loading an empty file instead would switch extensions off."""
+    bpy.data.batch_remove([*bpy.data.objects, *bpy.data.meshes, *bpy.data.materials, *bpy.data.images])
+    for collection in list(bpy.context.scene.collection.children):
+        bpy.data.collections.remove(collection)
+
+
+def _import(path: Path) -> None:
+    name = str(path)
+    kind = path.suffix.lower()
+    if kind == ".obj":
+        bpy.ops.wm.obj_import(filepath=name)
+    elif kind == ".ply":
+        bpy.ops.wm.ply_import(filepath=name)
+    elif kind == ".stl":
+        bpy.ops.wm.stl_import(filepath=name)
+    elif kind == ".glb":
+        bpy.ops.import_scene.gltf(filepath=name, merge_vertices=True)
+    else:
+        vertices, polygons = read_off(path)
+        mesh = bpy.data.meshes.new(path.stem)
+        mesh.from_pydata(np.asarray(vertices).tolist(), [], polygons)
+        obj = bpy.data.objects.new(path.stem, mesh)
+        bpy.context.scene.collection.objects.link(obj)

@@ -1,0 +1,76 @@
+"""Colours of the fields that are shown: a perceptual ramp for values, a palette for patches.
+
+Both are made in OKLab, where equal distances look equally different (Ottosson, "A perceptual color space for image
+processing", 2020).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..core.surface import FloatArray, IntArray, vertex_pairs
+
+_TO_CONE = np.array([[1.0, 0.3963377774, 0.2158037573], [1.0, -0.1055613458, -0.0638541728], [1.0, -0.0894841775, -1.2914855480]])
+_TO_RGB = np.array(
+    [[4.0767416621, -3.3077115913, 0.2309699292], [-1.2684380046, 2.6097574011, -0.3413193965], [-0.0041960863, -0.7034186147, 1.7076147010]]
+)
+_GOLDEN_TURN = 0.618033988749895
+
+
+def ramp(values: FloatArray) -> FloatArray:
+    """Colour values from dark blue (lowest) over green to light yellow (highest), lightness rising evenly.
+
+    Parameters
+    ----------
+    values : (n,) ndarray of float
+        A field; its range is stretched over the ramp.
+
+    Returns
+    -------
+    (n, 4) ndarray of float
+        Linear red, green, blue and alpha 1.
+    """
+    spread = float(np.ptp(values))
+    share = (values - values.min()) / (spread if spread > 0 else 1.0)
+    hue = np.deg2rad(290.0 - 180.0 * share)
+    chroma = 0.09 + 0.07 * share
+    return _linear(np.column_stack([0.28 + 0.64 * share, chroma * np.cos(hue), chroma * np.sin(hue)]))
+
+
+def patch_colours(patches: IntArray, faces: IntArray) -> FloatArray:
+    """Colour patches so that neighbours look different.
+
+    Parameters
+    ----------
+    patches : (n,) ndarray of int
+        Patch of every vertex, from 0.
+    faces : (m, 3) ndarray of int
+        Triangles.
+
+    Returns
+    -------
+    (k, 4) ndarray of float
+        Linear red, green, blue and alpha 1, one row a patch.
+    """
+    count = int(patches.max()) + 1
+    turns = np.arange(max(3 * count, 12))
+    hue = 2 * np.pi * (0.08 + turns * _GOLDEN_TURN)
+    lightness = np.array([0.70, 0.58, 0.82])[turns % 3]
+    choices = np.column_stack([lightness, 0.13 * np.cos(hue), 0.13 * np.sin(hue)])
+    ends = patches[vertex_pairs(faces)]
+    neighbours = np.unique(ends[ends[:, 0] != ends[:, 1]], axis=0)
+    taken: list[int] = []
+    for patch in range(count):
+        beside = np.unique(neighbours[(neighbours == patch).any(axis=1)])
+        beside = beside[beside < patch]
+        apart = np.full(len(choices), 1.0)
+        for other in range(patch):
+            gap = np.linalg.norm(choices - choices[taken[other]], axis=1)
+            apart = np.minimum(apart, gap if other in beside else 2 * gap)  # far patches may be a little more alike
+        taken.append(int(np.argmax(apart)))
+    return _linear(choices[taken])
+
+
+def _linear(oklab: FloatArray) -> FloatArray:
+    rgb = (oklab @ _TO_CONE.T) ** 3 @ _TO_RGB.T
+    return np.column_stack([np.clip(rgb, 0.0, 1.0), np.ones(len(rgb))])

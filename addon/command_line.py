@@ -1,0 +1,193 @@
+"""The command line: ``compute MESH… --output DIR``, the same for the bpy module and for Blender's ``--command``."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, TextIO
+
+import bpy
+
+from .blender.computing import compute_on
+from .blender.files import open_meshes, save_blend, save_form
+from .blender.mesh_reading import refusal
+from .core import CanonicalFormError, Settings
+from .core.settings import STARTS
+
+
+def main(arguments: list[str]) -> int:
+    """Run the command line.
+
+    Parameters
+    ----------
+    arguments : list of str
+        The words after the name of the command.
+
+    Returns
+    -------
+    int
+        0 if every mesh was done, 1 if one failed, 2 if the words make no sense.
+    """
+    parser = _parser()
+    try:
+        options = parser.parse_args(arguments)
+        settings = _settings(options)
+        names = _output_names(options.meshes)
+        options.output.mkdir(parents=True, exist_ok=True)
+    except SystemExit as stop:
+        return int(stop.code or 0)
+    except (CanonicalFormError, OSError) as error:
+        print(f"canonical_form: {error}", file=sys.stderr)
+        return 2
+    failed = False
+    with _own_output() as output:
+        for path, name in zip(options.meshes, names, strict=True):
+            for line in _compute_file(path, name, settings, options):
+                failed = failed or "error" in line
+                print(json.dumps(line), file=output, flush=True)
+    return int(failed)
+
+
+def _parser() -> argparse.ArgumentParser:
+    default = Settings()
+    parser = argparse.ArgumentParser(prog="canonical_form", description="Take the pose out of meshes.")
+    compute = parser.add_subparsers(dest="command", required=True).add_parser(
+        "compute", help="compute the canonical form of meshes", formatter_class=argparse.ArgumentDefaultsHelpFormatter
+    )
+    compute.add_argument("meshes", nargs="+", type=Path, metavar="MESH", help=".blend, .obj, .ply, .stl, .glb or .off")
+    compute.add_argument("--output", type=Path, required=True, metavar="DIR", help="folder for the results")
+    compute.add_argument("--format", choices=("blend", "obj", "ply"), default="blend", help="what to write")
+    compute.add_argument("--object", help="name of the one object of a file to compute (default: every mesh in it)")
+    compute.add_argument("--value", type=float, default=1.0, help="value of the shape key in a .blend")
+    compute.add_argument("--prominence", type=float, default=default.prominence, help="larger gives fewer patches")
+    compute.add_argument("--feature-points", help="vertex indices separated by commas, instead of detected ones")
+    compute.add_argument("--diffusion-time", type=float, default=default.diffusion_time, help="t of the ADF")
+    compute.add_argument("--eigenpairs", type=int, default=default.eigenpairs, help="number of eigenpairs")
+    compute.add_argument("--merge-distance", type=float, default=default.merge_distance, help="share of the diameter")
+    compute.add_argument("--start", choices=STARTS, default=default.start, help="where the minimisation starts")
+    compute.add_argument("--landmarks", type=int, default=default.landmarks, help="landmarks of the intrinsic start")
+    compute.add_argument("--feature-share", type=float, default=default.feature_share, help="weight of the features")
+    compute.add_argument("--iterations", type=int, default=default.iterations, help="most steps")
+    compute.add_argument("--tolerance", type=float, default=default.tolerance, help="relative change to stop at")
+    compute.add_argument("--extrapolation", type=int, default=default.extrapolation, help="earlier steps to use")
+    compute.add_argument("--as-published", action="store_true", help="follow the paper to the letter")
+    compute.add_argument("--memory-limit", type=float, default=default.memory_limit, help="gigabytes")
+    return parser
+
+
+def _settings(options: argparse.Namespace) -> Settings:
+    names = Settings.__dataclass_fields__.keys() - {"feature_points"}
+    given = None
+    if options.feature_points:
+        try:
+            given = [int(word) for word in options.feature_points.replace(",", " ").split()]
+        except ValueError as error:
+            raise CanonicalFormError(f"--feature-points must be whole numbers; got {options.feature_points}.") from error
+    return Settings(feature_points=given, **{name: getattr(options, name) for name in names})
+
+
+def _output_names(paths: list[Path]) -> list[str]:
+    """Name each result after its file; files of one name in several folders get the folders' names in front."""
+    names = [path.stem for path in paths]
+    for depth in range(1, max((len(path.resolve().parts) for path in paths), default=1)):
+        count = Counter(names)
+        if max(count.values()) == 1:
+            return names
+        names = [
+            "-".join(path.resolve().with_suffix("").parts[-1 - depth :]) if count[name] > 1 else name
+            for path, name in zip(paths, names, strict=True)
+        ]
+    if len(set(names)) < len(names):
+        raise CanonicalFormError("The same mesh is named twice, or two files differ by their ending only.")
+    return names
+
+
+def _compute_file(
+    path: Path, name: str, settings: Settings, options: argparse.Namespace
+) -> Iterator[dict[str, Any]]:
+    """Compute every mesh of a file and yield one line a mesh."""
+    try:
+        objects = open_meshes(path)
+        if options.object is not None:
+            objects = [obj for obj in objects if obj.name == options.object]
+            if not objects:
+                raise CanonicalFormError(f"{path.name} holds no mesh object named {options.object!r}.")
+    except (CanonicalFormError, OSError) as error:
+        yield _failure({"input": str(path)}, error)
+        return
+    lines = []
+    for obj in objects:
+        line: dict[str, Any] = {"input": str(path), "object": obj.name}
+        target = options.output / f"{name}.blend"
+        try:
+            reason = refusal(obj)
+            if reason is not None:
+                raise CanonicalFormError(reason)
+            bpy.context.view_layer.objects.active = obj
+            with _progress_line(f"{path.name} {obj.name}") as progress:
+                form, report = compute_on(obj, settings, options.value, progress)
+            if options.format != "blend":
+                stem = name if len(objects) == 1 else f"{name}-{bpy.path.clean_name(obj.name)}"
+                target = options.output / f"{stem}.{options.format}"
+                _require_new(target, path)
+                save_form(target, form.vertices, obj.data)
+            lines.append({**line, "output": str(target), **report})
+        except (CanonicalFormError, OSError) as error:
+            lines.append(_failure(line, error))
+    if options.format == "blend" and any("error" not in line for line in lines):
+        try:
+            target = options.output / f"{name}.blend"
+            _require_new(target, path)
+            save_blend(target)
+        except (CanonicalFormError, OSError, RuntimeError) as error:
+            lines = [line if "error" in line else _failure(line, error) for line in lines]
+    yield from lines
+
+
+def _require_new(target: Path, source: Path) -> None:
+    if target.resolve() == source.resolve():
+        raise CanonicalFormError(f"The result would overwrite its input {source}. Choose another --output.")
+
+
+def _failure(line: dict[str, Any], error: Exception) -> dict[str, Any]:
+    sentence = str(error).strip()
+    print(f"canonical_form: {line['input']}: {sentence}", file=sys.stderr)
+    return {"input": line["input"], **({"object": line["object"]} if "object" in line else {}), "error": sentence}
+
+
+@contextmanager
+def _progress_line(name: str) -> Iterator[Any]:
+    """Show one line of progress on a terminal, and nothing elsewhere."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+
+    def show(done: float, stage: str) -> None:
+        sys.stderr.write(f"\r{name}: {100 * done:3.0f} % {stage}\x1b[K")
+        sys.stderr.flush()
+
+    try:
+        yield show
+    finally:
+        sys.stderr.write("\r\x1b[K")
+
+
+@contextmanager
+def _own_output() -> Iterator[TextIO]:
+    """Keep standard output for the result lines: what Blender itself prints goes to standard error meanwhile."""
+    sys.stdout.flush()
+    kept = os.dup(1)
+    os.dup2(2, 1)
+    try:
+        with os.fdopen(os.dup(kept), "w") as output:
+            yield output
+    finally:
+        sys.stdout.flush()
+        os.dup2(kept, 1)
+        os.close(kept)

@@ -1,0 +1,141 @@
+"""Geodesic distance by the heat method (paper section 3.3)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .delaunay import intrinsic_delaunay, midpoint_refined
+from .laplacian import mass, stiffness
+from .surface import FloatArray, Triangulation, checked_mesh, face_areas, triangulated
+
+if TYPE_CHECKING:
+    from scipy.sparse.linalg import SuperLU
+
+_FAINTEST = 1e-140  # heat that one source must leave everywhere, as a share of its peak: half of double's exponent
+
+
+class HeatMethod:
+    """Geodesic distances from any vertex, with the two linear systems factored once.
+
+    Three choices keep the error near 1.5 % on real meshes: the triangles are made intrinsically Delaunay, each is
+    split in four, and the direction of the flow is taken from the logarithm of the heat, which is close to linear in
+    a triangle where the heat itself falls exponentially.
+
+    Parameters
+    ----------
+    surface : Triangulation
+        The surface, connected.
+    time : float, optional
+        Diffusion time, a squared length. Default: half the mean squared edge of the refined triangles, more where
+        the heat would fall below what a double can hold.
+    refine : bool
+        Split every triangle in four (error about a third lower, cost about three times as high).
+
+    References
+    ----------
+    Crane, Weischedel and Wardetzky, "Geodesics in Heat", 2013; Sharp and Crane, 2020 (intrinsic triangulation).
+    """
+
+    def __init__(self, surface: Triangulation, time: float | None = None, refine: bool = True) -> None:
+        from scipy.sparse import csr_matrix, diags
+
+        self._vertex_count = surface.vertex_count
+        fine = intrinsic_delaunay(surface)
+        if refine:
+            fine = intrinsic_delaunay(midpoint_refined(fine))
+        self._faces = fine.faces
+        area, base = face_areas(fine.lengths), fine.lengths[:, 2]
+        # triangle laid out with corner 0 at the origin, corner 1 at (base, 0) and corner 2 at (foot, height)
+        self._base, self._height = base[:, None], 2 * (area / base)[:, None]
+        self._foot = ((fine.lengths[:, 1] ** 2 - fine.lengths[:, 0] ** 2 + base**2) / (2 * base))[:, None]
+        m, n = len(fine.faces), fine.vertex_count
+        across = area[:, None] / self._height
+        slope = (self._foot / self._base) * across
+        weights = np.concatenate(
+            [
+                np.column_stack([-area / base, area / base, np.zeros(m)]),
+                np.column_stack([slope - across, -slope, across]),
+            ]
+        )
+        start = np.arange(0, 6 * m + 1, 3)
+        columns = np.concatenate([fine.faces, fine.faces]).ravel()
+        self._divergence = csr_matrix((weights.ravel(), columns, start), shape=(2 * m, n)).T.tocsr()
+        L, M = stiffness(fine), diags(mass(fine))
+        # the multiple of M only makes L invertible; right-hand sides sum to 0, so it does not show in the distances
+        self._poisson = _factored(L + 1e-9 / mass(fine).sum() * M)
+        if time is not None:
+            self._heat = _factored(M + time * L)
+            return
+        time = 0.5 * float((fine.lengths**2).mean())
+        probe = np.zeros(n)
+        probe[0] = 1.0
+        while True:
+            self._heat = _factored(M + time * L)
+            heat = self._heat.solve(probe)
+            if heat.min() > _FAINTEST * heat.max():
+                return
+            time *= 2.0
+
+    def distances(self, sources: ArrayLike) -> FloatArray:
+        """Measure the distance of every vertex from each of the sources.
+
+        Parameters
+        ----------
+        sources : (s,) array_like of int
+            Vertex indices.
+
+        Returns
+        -------
+        (n, s) ndarray of float
+            One column a source, in the surface's unit of length; 0 at the source. Not exactly symmetric.
+        """
+        source = np.atleast_1d(np.asarray(sources, dtype=np.int64))
+        column = np.arange(len(source))
+        heat = np.zeros((self._divergence.shape[0], len(source)))  # (n', s)
+        heat[source, column] = 1.0
+        heat = self._heat.solve(heat)
+        np.maximum(heat, np.finfo(np.float64).tiny, out=heat)
+        np.log(heat, out=heat)
+        origin = heat[self._faces[:, 0]]
+        along = (origin - heat[self._faces[:, 1]]) / self._base  # (m', s)
+        across = (origin - heat[self._faces[:, 2]] - self._foot * along) / self._height
+        norm = np.sqrt(along * along + across * across)
+        norm[norm == 0] = 1.0
+        flow = np.concatenate([np.divide(along, norm, out=along), np.divide(across, norm, out=across)])
+        distance = self._poisson.solve(self._divergence @ flow)[: self._vertex_count]
+        return distance - distance[source, column]
+
+
+def heat_geodesics(vertices: ArrayLike, faces: ArrayLike, sources: ArrayLike) -> FloatArray:
+    """Measure geodesic distances from some vertices of a mesh to all its vertices.
+
+    Parameters
+    ----------
+    vertices : (n, 3) array_like of float
+        Vertex positions.
+    faces : (m, 3) array_like of int
+        Triangles of one connected surface.
+    sources : (s,) array_like of int
+        Vertex indices to measure from.
+
+    Returns
+    -------
+    (n, s) ndarray of float
+        Distances in the unit of the vertices, one column a source.
+
+    Raises
+    ------
+    InvalidMeshError
+        If the mesh cannot be used; the message says what to do.
+    """
+    return HeatMethod(triangulated(*checked_mesh(vertices, faces))).distances(sources)
+
+
+def _factored(matrix: object) -> SuperLU:
+    from scipy.sparse import csc_matrix
+    from scipy.sparse.linalg import splu
+
+    return splu(csc_matrix(matrix), permc_spec="COLAMD", diag_pivot_thresh=0.0, options={"SymmetricMode": True})

@@ -1,0 +1,102 @@
+"""Progress, cancellation and timing of one computation."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from time import perf_counter
+
+from .errors import CancelledError
+
+Progress = Callable[[float, str], object]
+Cancelled = Callable[[], bool]
+
+
+class Monitor:
+    """Tells the caller how far a computation is and stops it when the caller wishes.
+
+    Parameters
+    ----------
+    progress : callable, optional
+        Called with the fraction done, 0 to 1 and never falling, and the name of the stage.
+    cancelled : callable, optional
+        Returns True when the computation should stop.
+
+    Attributes
+    ----------
+    timings : dict of str to float
+        Seconds spent in each stage, in the order of the stages.
+    warnings : list of str
+        Sentences for the user, in the order in which they came up.
+    """
+
+    def __init__(self, progress: Progress | None = None, cancelled: Cancelled | None = None) -> None:
+        self._progress = progress
+        self._cancelled = cancelled
+        self._name = ""
+        self._start = self._stop = 0.0
+        self.timings: dict[str, float] = {}
+        self.warnings: list[str] = []
+
+    @contextmanager
+    def stage(self, name: str, until: float) -> Iterator[None]:
+        """Time a stage that takes the whole job to the fraction `until`.
+
+        Parameters
+        ----------
+        name : str
+            Name of the stage, shown to the user.
+        until : float
+            Fraction of the job done when the stage ends.
+
+        Yields
+        ------
+        None
+            Control, while the stage runs.
+        """
+        self._name, self._start, self._stop = name, self._stop, until
+        began = perf_counter()
+        self.tick(0.0)
+        try:
+            yield
+        finally:
+            self.timings[name] = self.timings.get(name, 0.0) + perf_counter() - began
+        self.tick(1.0)
+
+    def tick(self, fraction: float) -> None:
+        """Report the fraction of the present stage that is done; stop if the caller has cancelled.
+
+        Parameters
+        ----------
+        fraction : float
+            Part of the present stage that is done, 0 to 1.
+
+        Raises
+        ------
+        CancelledError
+            If the caller has cancelled.
+        """
+        self.check()
+        if self._progress is not None:
+            self._progress(self._start + (self._stop - self._start) * fraction, self._name)
+
+    def check(self) -> None:
+        """Stop if the caller has cancelled.
+
+        Raises
+        ------
+        CancelledError
+            If the caller has cancelled.
+        """
+        if self._cancelled is not None and self._cancelled():
+            raise CancelledError()
+
+    def warn(self, sentence: str) -> None:
+        """Keep a warning for the result.
+
+        Parameters
+        ----------
+        sentence : str
+            What happened and what it means for the user.
+        """
+        self.warnings.append(sentence)

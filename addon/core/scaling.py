@@ -1,0 +1,117 @@
+"""Classical scaling, on all points or carried from landmarks to the rest (paper section 2, equation 4)."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .heat import HeatMethod
+from .monitor import Monitor
+from .surface import FloatArray, IntArray
+
+
+def classical_scaling(distances: ArrayLike, dimensions: int = 3) -> tuple[FloatArray, FloatArray]:
+    """Embed a full matrix of distances by the leading eigenvectors of its Gram matrix.
+
+    ``G = -½ J D² J`` with ``J = I - 11ᵀ/n`` (equation 4; the paper prints J = 11ᵀ/n).
+
+    Parameters
+    ----------
+    distances : (n, n) array_like of float
+        Distances, symmetric.
+    dimensions : int
+        Dimension d of the embedding.
+
+    Returns
+    -------
+    embedding : (n, d) ndarray of float
+        The points, centred, along their principal axes; the sign of each axis is arbitrary.
+    eigenvalues : (n,) ndarray of float
+        All eigenvalues of G, largest first. Negative ones show how far the distances are from Euclidean.
+
+    References
+    ----------
+    Torgerson, "Multidimensional scaling: I. Theory and method", 1952.
+    """
+    squared = np.asarray(distances, dtype=np.float64) ** 2
+    row_mean = squared.mean(axis=1, keepdims=True)
+    gram = -(squared - row_mean - row_mean.T + squared.mean()) / 2
+    values, vectors = np.linalg.eigh((gram + gram.T) / 2)
+    values, vectors = values[::-1], vectors[:, ::-1]
+    leading = np.maximum(values[:dimensions], 0.0)
+    embedding = np.zeros((len(squared), dimensions))
+    embedding[:, : len(leading)] = vectors[:, :dimensions] * np.sqrt(leading)
+    return embedding, values
+
+
+def landmark_scaling(distances: FloatArray, landmarks: IntArray, dimensions: int = 3) -> FloatArray:
+    """Embed landmarks by classical scaling and every other point by its distances from them.
+
+    Parameters
+    ----------
+    distances : (n, l) ndarray of float
+        Distance of every point from each landmark.
+    landmarks : (l,) ndarray of int
+        The landmarks among the points.
+    dimensions : int
+        Dimension d of the embedding.
+
+    Returns
+    -------
+    (n, d) ndarray of float
+        The points.
+
+    References
+    ----------
+    De Silva and Tenenbaum, "Sparse multidimensional scaling using landmark points", 2004.
+    """
+    between = (distances[landmarks] + distances[landmarks].T) / 2  # (l, l)
+    embedding, values = classical_scaling(between, dimensions)
+    usable = values[:dimensions] > 1e-12 * values[0]
+    inverse = np.zeros_like(embedding)  # pseudo-inverse of the landmarks' embedding
+    axes = np.flatnonzero(usable)
+    inverse[:, axes] = embedding[:, axes] / values[axes]
+    return -((distances**2 - (between**2).mean(axis=0)) @ inverse) / 2
+
+
+def farthest_points(
+    heat: HeatMethod, first: IntArray, distances: FloatArray, count: int, monitor: Monitor
+) -> tuple[IntArray, FloatArray]:
+    """Choose points that lie far from each other, one after the other.
+
+    Parameters
+    ----------
+    heat : HeatMethod
+        Measures distances on the surface.
+    first : (k,) ndarray of int
+        Points to start from, at least one.
+    distances : (n, k) ndarray of float
+        Distances from these.
+    count : int
+        Number l of points wanted.
+    monitor : Monitor
+        Told the progress and asked whether to stop.
+
+    Returns
+    -------
+    points : (l,) ndarray of int
+        The points; the first k are those given.
+    distances : (n, l) ndarray of float
+        Distance of every vertex from each of them.
+
+    Raises
+    ------
+    CancelledError
+        If the monitor says so.
+    """
+    count = max(min(count, len(distances)), len(first))
+    points = [int(point) for point in first]
+    columns = [distances[:, i] for i in range(len(first))]
+    nearest = distances.min(axis=1)
+    while len(points) < count:
+        tie = np.flatnonzero(nearest >= nearest.max() * (1 - 1e-7))  # mirrored pairs: the first, on every machine
+        points.append(int(tie[0]))
+        columns.append(heat.distances([points[-1]])[:, 0])
+        nearest = np.minimum(nearest, columns[-1])
+        monitor.tick(len(points) / count)
+    return np.array(points), np.column_stack(columns)

@@ -1,0 +1,191 @@
+"""The stress of equation 10 as sums over sets of pairs: patches and feature points."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from .monitor import Monitor
+from .surface import FloatArray, IntArray
+
+_ROWS = 128  # rows of a tile: bounds working memory and the time between two questions whether to stop
+
+
+@dataclass(frozen=True, eq=False)
+class PairSet:
+    """All pairs among some vertices, each with a wanted distance and a weight, stored once, in tiles.
+
+    Tile number b holds the rows from ``128 b`` on and the columns from there to the end; what lies on or below the
+    diagonal has weight 0.
+
+    Attributes
+    ----------
+    vertices : (p,) ndarray of int
+        The vertices.
+    targets : list of (r, c) ndarray of float
+        Wanted distances, tile by tile.
+    weights : list of (r, c) ndarray of float
+        Weights, tile by tile.
+    """
+
+    vertices: IntArray
+    targets: list[FloatArray]
+    weights: list[FloatArray]
+
+    def total_weights(self) -> FloatArray:
+        """Sum the weights of the pairs that each vertex is in.
+
+        Returns
+        -------
+        (p,) ndarray of float
+            Total weight by vertex: the diagonal of V.
+        """
+        total = np.zeros(len(self.vertices))
+        for start, weight in zip(range(0, len(total), _ROWS), self.weights, strict=True):
+            total[start : start + len(weight)] += weight.sum(axis=1)
+            total[start:] += weight.sum(axis=0)
+        return total
+
+    def scaled(self, factor: float) -> PairSet:
+        """Multiply all weights.
+
+        Parameters
+        ----------
+        factor : float
+            The factor.
+
+        Returns
+        -------
+        PairSet
+            The same pairs and targets under the new weights.
+        """
+        return PairSet(self.vertices, self.targets, [factor * weight for weight in self.weights])
+
+    def laplacian(self) -> FloatArray:
+        """Assemble V of these pairs: ``-w_ij`` off the diagonal, row sums 0.
+
+        Returns
+        -------
+        (p, p) ndarray of float
+            V, symmetric, positive semi-definite.
+        """
+        count = len(self.vertices)
+        matrix = np.zeros((count, count))
+        for start, weight in zip(range(0, count, _ROWS), self.weights, strict=True):
+            matrix[start : start + len(weight), start:] -= weight
+            matrix[start:, start : start + len(weight)] -= weight.T
+        np.fill_diagonal(matrix, self.total_weights())
+        return matrix
+
+
+def pair_set(
+    vertices: IntArray, distances: FloatArray, weights: Callable[[slice, slice, FloatArray], FloatArray]
+) -> PairSet:
+    """Store all pairs among some vertices.
+
+    Parameters
+    ----------
+    vertices : (p,) ndarray of int
+        The vertices.
+    distances : (p, p) ndarray of float
+        Wanted distances; the part above the diagonal is read.
+    weights : callable
+        Gives the weights of a tile from its rows, its columns (slices of 0 to p) and its wanted distances.
+
+    Returns
+    -------
+    PairSet
+        The pairs.
+    """
+    targets, heavy = [], []
+    for start in range(0, len(vertices), _ROWS):
+        rows, columns = slice(start, min(start + _ROWS, len(vertices))), slice(start, len(vertices))
+        target = np.ascontiguousarray(distances[rows, columns])
+        targets.append(target)
+        heavy.append(np.triu(weights(rows, columns, target), 1))
+    return PairSet(vertices, targets, heavy)
+
+
+class Stress:
+    """Equation 10: the weighted squared difference between wanted and embedded distances, over all pair sets.
+
+    Parameters
+    ----------
+    vertex_count : int
+        Number of vertices n.
+    pair_sets : list of PairSet
+        Patches and feature points.
+    monitor : Monitor, optional
+        Asked between tiles whether to stop.
+    """
+
+    def __init__(self, vertex_count: int, pair_sets: list[PairSet], monitor: Monitor | None = None) -> None:
+        self.vertex_count = vertex_count
+        self.pair_sets = pair_sets
+        self._monitor = monitor or Monitor()
+        largest = max((len(pairs.vertices) for pairs in pair_sets), default=0)
+        self._room = np.empty((3, min(_ROWS, largest) * largest))  # reused by every tile: fresh pages cost more than sums
+
+    def value(self, embedding: FloatArray) -> float:
+        """Evaluate the stress.
+
+        Parameters
+        ----------
+        embedding : (n, d) ndarray of float
+            Point of every vertex.
+
+        Returns
+        -------
+        float
+            ``Σ w_ij (δ_ij - |x_i - x_j|)²``.
+        """
+        return self.value_and_pull(embedding)[0]
+
+    def value_and_pull(self, embedding: FloatArray) -> tuple[float, FloatArray]:
+        """Evaluate the stress and minus half its gradient.
+
+        Parameters
+        ----------
+        embedding : (n, d) ndarray of float
+            Point of every vertex.
+
+        Returns
+        -------
+        value : float
+            The stress.
+        pull : (n, d) ndarray of float
+            ``(B(X) - V) X``: the rows are ``Σ_j w_ij (δ_ij / d_ij - 1) (x_i - x_j)``.
+
+        Raises
+        ------
+        CancelledError
+            If the monitor says so.
+        """
+        from scipy.spatial.distance import cdist
+
+        total = 0.0
+        pull = np.zeros_like(embedding)
+        for pairs in self.pair_sets:
+            points = np.ascontiguousarray(embedding[pairs.vertices])  # (p, d)
+            extended = np.column_stack([points, np.ones(len(points))])  # sums come with the products
+            local = np.zeros_like(points)
+            for start, target, weight in zip(
+                range(0, len(points), _ROWS), pairs.targets, pairs.weights, strict=True
+            ):
+                self._monitor.check()
+                stop = start + len(target)
+                distance, missing, force = (room[: target.size].reshape(target.shape) for room in self._room)
+                cdist(points[start:stop], points[start:], out=distance)
+                np.subtract(target, distance, out=missing)
+                np.multiply(weight, missing, out=force)
+                total += float(np.vdot(force, missing))
+                distance[distance == 0] = 1.0  # the diagonal, and points that coincide: no direction, no pull
+                force /= distance
+                right = force @ extended[start:]
+                left = force.T @ extended[start:stop]
+                local[start:stop] += right[:, -1:] * points[start:stop] - right[:, :-1]
+                local[start:] += left[:, -1:] * points[start:] - left[:, :-1]
+            pull[pairs.vertices] += local
+        return total, pull

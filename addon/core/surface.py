@@ -1,0 +1,246 @@
+"""The mesh as a metric surface: checks, triangles with edge lengths, areas and connectivity.
+
+Everything behind this file sees the surface through its triangles and the lengths of their edges only, so no later
+step can depend on how the mesh lies in space.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .errors import InvalidMeshError
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class Triangulation:
+    """Triangles glued along edges, each edge with a length: a surface without a place in space.
+
+    Attributes
+    ----------
+    vertex_count : int
+        Number of vertices n.
+    faces : (m, 3) ndarray of int
+        Corners of each triangle. An intrinsic triangle may name a vertex twice: it then wraps around a limb.
+    lengths : (m, 3) ndarray of float
+        Length of the edge opposite to each corner.
+    edges : (m, 3) ndarray of int
+        Number of the edge opposite to each corner, from 0. Two edges may join the same two vertices.
+    """
+
+    vertex_count: int
+    faces: IntArray
+    lengths: FloatArray
+    edges: IntArray
+
+
+def checked_mesh(vertices: ArrayLike, faces: ArrayLike) -> tuple[FloatArray, IntArray]:
+    """Return the mesh as arrays of the core's types, or say why it cannot be used.
+
+    Parameters
+    ----------
+    vertices : (n, 3) array_like of float
+        Vertex positions, any unit of length.
+    faces : (m, 3) array_like of int
+        Triangles as vertex indices.
+
+    Returns
+    -------
+    vertices : (n, 3) ndarray of float64
+        The positions.
+    faces : (m, 3) ndarray of int64
+        The triangles.
+
+    Raises
+    ------
+    InvalidMeshError
+        If a shape is wrong, a coordinate is not finite, an index is out of range, a triangle names a vertex
+        twice, there is no triangle, the surface has no area, a vertex belongs to no triangle, or the surface
+        falls into several parts.
+    """
+    points = np.ascontiguousarray(vertices, dtype=np.float64)
+    corners = np.asarray(faces)
+    if points.ndim != 2 or points.shape[1] != 3:
+        raise InvalidMeshError(f"Vertices must be an (n, 3) array; got shape {points.shape}.")
+    if corners.size == 0:
+        raise InvalidMeshError("The mesh has no faces. Choose a mesh with a surface.")
+    if corners.ndim != 2 or corners.shape[1] != 3:
+        raise InvalidMeshError(f"Faces must be an (m, 3) array of triangles; got shape {corners.shape}.")
+    if not np.issubdtype(corners.dtype, np.integer):
+        raise InvalidMeshError(f"Faces must be integers; got {corners.dtype}.")
+    triangles = np.ascontiguousarray(corners, dtype=np.int64)
+    if not np.isfinite(points).all():
+        bad = int(np.count_nonzero(~np.isfinite(points).all(axis=1)))
+        raise InvalidMeshError(f"{bad} vertices have coordinates that are not numbers. Delete or repair them.")
+    if triangles.min() < 0 or triangles.max() >= len(points):
+        raise InvalidMeshError(f"Faces name vertices outside 0 to {len(points) - 1}.")
+    twice = (triangles == np.roll(triangles, 1, axis=1)).any(axis=1)
+    if twice.any():
+        raise InvalidMeshError(
+            f"{np.count_nonzero(twice)} faces use the same vertex twice. Remove them with Mesh > Clean Up > "
+            "Degenerate Dissolve."
+        )
+    loose = len(points) - len(np.unique(triangles))
+    if loose:
+        raise InvalidMeshError(
+            f"{loose} vertices belong to no face. Remove them with Mesh > Clean Up > Delete Loose."
+        )
+    parts = int(component_labels(len(points), triangles).max()) + 1
+    if parts > 1:
+        raise InvalidMeshError(
+            f"The mesh falls into {parts} loose parts, and no distance joins them. In Edit Mode, separate the parts "
+            "(P > By Loose Parts) or merge them where they touch (M > By Distance), then run again."
+        )
+    extent = float(np.ptp(points, axis=0).max())
+    if not extent > 0 or not face_areas(corner_lengths(points / extent, triangles)).sum() > 0:
+        raise InvalidMeshError("The surface has no area. Choose a mesh with a surface.")
+    return points, triangles
+
+
+def triangulated(vertices: FloatArray, faces: IntArray) -> Triangulation:
+    """Read the triangulation off a mesh in space, mollified so that every triangle has some area.
+
+    Parameters
+    ----------
+    vertices : (n, 3) ndarray of float
+        Vertex positions.
+    faces : (m, 3) ndarray of int
+        Triangles.
+
+    Returns
+    -------
+    Triangulation
+        The same triangles with their edge lengths.
+    """
+    tail, head = np.roll(faces, -1, axis=1), np.roll(faces, -2, axis=1)
+    key = np.minimum(tail, head) * len(vertices) + np.maximum(tail, head)
+    _, number = np.unique(key, return_inverse=True)
+    return Triangulation(
+        len(vertices), faces, mollified(corner_lengths(vertices, faces)), number.reshape(-1, 3).astype(np.int64)
+    )
+
+
+def corner_lengths(vertices: FloatArray, faces: IntArray) -> FloatArray:
+    """Measure the edges of every triangle.
+
+    Parameters
+    ----------
+    vertices : (n, 3) ndarray of float
+        Vertex positions.
+    faces : (m, 3) ndarray of int
+        Triangles.
+
+    Returns
+    -------
+    (m, 3) ndarray of float
+        Column i holds the length of the edge opposite to corner i.
+    """
+    corners = vertices[faces]  # (m, 3 corners, 3)
+    opposite = np.roll(corners, -1, axis=1) - np.roll(corners, -2, axis=1)
+    return np.linalg.norm(opposite, axis=2)  # (m, 3)
+
+
+def mollified(lengths: FloatArray, factor: float = 1e-5) -> FloatArray:
+    """Lengthen all edges by one constant, just enough that no triangle is degenerate.
+
+    A mesh whose triangles all have some thickness comes back as it was.
+
+    Parameters
+    ----------
+    lengths : (m, 3) ndarray of float
+        Edge lengths by triangle.
+    factor : float
+        Slack demanded of every triangle inequality, in units of the mean edge length.
+
+    Returns
+    -------
+    (m, 3) ndarray of float
+        Lengths with ``l_j + l_k - l_i >= factor * mean`` in every triangle.
+
+    References
+    ----------
+    Sharp and Crane, "A Laplacian for Nonmanifold Triangle Meshes", 2020, section 4.5.
+    """
+    slack = lengths.sum(axis=1, keepdims=True) - 2 * lengths  # (m, 3)
+    return lengths + max(0.0, factor * float(lengths.mean()) - float(slack.min()))
+
+
+def face_areas(lengths: FloatArray) -> FloatArray:
+    """Compute triangle areas from edge lengths (Heron's formula in Kahan's stable order).
+
+    Parameters
+    ----------
+    lengths : (m, 3) ndarray of float
+        Edge lengths by triangle.
+
+    Returns
+    -------
+    (m,) ndarray of float
+        Areas; 0 where a triangle inequality is violated.
+    """
+    c, b, a = np.sort(lengths, axis=1).T  # a >= b >= c
+    squared = (a + (b + c)) * (c - (a - b)) * (c + (a - b)) * (a + (b - c))
+    return np.sqrt(np.maximum(squared, 0.0)) / 4
+
+
+def corner_cotangents(lengths: FloatArray) -> FloatArray:
+    """Compute the cotangent of every corner from edge lengths.
+
+    Parameters
+    ----------
+    lengths : (m, 3) ndarray of float
+        Edge lengths by triangle, of positive area.
+
+    Returns
+    -------
+    (m, 3) ndarray of float
+        Cotangents of the angle at each corner.
+    """
+    squared = lengths**2
+    area = np.maximum(face_areas(lengths), np.finfo(np.float64).tiny)
+    return (squared.sum(axis=1, keepdims=True) - 2 * squared) / (4 * area[:, None])
+
+
+def vertex_pairs(faces: IntArray) -> IntArray:
+    """List every pair of vertices joined by an edge once.
+
+    Parameters
+    ----------
+    faces : (m, 3) ndarray of int
+        Triangles.
+
+    Returns
+    -------
+    (e, 2) ndarray of int
+        Pairs, lower vertex index first, sorted.
+    """
+    both = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
+    return np.unique(both, axis=0)
+
+
+def component_labels(vertex_count: int, faces: IntArray) -> IntArray:
+    """Number the connected parts of the mesh.
+
+    Parameters
+    ----------
+    vertex_count : int
+        Number of vertices n.
+    faces : (m, 3) ndarray of int
+        Triangles.
+
+    Returns
+    -------
+    (n,) ndarray of int
+        Part of each vertex, numbered from 0. A vertex of no face is a part of its own.
+    """
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
+    row, column = faces[:, [0, 1]].ravel(), faces[:, [1, 2]].ravel()
+    graph = coo_matrix((np.ones(len(row)), (row, column)), shape=(vertex_count, vertex_count))
+    return connected_components(graph, directed=False)[1].astype(np.int64)

@@ -1,0 +1,99 @@
+"""The panels in the 3D View's sidebar, tab Canonical Form."""
+
+import bpy
+
+from ..blender.result_writing import record_of
+from .operators import OBJECT_OT_canonical_form, OBJECT_OT_canonical_form_clear
+from .properties import METHOD_NAMES
+
+_CATEGORY = "Canonical Form"
+
+
+class VIEW3D_PT_canonical_form(bpy.types.Panel):
+    """Compute, and what the last run found."""
+
+    bl_label = "Canonical Form"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = _CATEGORY
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Draw the buttons and the result."""
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        chosen = context.scene.canonical_form
+        layout.prop(chosen, "prominence")
+        button = layout.operator(OBJECT_OT_canonical_form.bl_idname, text="Compute", icon="ARMATURE_DATA")
+        for name in METHOD_NAMES:
+            setattr(button, name, getattr(chosen, name))
+        obj = context.object
+        record = record_of(obj.data) if obj is not None and obj.type == "MESH" else None
+        if record is None:
+            return
+        keys = obj.data.shape_keys
+        key = keys.key_blocks.get(record["shape_key"]) if keys is not None else None
+        if key is not None:
+            layout.prop(key, "value", text="Pose to Form", slider=True)
+        _draw_report(layout.box().column(align=True), record["report"])
+        layout.operator(OBJECT_OT_canonical_form_clear.bl_idname, text="Clear", icon="TRASH")
+
+
+class VIEW3D_PT_canonical_form_advanced(bpy.types.Panel):
+    """The options of the method."""
+
+    bl_label = "Advanced"
+    bl_parent_id = "VIEW3D_PT_canonical_form"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = _CATEGORY
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Draw every option that the main panel does not show."""
+        self.layout.use_property_split = True
+        self.layout.use_property_decorate = False
+        column = self.layout.column()
+        for name in METHOD_NAMES:
+            if name != "prominence":
+                column.prop(context.scene.canonical_form, name)
+
+
+def _draw_report(column: bpy.types.UILayout, report: dict) -> None:
+    measures = report["measures"]
+    lines = [
+        f"{len(report['feature_points'])} feature points and patches",
+        f"{sum(report['timings'].values()):.1f} s, {report['stress']['steps']} steps",
+        f"{report['pair_reduction']:.0%} of {report['vertices'] ** 2 / 1e6:.3g} million pairs saved",
+        f"Edge distortion: median {measures['edge_distortion_median']:.1%}",
+    ]
+    if measures["compactness_error"] is not None:
+        lines.append(f"Compactness error: {1e4 * measures['compactness_error']:.2f}e-4")
+    for line in lines:
+        column.label(text=line)
+    for warning in report["warnings"]:
+        first, *rest = _wrapped(warning, 44)
+        column.label(text=first, icon="ERROR")
+        for line in rest:
+            column.label(text=line, icon="BLANK1")
+
+
+def _wrapped(sentence: str, width: int) -> list[str]:
+    import textwrap
+
+    return textwrap.wrap(sentence, width)
+
+
+CLASSES = (VIEW3D_PT_canonical_form, VIEW3D_PT_canonical_form_advanced)
+
+
+def register() -> None:
+    """Register the panels."""
+    for each in CLASSES:
+        bpy.utils.register_class(each)
+
+
+def unregister() -> None:
+    """Unregister the panels."""
+    for each in reversed(CLASSES):
+        bpy.utils.unregister_class(each)
