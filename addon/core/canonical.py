@@ -26,6 +26,8 @@ from .stress import PairSet, Stress, pair_set
 from .surface import FloatArray, IntArray, Triangulation, checked_mesh, triangulated
 
 
+_NO_DISTANCE = 1e-6  # share of the mean distance in a patch below which the heat method has failed for a pair,
+_SMALL_DISTANCE = 1e-3  # and the share that such a pair gets instead
 _INFLATION_PULL = 10.0  # 1/area: the layout shapes what is larger than a limb, the surface what is smaller
 _INFLATION_STEPS = 20
 
@@ -133,21 +135,24 @@ def canonical_form(
             features, to_features = features[kept], to_features[:, kept]
     with monitor.stage("Patches", 0.09):
         cells = voronoi_cells(to_features, features, triangles)
-        patches = [_patch_vertices(cells, triangles, k, settings.as_published) for k in range(len(features))]
-        pair_count = sum(len(own) ** 2 for own, _ in patches) + len(features) ** 2
-        _require_memory(len(points), [len(surrounding) for _, surrounding in patches], settings.memory_limit)
+        patches = [triangles[closed_cell_faces(cells, triangles, index)] for index in range(len(features))]
+        _require_memory(len(points), [len(np.unique(patch)) for patch in patches], settings.memory_limit)
     with monitor.stage("Distances", 0.45):
-        sets = _patch_pairs(points, triangles, patches, spectrum, monitor)
+        sets = _patch_pairs(points, patches, cells, spectrum, settings, monitor)
         if len(features) > 1:
             sets.append(_feature_pairs(features, to_features, biharmonic_distances(L, M, features), adf, sets, settings))
-    with monitor.stage("Start", 0.5):
-        start = points
-        if settings.start == "intrinsic":
+        pair_count = sum(len(pairs.vertices) ** 2 for pairs in sets)
+    start = points
+    if settings.start == "intrinsic":
+        with monitor.stage("Landmarks", 0.48):
             landmarks, to_landmarks = farthest_points(heat, features, to_features, settings.landmarks, monitor)
-            start = _inflated(surface, points, landmark_scaling(to_landmarks, landmarks), monitor)
+            layout = landmark_scaling(to_landmarks, landmarks)
+        with monitor.stage("Start", 0.5):
+            start = _inflated(surface, points, layout, monitor)
+    with monitor.stage("Factorisation", 0.55):
+        inverse = WeightInverse(len(points), sets, monitor)
     with monitor.stage("Embedding", 0.99):
         stress = Stress(len(points), sets, monitor)
-        inverse = WeightInverse(len(points), sets, monitor)
         extrapolation = 0 if settings.as_published else settings.extrapolation
         form, history = minimise_stress(
             stress, inverse, start, settings.iterations, settings.tolerance, extrapolation, monitor
@@ -196,12 +201,6 @@ def _checked_features(given: object, vertex_count: int) -> IntArray | None:
     return features.astype(np.int64)
 
 
-def _patch_vertices(cells: IntArray, faces: IntArray, index: int, open_cell: bool) -> tuple[IntArray, IntArray]:
-    """List the vertices whose pairs count in a patch, and those of the closed cell in which they are measured."""
-    surrounding = np.unique(faces[closed_cell_faces(cells, faces, index)])
-    return (surrounding[cells[surrounding] == index] if open_cell else surrounding), surrounding
-
-
 def _require_memory(vertex_count: int, sizes: list[int], limit: float) -> None:
     """Refuse before the memory is spent: tiles of targets and weights, V's factors, two matrices of the largest patch."""
     needed = 8 * (2 * sum(p**2 for p in sizes) + 2 * max(sizes) ** 2) / 1e9
@@ -215,37 +214,36 @@ def _require_memory(vertex_count: int, sizes: list[int], limit: float) -> None:
 
 def _patch_pairs(
     points: FloatArray,
-    faces: IntArray,
-    patches: list[tuple[IntArray, IntArray]],
+    patches: list[IntArray],
+    cells: IntArray,
     spectrum: Spectrum,
+    settings: Settings,
     monitor: Monitor,
 ) -> list[PairSet]:
-    """Measure every patch and weight its pairs: ``w_ij = c_ij² / δ_ij²`` (first sum of equation 10)."""
+    """Measure every closed cell and weight its pairs: ``w_ij = c_ij² / δ_ij²`` (first sum of equation 10)."""
     sets = []
-    effort = np.array([len(surrounding) ** 1.5 for _, surrounding in patches])
-    effort /= effort.sum()
+    effort = np.cumsum([0.0] + [float(len(patch)) ** 2 for patch in patches])
+    effort /= effort[-1]
     short = 0
-    for number, (own, surrounding) in enumerate(patches):
-        local = np.full(len(points), -1, dtype=np.int64)
-        local[surrounding] = np.arange(len(surrounding))
-        inside = local[faces[(local[faces] >= 0).all(axis=1)]]
-        distance = all_geodesics(
-            triangulated(points[surrounding], inside), monitor, float(effort[:number].sum()), float(effort[number])
-        )
-        if len(own) < len(surrounding):
-            distance = distance[np.ix_(local[own], local[own])]
-        least = 1e-3 * float(distance.mean())
-        wrong = distance < least * 1e-3
-        np.fill_diagonal(wrong, False)
-        short += np.count_nonzero(wrong) // 2
-        distance[wrong] = least
+    for index, patch in enumerate(patches):
+        vertices, corners = np.unique(patch, return_inverse=True)
+        surface = triangulated(points[vertices], corners.reshape(-1, 3))
+        distance = all_geodesics(surface, monitor, effort[index], effort[index + 1] - effort[index])
+        if settings.as_published:  # open cells: the pairs of the cell's own vertices only
+            own = np.flatnonzero(cells[vertices] == index)
+            vertices, distance = vertices[own], distance[np.ix_(own, own)]
+        mean = float(distance.mean())
+        missing = distance < _NO_DISTANCE * mean
+        np.fill_diagonal(missing, False)
+        short += np.count_nonzero(missing) // 2
+        distance[missing] = _SMALL_DISTANCE * mean
 
-        def weights(rows: slice, columns: slice, target: FloatArray, own: IntArray = own) -> FloatArray:
+        def weights(rows: slice, columns: slice, target: FloatArray, vertices: IntArray = vertices) -> FloatArray:
             monitor.check()
-            squared = commute_time_squared(spectrum, own[rows], own[columns])
+            squared = commute_time_squared(spectrum, vertices[rows], vertices[columns])
             return np.divide(squared, target**2, out=np.zeros_like(target), where=target > 0)
 
-        sets.append(pair_set(own, distance, weights))
+        sets.append(pair_set(vertices, distance, weights))
     if short:
         monitor.warn(
             f"{short} pairs of points came out with no distance between them, because of very thin triangles, and were "

@@ -14,7 +14,8 @@ from .surface import FloatArray, IntArray, Triangulation
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
 
-_CHUNK = 128  # sources solved at once: bounds memory and the time between two questions whether to stop
+_CHUNK = 128  # most sources solved at once
+_CHUNK_VALUES = 600_000  # most distances solved at once: bounds memory and the time until a cancel is heard
 
 
 def commute_time_squared(spectrum: Spectrum, first: IntArray, second: IntArray) -> FloatArray:
@@ -131,8 +132,9 @@ def all_geodesics(surface: Triangulation, monitor: Monitor, done: float = 0.0, s
     count = surface.vertex_count
     heat = HeatMethod(surface)
     distance = np.empty((count, count))
-    for start in range(0, count, _CHUNK):
-        block = np.arange(start, min(start + _CHUNK, count))
+    chunk = int(np.clip(_CHUNK_VALUES // count, 4, _CHUNK))
+    for start in range(0, count, chunk):
+        block = np.arange(start, min(start + chunk, count))
         distance[:, block] = heat.distances(block)
         monitor.tick(done + share * (block[-1] + 1) / count)
     for start in range(0, count, _CHUNK):

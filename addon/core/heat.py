@@ -12,9 +12,10 @@ from .laplacian import mass, stiffness
 from .surface import FloatArray, Triangulation, checked_mesh, face_areas, triangulated
 
 if TYPE_CHECKING:
+    from scipy.sparse import csr_matrix
     from scipy.sparse.linalg import SuperLU
 
-_FAINTEST = 1e-140  # heat that one source must leave everywhere, as a share of its peak: half of double's exponent
+_LONGEST = 300.0  # most diffusion lengths across the surface: the heat falls by e in each, and a double ends at e^-708
 
 
 class HeatMethod:
@@ -66,18 +67,9 @@ class HeatMethod:
         L, M = stiffness(fine), diags(mass(fine))
         # the multiple of M only makes L invertible; right-hand sides sum to 0, so it does not show in the distances
         self._poisson = _factored(L + 1e-9 / mass(fine).sum() * M)
-        if time is not None:
-            self._heat = _factored(M + time * L)
-            return
-        time = 0.5 * float((fine.lengths**2).mean())
-        probe = np.zeros(n)
-        probe[0] = 1.0
-        while True:
-            self._heat = _factored(M + time * L)
-            heat = self._heat.solve(probe)
-            if heat.min() > _FAINTEST * heat.max():
-                return
-            time *= 2.0
+        if time is None:
+            time = max(0.5 * float((fine.lengths**2).mean()), (_graph_diameter(fine) / _LONGEST) ** 2)
+        self._heat = _factored(M + time * _without_negative_weights(L))
 
     def distances(self, sources: ArrayLike) -> FloatArray:
         """Measure the distance of every vertex from each of the sources.
@@ -132,6 +124,29 @@ def heat_geodesics(vertices: ArrayLike, faces: ArrayLike, sources: ArrayLike) ->
         If the mesh cannot be used; the message says what to do.
     """
     return HeatMethod(triangulated(*checked_mesh(vertices, faces))).distances(sources)
+
+
+def _without_negative_weights(stiffness_matrix: csr_matrix) -> csr_matrix:
+    """Drop the negative weights that obtuse corners at a border leave, so that heat is positive everywhere."""
+    from scipy.sparse import diags
+
+    weights = -stiffness_matrix
+    weights.setdiag(0.0)
+    weights = weights.maximum(0.0)
+    return diags(np.asarray(weights.sum(axis=1)).ravel()) - weights
+
+
+def _graph_diameter(surface: Triangulation) -> float:
+    """Measure along edges from one end of the surface to the other, both ends found by looking for the farthest."""
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import dijkstra
+
+    row, column = np.roll(surface.faces, -1, axis=1).ravel(), np.roll(surface.faces, -2, axis=1).ravel()
+    _, first = np.unique(np.minimum(row, column) * surface.vertex_count + np.maximum(row, column), return_index=True)
+    shape = (surface.vertex_count, surface.vertex_count)
+    graph = coo_matrix((surface.lengths.ravel()[first], (row[first], column[first])), shape=shape).tocsr()
+    end = int(np.argmax(dijkstra(graph, directed=False, indices=0)))
+    return float(dijkstra(graph, directed=False, indices=end).max())
 
 
 def _factored(matrix: object) -> SuperLU:

@@ -56,7 +56,7 @@ class Settings:
     landmarks: int = 120
     feature_share: float = 0.03
     iterations: int = 300
-    tolerance: float = 1e-6
+    tolerance: float = 1e-4
     extrapolation: int = 6
     as_published: bool = False
     memory_limit: float = 8.0

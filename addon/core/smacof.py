@@ -44,14 +44,14 @@ class WeightInverse:
         remaining = np.zeros((len(self._shared), len(self._shared)))
         self._blocks: list[tuple[IntArray, IntArray, FloatArray, FloatArray]] = []
         for done, pairs in enumerate(pair_sets):
-            matrix = pairs.laplacian()
+            matrix = pairs.laplacian(monitor)
             border = np.flatnonzero(shared[pairs.vertices])
             inner = np.flatnonzero(~shared[pairs.vertices])
             place = position[pairs.vertices[border]]
             remaining[np.ix_(place, place)] += matrix[np.ix_(border, border)]
             if len(inner):
                 coupling = matrix[np.ix_(inner, border)]
-                factor = _cholesky(matrix[np.ix_(inner, inner)], monitor)
+                factor = _cholesky(_submatrix(matrix, inner, monitor), monitor)
                 half = _solve_lower(factor, coupling)
                 remaining[np.ix_(place, place)] -= half.T @ half
                 self._blocks.append((pairs.vertices[inner], place, factor, half))
@@ -215,6 +215,16 @@ def smacof(
         tolerance,
         extrapolation,
     )
+
+
+def _submatrix(matrix: FloatArray, chosen: IntArray, monitor: Monitor) -> FloatArray:
+    """Copy the chosen rows and columns, a few rows at a time so that a cancel is heard."""
+    part = np.empty((len(chosen), len(chosen)))
+    for start in range(0, len(chosen), _BLOCK):
+        monitor.check()
+        rows = chosen[start : start + _BLOCK]
+        np.take(matrix[rows], chosen, axis=1, out=part[start : start + _BLOCK])
+    return part
 
 
 def _cholesky(matrix: FloatArray, monitor: Monitor) -> FloatArray:

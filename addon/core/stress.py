@@ -63,8 +63,13 @@ class PairSet:
         """
         return PairSet(self.vertices, self.targets, [factor * weight for weight in self.weights])
 
-    def laplacian(self) -> FloatArray:
+    def laplacian(self, monitor: Monitor | None = None) -> FloatArray:
         """Assemble V of these pairs: ``-w_ij`` off the diagonal, row sums 0.
+
+        Parameters
+        ----------
+        monitor : Monitor, optional
+            Asked between tiles whether to stop.
 
         Returns
         -------
@@ -74,6 +79,8 @@ class PairSet:
         count = len(self.vertices)
         matrix = np.zeros((count, count))
         for start, weight in zip(range(0, count, _ROWS), self.weights, strict=True):
+            if monitor is not None:
+                monitor.check()
             matrix[start : start + len(weight), start:] -= weight
             matrix[start:, start : start + len(weight)] -= weight.T
         np.fill_diagonal(matrix, self.total_weights())
