@@ -88,7 +88,9 @@ def _settings(options: argparse.Namespace) -> Settings:
         try:
             given = [int(word) for word in options.feature_points.replace(",", " ").split()]
         except ValueError as error:
-            raise CanonicalFormError(f"--feature-points must be whole numbers; got {options.feature_points}.") from error
+            raise CanonicalFormError(
+                f"--feature-points must be whole numbers; got {options.feature_points}."
+            ) from error
     return Settings(feature_points=given, **{name: getattr(options, name) for name in names})
 
 
@@ -108,9 +110,7 @@ def _output_names(paths: list[Path]) -> list[str]:
     return names
 
 
-def _compute_file(
-    path: Path, name: str, settings: Settings, options: argparse.Namespace
-) -> Iterator[dict[str, Any]]:
+def _compute_file(path: Path, name: str, settings: Settings, options: argparse.Namespace) -> Iterator[dict[str, Any]]:
     """Compute every mesh of a file and yield one line a mesh."""
     try:
         objects = open_meshes(path)

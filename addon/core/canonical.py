@@ -25,7 +25,6 @@ from .spectrum import Spectrum, auto_diffusion, compute_spectrum
 from .stress import PairSet, Stress, pair_set
 from .surface import FloatArray, IntArray, Triangulation, checked_mesh, triangulated
 
-
 _NO_DISTANCE = 1e-6  # share of the mean distance in a patch below which the heat method has failed for a pair,
 _SMALL_DISTANCE = 1e-3  # and the share that such a pair gets instead
 _INFLATION_PULL = 10.0  # 1/area: the layout shapes what is larger than a limb, the surface what is smaller
@@ -127,8 +126,9 @@ def canonical_form(
             monitor.warn(f"The mesh is small: all {len(spectrum.eigenvalues)} eigenpairs that it has were used.")
     with monitor.stage("Feature points", 0.08):
         adf = auto_diffusion(spectrum, settings.diffusion_time)
-        heat = HeatMethod(surface)
+        heat = HeatMethod(surface, monitor=monitor)
         features = prominent_maxima(adf, triangles, settings.prominence)[0] if given is None else given
+        monitor.check()
         to_features = heat.distances(features)
         if given is None:
             kept = merged(features, to_features[features], settings.merge_distance * float(to_features.max()))
@@ -140,7 +140,9 @@ def canonical_form(
     with monitor.stage("Distances", 0.45):
         sets = _patch_pairs(points, patches, cells, spectrum, settings, monitor)
         if len(features) > 1:
-            sets.append(_feature_pairs(features, to_features, biharmonic_distances(L, M, features), adf, sets, settings))
+            sets.append(
+                _feature_pairs(features, to_features, biharmonic_distances(L, M, features), adf, sets, settings)
+            )
         pair_count = sum(len(pairs.vertices) ** 2 for pairs in sets)
     start = points
     if settings.start == "intrinsic":
@@ -202,7 +204,7 @@ def _checked_features(given: object, vertex_count: int) -> IntArray | None:
 
 
 def _require_memory(vertex_count: int, sizes: list[int], limit: float) -> None:
-    """Refuse before the memory is spent: tiles of targets and weights, V's factors, two matrices of the largest patch."""
+    """Refuse before the memory is spent: tiles and factors of every patch, two matrices of the largest."""
     needed = 8 * (2 * sum(p**2 for p in sizes) + 2 * max(sizes) ** 2) / 1e9
     if needed > limit:
         raise TooLargeError(

@@ -109,7 +109,9 @@ def _gathered(weights: coo_matrix, at_row: FloatArray, at_column: FloatArray) ->
     n, e = weights.shape[0], weights.nnz
     from scipy.sparse import csr_matrix
 
-    ends = csr_matrix((np.ones(2 * e), np.concatenate([weights.row, weights.col]), np.arange(2 * e + 1)), shape=(2 * e, n))
+    ends = csr_matrix(
+        (np.ones(2 * e), np.concatenate([weights.row, weights.col]), np.arange(2 * e + 1)), shape=(2 * e, n)
+    )
     return ends.T @ np.concatenate([at_row, at_column])
 
 

@@ -130,7 +130,7 @@ def all_geodesics(surface: Triangulation, monitor: Monitor, done: float = 0.0, s
         If the monitor says so.
     """
     count = surface.vertex_count
-    heat = HeatMethod(surface)
+    heat = HeatMethod(surface, monitor=monitor)
     distance = np.empty((count, count))
     chunk = int(np.clip(_CHUNK_VALUES // count, 4, _CHUNK))
     for start in range(0, count, chunk):

@@ -92,7 +92,7 @@ def merged(points: IntArray, distances: FloatArray, radius: float) -> IntArray:
 
 
 def _rank(values: FloatArray, tie: float) -> IntArray:
-    """Number the values in rising order; values that differ by less than `tie` count as equal, lower index first."""
+    """Sort the values in rising order; values that differ by less than `tie` count as equal, lower index first."""
     order = np.argsort(values, kind="stable")
     group = np.concatenate([[0], np.cumsum(np.diff(values[order]) > tie)])
     level = np.empty(len(values), dtype=np.int64)

@@ -8,14 +8,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .delaunay import intrinsic_delaunay, midpoint_refined
+from .errors import SolverError
 from .laplacian import mass, stiffness
+from .monitor import Monitor
 from .surface import FloatArray, Triangulation, checked_mesh, face_areas, triangulated
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
     from scipy.sparse.linalg import SuperLU
 
-_LONGEST = 300.0  # most diffusion lengths across the surface: the heat falls by e in each, and a double ends at e^-708
+_FAINTEST = 1e-280  # heat that must reach one end of the surface from the other; a double ends at 1e-308
+_LONGER = 40  # most doublings of the time for that
 
 
 class HeatMethod:
@@ -34,19 +37,31 @@ class HeatMethod:
         the heat would fall below what a double can hold.
     refine : bool
         Split every triangle in four (error about a third lower, cost about three times as high).
+    monitor : Monitor, optional
+        Asked between the steps of the preparation whether to stop.
+
+    Raises
+    ------
+    SolverError
+        If the surface is not connected.
 
     References
     ----------
     Crane, Weischedel and Wardetzky, "Geodesics in Heat", 2013; Sharp and Crane, 2020 (intrinsic triangulation).
     """
 
-    def __init__(self, surface: Triangulation, time: float | None = None, refine: bool = True) -> None:
+    def __init__(
+        self, surface: Triangulation, time: float | None = None, refine: bool = True, monitor: Monitor | None = None
+    ) -> None:
         from scipy.sparse import csr_matrix, diags
 
+        monitor = monitor or Monitor()
         self._vertex_count = surface.vertex_count
         fine = intrinsic_delaunay(surface)
+        monitor.check()
         if refine:
             fine = intrinsic_delaunay(midpoint_refined(fine))
+            monitor.check()
         self._faces = fine.faces
         area, base = face_areas(fine.lengths), fine.lengths[:, 2]
         # triangle laid out with corner 0 at the origin, corner 1 at (base, 0) and corner 2 at (foot, height)
@@ -65,11 +80,25 @@ class HeatMethod:
         columns = np.concatenate([fine.faces, fine.faces]).ravel()
         self._divergence = csr_matrix((weights.ravel(), columns, start), shape=(2 * m, n)).T.tocsr()
         L, M = stiffness(fine), diags(mass(fine))
+        monitor.check()
         # the multiple of M only makes L invertible; right-hand sides sum to 0, so it does not show in the distances
         self._poisson = _factored(L + 1e-9 / mass(fine).sum() * M)
-        if time is None:
-            time = max(0.5 * float((fine.lengths**2).mean()), (_graph_diameter(fine) / _LONGEST) ** 2)
-        self._heat = _factored(M + time * _without_negative_weights(L))
+        monitor.check()
+        L = _without_negative_weights(L)
+        if time is not None:
+            self._heat = _factored(M + time * L)
+            return
+        time = 0.5 * float((fine.lengths**2).mean())
+        probe = np.zeros(n)
+        probe[_far_end(fine)] = 1.0
+        for _ in range(_LONGER):
+            monitor.check()
+            self._heat = _factored(M + time * L)
+            heat = self._heat.solve(probe)
+            if heat.min() > _FAINTEST * heat.max():
+                return
+            time *= 2.0
+        raise SolverError("Heat does not reach all of the surface: it falls into loose parts. Separate or merge them.")
 
     def distances(self, sources: ArrayLike) -> FloatArray:
         """Measure the distance of every vertex from each of the sources.
@@ -136,8 +165,8 @@ def _without_negative_weights(stiffness_matrix: csr_matrix) -> csr_matrix:
     return diags(np.asarray(weights.sum(axis=1)).ravel()) - weights
 
 
-def _graph_diameter(surface: Triangulation) -> float:
-    """Measure along edges from one end of the surface to the other, both ends found by looking for the farthest."""
+def _far_end(surface: Triangulation) -> int:
+    """Find a vertex at one end of the surface: the farthest, along edges, from the farthest from any."""
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import dijkstra
 
@@ -146,7 +175,7 @@ def _graph_diameter(surface: Triangulation) -> float:
     shape = (surface.vertex_count, surface.vertex_count)
     graph = coo_matrix((surface.lengths.ravel()[first], (row[first], column[first])), shape=shape).tocsr()
     end = int(np.argmax(dijkstra(graph, directed=False, indices=0)))
-    return float(dijkstra(graph, directed=False, indices=end).max())
+    return int(np.argmax(dijkstra(graph, directed=False, indices=end)))
 
 
 def _factored(matrix: object) -> SuperLU:

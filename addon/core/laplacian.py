@@ -53,4 +53,4 @@ def mass(surface: Triangulation) -> FloatArray:
         Vertex areas; they sum to the area of the surface.
     """
     thirds = np.repeat(face_areas(surface.lengths) / 3, 3)
-    return np.bincount(surface.faces.ravel(), weights=thirds, minlength=surface.vertex_count)
+    return np.bincount(surface.faces.ravel(), weights=thirds, minlength=surface.vertex_count).astype(np.float64)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -42,6 +43,7 @@ class WeightInverse:
         position = np.full(vertex_count, -1, dtype=np.int64)
         position[self._shared] = np.arange(len(self._shared))
         remaining = np.zeros((len(self._shared), len(self._shared)))
+        scale = 0.0
         self._blocks: list[tuple[IntArray, IntArray, FloatArray, FloatArray]] = []
         for done, pairs in enumerate(pair_sets):
             matrix = pairs.laplacian(monitor)
@@ -49,6 +51,7 @@ class WeightInverse:
             inner = np.flatnonzero(~shared[pairs.vertices])
             place = position[pairs.vertices[border]]
             remaining[np.ix_(place, place)] += matrix[np.ix_(border, border)]
+            scale = max(scale, float(np.diag(matrix).max()))
             if len(inner):
                 coupling = matrix[np.ix_(inner, border)]
                 factor = _cholesky(_submatrix(matrix, inner, monitor), monitor)
@@ -57,7 +60,7 @@ class WeightInverse:
                 self._blocks.append((pairs.vertices[inner], place, factor, half))
             monitor.tick((done + 1) / len(pair_sets))
         # what remains has constants as its null space; adding them makes it regular and leaves the rest alone
-        remaining += np.trace(remaining) / max(len(remaining) ** 2, 1) or 1.0
+        remaining += scale / len(remaining)
         self._remaining = _cholesky(remaining, monitor)
 
     def __call__(self, right: FloatArray) -> FloatArray:
@@ -162,13 +165,12 @@ def minimise_stress(
 def _extrapolated(past: list[tuple[FloatArray, FloatArray, FloatArray]]) -> FloatArray:
     """Combine past embeddings so that the step from there would be shortest in the norm of V."""
     moves, bends, forces = (
-        np.stack([(later[part] - earlier[part]).ravel() for earlier, later in zip(past, past[1:], strict=False)])
-        for part in range(3)
+        np.stack([(later[part] - earlier[part]).ravel() for earlier, later in pairwise(past)]) for part in range(3)
     )
     embedding, step, pull = past[-1]
     normal = bends @ forces.T  # bends V bendsᵀ, with the sign of V⁺ (B - V)
     normal = (normal + normal.T) / 2 + 1e-10 * np.trace(normal) * np.eye(len(normal))
-    share = np.linalg.solve(normal, bends @ pull.ravel())
+    share = np.linalg.lstsq(normal, bends @ pull.ravel(), rcond=None)[0]
     return embedding + step - (share @ (moves + bends)).reshape(embedding.shape)
 
 

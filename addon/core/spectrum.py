@@ -34,9 +34,7 @@ class Spectrum:
     eigenvectors: FloatArray
 
 
-def compute_spectrum(
-    stiffness: csr_matrix, mass: FloatArray, count: int, monitor: Monitor | None = None
-) -> Spectrum:
+def compute_spectrum(stiffness: csr_matrix, mass: FloatArray, count: int, monitor: Monitor | None = None) -> Spectrum:
     """Solve the generalised eigenproblem for the smallest eigenvalues above 0.
 
     Parameters
@@ -82,9 +80,7 @@ def compute_spectrum(
     return Spectrum(values, vectors * scale[:, None])
 
 
-def _lowest(
-    symmetric: csr_matrix, mass: FloatArray, count: int, monitor: Monitor
-) -> tuple[FloatArray, FloatArray]:
+def _lowest(symmetric: csr_matrix, mass: FloatArray, count: int, monitor: Monitor) -> tuple[FloatArray, FloatArray]:
     """Shift-and-invert Lanczos around a shift just below 0, where L is singular."""
     from scipy.sparse import identity
     from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh, splu

@@ -133,7 +133,9 @@ class Stress:
         self.pair_sets = pair_sets
         self._monitor = monitor or Monitor()
         largest = max((len(pairs.vertices) for pairs in pair_sets), default=0)
-        self._room = np.empty((3, min(_ROWS, largest) * largest))  # reused by every tile: fresh pages cost more than sums
+        self._room = np.empty(
+            (3, min(_ROWS, largest) * largest)
+        )  # reused by every tile: fresh pages cost more than sums
 
     def value(self, embedding: FloatArray) -> float:
         """Evaluate the stress.
@@ -178,9 +180,7 @@ class Stress:
             points = np.ascontiguousarray(embedding[pairs.vertices])  # (p, d)
             extended = np.column_stack([points, np.ones(len(points))])  # sums come with the products
             local = np.zeros_like(points)
-            for start, target, weight in zip(
-                range(0, len(points), _ROWS), pairs.targets, pairs.weights, strict=True
-            ):
+            for start, target, weight in zip(range(0, len(points), _ROWS), pairs.targets, pairs.weights, strict=True):
                 self._monitor.check()
                 stop = start + len(target)
                 distance, missing, force = (room[: target.size].reshape(target.shape) for room in self._room)

@@ -87,9 +87,7 @@ def checked_mesh(vertices: ArrayLike, faces: ArrayLike) -> tuple[FloatArray, Int
         )
     loose = len(points) - len(np.unique(triangles))
     if loose:
-        raise InvalidMeshError(
-            f"{loose} vertices belong to no face. Remove them with Mesh > Clean Up > Delete Loose."
-        )
+        raise InvalidMeshError(f"{loose} vertices belong to no face. Remove them with Mesh > Clean Up > Delete Loose.")
     parts = int(component_labels(len(points), triangles).max()) + 1
     if parts > 1:
         raise InvalidMeshError(
@@ -224,7 +222,7 @@ def vertex_pairs(faces: IntArray) -> IntArray:
 
 
 def component_labels(vertex_count: int, faces: IntArray) -> IntArray:
-    """Number the connected parts of the mesh.
+    """Tell the connected parts of the mesh apart.
 
     Parameters
     ----------

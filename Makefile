@@ -1,0 +1,23 @@
+python = .venv/bin/python
+.PHONY: environment run test check package docs
+
+environment:
+	@for each in python3 python3.11 python3.13; do \
+	  $$each -c '' 2>/dev/null && exec $$each tests/environment.py; done; echo "Python 3.11 or 3.13 is needed."; exit 1
+
+run: environment
+	$(python) tests/sample/run.py
+
+test: environment
+	$(python) -m pytest
+
+check: environment
+	$(python) -m ruff format --check .
+	$(python) -m ruff check .
+	$(python) -m mypy
+
+package: environment
+	$(python) tests/package.py
+
+docs: environment
+	$(python) docs/make_reference.py

@@ -1,0 +1,43 @@
+"""Shapes that the tests share."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.sample import shapes
+
+DATA = Path(os.environ.get("CANONICAL_FORM_DATA", Path(__file__).resolve().parents[2] / "shared" / "data"))
+
+
+@pytest.fixture(scope="session")
+def sphere():
+    """A sphere of radius 1 with 2,562 vertices."""
+    return shapes.sphere(4)
+
+
+@pytest.fixture(scope="session")
+def figure():
+    """A small bent figure with five limbs and about 2,000 vertices, closed and not symmetric."""
+    return shapes.figure()
+
+
+@pytest.fixture(scope="session")
+def real_mesh():
+    """A loader of real posed meshes; the test is skipped where they are not at hand."""
+
+    def load(name: str):
+        path = DATA / name
+        if not path.is_file():
+            pytest.skip(f"needs the real mesh {name} (set CANONICAL_FORM_DATA)")
+        return shapes.read_obj(path)
+
+    return load
+
+
+@pytest.fixture
+def rotation():
+    """A rotation about no axis in particular."""
+    turn = np.linalg.qr(np.random.default_rng(5).normal(size=(3, 3)))[0]
+    return turn * np.sign(np.linalg.det(turn))

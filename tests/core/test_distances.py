@@ -1,0 +1,79 @@
+import numpy as np
+import pytest
+from scipy.linalg import eigh
+
+from addon.core import CancelledError
+from addon.core.delaunay import intrinsic_delaunay
+from addon.core.distances import all_geodesics, biharmonic_distances, biharmonic_squared, commute_time_squared
+from addon.core.laplacian import mass, stiffness
+from addon.core.monitor import Monitor
+from addon.core.spectrum import compute_spectrum
+from addon.core.surface import triangulated
+from tests.sample import shapes
+
+
+@pytest.fixture(scope="module")
+def small():
+    vertices, faces = shapes.sphere(2)
+    vertices = vertices * [1.0, 1.7, 0.6]
+    surface = intrinsic_delaunay(triangulated(vertices, faces))
+    L, M = stiffness(surface), mass(surface)
+    values, vectors = eigh(L.toarray(), np.diag(M))
+    return L, M, values[1:], vectors[:, 1:]
+
+
+def dense(values, vectors, power, one, two):
+    return sum((vectors[one, k] - vectors[two, k]) ** 2 / values[k] ** power for k in range(len(values)))
+
+
+def test_commute_time_and_biharmonic_distance_against_a_dense_eigendecomposition(small):
+    L, M, values, vectors = small
+    spectrum = compute_spectrum(L, M, len(values))
+    points = np.array([0, 5, 17, 99, 160])
+    c2 = commute_time_squared(spectrum, points, points)
+    b2 = biharmonic_squared(spectrum, points, points)
+    exact = biharmonic_distances(L, M, points)
+    for i, one in enumerate(points):
+        for j, two in enumerate(points):
+            assert c2[i, j] == pytest.approx(dense(values, vectors, 1, one, two), rel=1e-8, abs=1e-12)
+            assert b2[i, j] == pytest.approx(dense(values, vectors, 2, one, two), rel=1e-8, abs=1e-12)
+            assert exact[i, j] == pytest.approx(np.sqrt(dense(values, vectors, 2, one, two)), rel=1e-8, abs=1e-10)
+
+
+def test_truncated_sums_run_over_the_pairs_at_hand(small):
+    L, M, values, vectors = small
+    c2 = commute_time_squared(compute_spectrum(L, M, 8), np.array([3]), np.array([50, 80]))
+    np.testing.assert_allclose(c2[0], [dense(values[:8], vectors, 1, 3, two) for two in (50, 80)], rtol=1e-8)
+
+
+def test_biharmonic_distance_is_a_metric_and_a_length(small):
+    L, M, *_ = small
+    points = np.arange(0, 162, 9)
+    d = biharmonic_distances(L, M, points)
+    assert (d[:, None, :] <= d[:, :, None] + d[None, :, :] + 1e-12).all()
+    np.testing.assert_allclose(biharmonic_distances(L, 9 * M, points), 3 * d, rtol=1e-9)  # the surface 3 times as large
+
+
+def test_all_geodesics_are_symmetric_positive_and_nearly_a_metric(figure):
+    vertices, faces = figure
+    near = np.flatnonzero(vertices[:, 1] < -0.9)
+    local = np.full(len(vertices), -1)
+    local[near] = np.arange(len(near))
+    inside = local[faces[(local[faces] >= 0).all(axis=1)]]
+    used, inside = np.unique(inside, return_inverse=True)
+    points = vertices[near[used]]
+    d = all_geodesics(triangulated(points, inside.reshape(-1, 3)), Monitor())
+    np.testing.assert_array_equal(d, d.T)
+    assert (np.diag(d) == 0).all()
+    assert d[~np.eye(len(d), dtype=bool)].min() > 0
+    straight = np.linalg.norm(points[:, None] - points, axis=2)
+    assert (d > 0.85 * straight).mean() > 0.99
+    some = np.arange(0, len(d), 7)
+    part = d[np.ix_(some, some)]
+    violation = part[:, None, :] - part[:, :, None] - part[None, :, :]
+    assert violation.max() < 0.05 * d.max()
+
+
+def test_all_geodesics_hear_a_cancel(sphere):
+    with pytest.raises(CancelledError):
+        all_geodesics(triangulated(*sphere), Monitor(cancelled=lambda: True))

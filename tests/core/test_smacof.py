@@ -1,0 +1,142 @@
+import numpy as np
+import pytest
+from sklearn.manifold import smacof as sklearn_smacof
+
+from addon.core import CancelledError
+from addon.core.monitor import Monitor
+from addon.core.scaling import classical_scaling, landmark_scaling
+from addon.core.smacof import WeightInverse, minimise_stress, smacof
+from addon.core.stress import Stress, pair_set
+
+
+@pytest.fixture
+def sets():
+    """Three overlapping sets of pairs with random targets and weights over 400 points."""
+    rng = np.random.default_rng(3)
+    made = []
+    for low, high in ((0, 170), (160, 310), (290, 400)):
+        members = rng.permutation(np.arange(low, high))
+        targets, weights = rng.uniform(0.2, 2, (2, len(members), len(members)))
+        made.append((members, targets, weights))
+    return made
+
+
+def pair_sets(sets):
+    return [pair_set(m, t, lambda rows, columns, _, w=w: w[rows, columns]) for m, t, w in sets]
+
+
+def naive_stress(sets, points):
+    total = 0.0
+    for members, targets, weights in sets:
+        for i in range(len(members)):
+            for j in range(i + 1, len(members)):
+                apart = np.linalg.norm(points[members[i]] - points[members[j]])
+                total += weights[i, j] * (targets[i, j] - apart) ** 2
+    return total
+
+
+def dense_v(sets, count):
+    v = np.zeros((count, count))
+    for members, _, weights in sets:
+        upper = np.triu(weights, 1)
+        v[np.ix_(members, members)] -= upper + upper.T
+    np.fill_diagonal(v, -v.sum(axis=1))
+    return v
+
+
+def test_stress_equals_the_sum_over_pairs(sets):
+    points = np.random.default_rng(0).normal(size=(400, 3))
+    assert Stress(400, pair_sets(sets)).value(points) == pytest.approx(naive_stress(sets, points), rel=1e-12)
+
+
+def test_pull_is_minus_half_the_gradient(sets):
+    rng = np.random.default_rng(0)
+    points, direction = rng.normal(size=(2, 400, 3))
+    stress = Stress(400, pair_sets(sets))
+    slope = (stress.value(points + 1e-5 * direction) - stress.value(points - 1e-5 * direction)) / 2e-5
+    assert -2 * np.vdot(stress.value_and_pull(points)[1], direction) == pytest.approx(slope, rel=1e-6)
+
+
+def test_coinciding_points_do_not_divide_by_zero(sets):
+    value, pull = Stress(400, pair_sets(sets)).value_and_pull(np.zeros((400, 3)))
+    assert np.isfinite(value)
+    assert (pull == 0).all()
+
+
+def test_block_elimination_is_the_pseudo_inverse(sets):
+    right = np.random.default_rng(1).normal(size=(400, 3))
+    right -= right.mean(axis=0)
+    expected = np.linalg.pinv(dense_v(sets, 400)) @ right
+    np.testing.assert_allclose(WeightInverse(400, pair_sets(sets))(right), expected, atol=1e-10)
+
+
+def test_one_set_alone_has_its_pseudo_inverse_too(sets):
+    alone = sets[:1]
+    right = np.random.default_rng(1).normal(size=(170, 3))
+    right -= right.mean(axis=0)
+    expected = np.linalg.pinv(dense_v(alone, 170)) @ right
+    np.testing.assert_allclose(WeightInverse(170, pair_sets(alone))(right), expected, atol=1e-10)
+
+
+@pytest.mark.parametrize("extrapolation", [0, 6])
+def test_stress_never_rises(sets, extrapolation):
+    start = np.random.default_rng(4).normal(size=(400, 3))
+    made = pair_sets(sets)
+    _, history = minimise_stress(Stress(400, made), WeightInverse(400, made), start, 300, 0.0, extrapolation)
+    assert len(history) > 100
+    assert (np.diff(history) <= 1e-12 * history[:-1]).all()
+
+
+def test_extrapolation_gets_further_than_plain_steps():
+    rng = np.random.default_rng(8)
+    cloud = rng.normal(size=(120, 3))
+    wanted = np.linalg.norm(cloud[:, None] - cloud, axis=2) * rng.uniform(0.7, 1.3, (120, 120))
+    wanted = (wanted + wanted.T) / 2
+    start = rng.normal(size=(120, 3))
+    plain = smacof(wanted, start, iterations=60, tolerance=0.0, extrapolation=0)[1]
+    fast = smacof(wanted, start, iterations=60, tolerance=0.0)[1]
+    longest = smacof(wanted, start, iterations=2000, tolerance=1e-13, extrapolation=0)[1][-1]
+    assert fast[-1] - longest < 0.2 * (plain[-1] - longest)
+
+
+def test_plain_steps_are_those_of_scikit_learn():
+    rng = np.random.default_rng(0)
+    cloud = rng.normal(size=(60, 5))
+    wanted = np.linalg.norm(cloud[:, None] - cloud, axis=2)
+    start = rng.normal(size=(60, 3))
+    theirs, stress = sklearn_smacof(
+        wanted, n_components=3, init=start, n_init=1, max_iter=25, eps=0, normalized_stress=False
+    )
+    ours, history = smacof(wanted, start, iterations=25, tolerance=0.0, extrapolation=0)
+    assert history.min() == pytest.approx(stress, rel=0.01)
+    apart = [np.linalg.norm(x[:, None] - x, axis=2) for x in (ours, theirs)]
+    assert np.abs(apart[0] - apart[1]).max() < 0.02 * apart[0].max()
+
+
+def test_it_hears_a_cancel(sets):
+    made = pair_sets(sets)
+    with pytest.raises(CancelledError):
+        WeightInverse(400, made, Monitor(cancelled=lambda: True))
+
+
+def test_classical_scaling_recovers_points_from_their_distances():
+    points = np.random.default_rng(0).normal(size=(50, 3)) * [3.0, 2.0, 1.0]
+    wanted = np.linalg.norm(points[:, None] - points, axis=2)
+    embedding, values = classical_scaling(wanted)
+    np.testing.assert_allclose(np.linalg.norm(embedding[:, None] - embedding, axis=2), wanted, atol=1e-10)
+    assert np.abs(values[3:]).max() < 1e-10 * values[0]
+
+
+def test_landmark_scaling_places_the_rest():
+    points = np.random.default_rng(0).normal(size=(80, 3)) * [3.0, 2.0, 1.0]
+    wanted = np.linalg.norm(points[:, None] - points, axis=2)
+    embedding = landmark_scaling(wanted[:, :9], np.arange(9))
+    np.testing.assert_allclose(np.linalg.norm(embedding[:, None] - embedding, axis=2), wanted, atol=1e-9)
+
+
+def test_landmark_scaling_of_a_plane_is_flat():
+    points = np.random.default_rng(0).normal(size=(40, 3)) * [3.0, 2.0, 0.0]
+    wanted = np.linalg.norm(points[:, None] - points, axis=2)
+    embedding = landmark_scaling(wanted[:, :8], np.arange(8))
+    assert np.abs(embedding[:, 2]).max() < 1e-5
+    np.testing.assert_allclose(np.linalg.norm(embedding[:, None] - embedding, axis=2), wanted, atol=1e-5)

@@ -1,0 +1,67 @@
+import numpy as np
+import pytest
+from scipy.linalg import eigh
+
+from addon.core import CancelledError, InvalidSettingsError
+from addon.core.delaunay import intrinsic_delaunay
+from addon.core.laplacian import mass, stiffness
+from addon.core.monitor import Monitor
+from addon.core.spectrum import auto_diffusion, compute_spectrum
+from addon.core.surface import triangulated
+from tests.sample import shapes
+
+
+def operators(vertices, faces):
+    surface = intrinsic_delaunay(triangulated(vertices, faces))
+    return stiffness(surface), mass(surface)
+
+
+def test_eigenvalues_of_the_sphere():
+    spectrum = compute_spectrum(*operators(*shapes.sphere(5)), 24)  # 10,242 vertices
+    true = np.concatenate([[degree * (degree + 1)] * (2 * degree + 1) for degree in range(1, 5)])
+    np.testing.assert_allclose(spectrum.eigenvalues, true, rtol=0.01)
+
+
+def test_eigenvalues_of_a_rectangle_with_free_border():
+    spectrum = compute_spectrum(*operators(*shapes.grid(61, 41, 3.0, 2.0)), 6)
+    true = sorted((np.pi * i / 3) ** 2 + (np.pi * j / 2) ** 2 for i in range(5) for j in range(5))[1:7]
+    np.testing.assert_allclose(spectrum.eigenvalues, true, rtol=0.01)
+
+
+def test_residual_and_orthonormality(figure):
+    L, M = operators(*figure)
+    spectrum = compute_spectrum(L, M, 100)
+    h = spectrum.eigenvectors
+    residual = (L @ h - (M[:, None] * h) * spectrum.eigenvalues) / np.sqrt(M)[:, None]
+    assert (np.linalg.norm(residual, axis=0) / spectrum.eigenvalues).max() < 1e-8
+    assert np.abs(h.T @ (M[:, None] * h) - np.eye(100)).max() < 1e-9
+    assert np.abs(M @ h).max() < 1e-9
+
+
+def test_sparse_and_dense_solvers_agree(figure):
+    L, M = operators(*figure)
+    values = eigh(L.toarray(), np.diag(M), eigvals_only=True, subset_by_index=(1, 30))
+    np.testing.assert_allclose(compute_spectrum(L, M, 30).eigenvalues, values, rtol=1e-8)
+
+
+def test_a_small_mesh_gives_all_it_has():
+    assert len(compute_spectrum(*operators(*shapes.sphere(0)), 100).eigenvalues) == 11
+
+
+def test_auto_diffusion_is_constant_on_a_sphere_and_scales_like_one_over_area(sphere, figure):
+    adf = auto_diffusion(compute_spectrum(*operators(*sphere), 24))
+    assert np.ptp(adf) < 0.03 * adf.mean()
+    vertices, faces = figure
+    small, large = (auto_diffusion(compute_spectrum(*operators(vertices * s, faces), 60)) for s in (1, 10))
+    np.testing.assert_allclose(large * 100, small, rtol=1e-8)
+
+
+def test_auto_diffusion_needs_a_positive_time(sphere):
+    spectrum = compute_spectrum(*operators(*sphere), 5)
+    with pytest.raises(InvalidSettingsError, match="positive"):
+        auto_diffusion(spectrum, 0.0)
+
+
+def test_it_hears_a_cancel(sphere):
+    with pytest.raises(CancelledError):
+        compute_spectrum(*operators(*sphere), 20, Monitor(cancelled=lambda: True))
