@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import bpy
 import numpy as np
@@ -108,6 +109,19 @@ def _empty() -> None:
         bpy.data.collections.remove(collection)
 
 
+def _welded(mesh: bpy.types.Mesh) -> None:
+    """Join vertices at one and the same place: glTF keeps a copy for every normal and texture coordinate."""
+    import bmesh
+
+    edited = bmesh.new()
+    edited.from_mesh(mesh)
+    first: dict[tuple[float, float, float], Any] = {}
+    twins = {vertex: first.setdefault(tuple(vertex.co), vertex) for vertex in edited.verts}
+    bmesh.ops.weld_verts(edited, targetmap={vertex: kept for vertex, kept in twins.items() if vertex != kept})
+    edited.to_mesh(mesh)
+    edited.free()
+
+
 def _import(path: Path) -> None:
     name = str(path)
     kind = path.suffix.lower()
@@ -118,7 +132,9 @@ def _import(path: Path) -> None:
     elif kind == ".stl":
         bpy.ops.wm.stl_import(filepath=name)
     elif kind == ".glb":
-        bpy.ops.import_scene.gltf(filepath=name, merge_vertices=True)
+        bpy.ops.import_scene.gltf(filepath=name)
+        for mesh in bpy.data.meshes:
+            _welded(mesh)
     else:
         vertices, polygons = read_off(path)
         mesh = bpy.data.meshes.new(path.stem)

@@ -1,0 +1,77 @@
+"""A fresh Blender with the add-on registered, and what its tests share."""
+
+import numpy as np
+import pytest
+
+bpy = pytest.importorskip("bpy")
+
+import addon  # noqa: E402
+from tests.sample import shapes  # noqa: E402
+
+QUICK = {"iterations": 3, "eigenpairs": 30, "landmarks": 20}
+
+
+@pytest.fixture
+def blender():
+    """An empty file in which the add-on is registered."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    addon.register()
+    yield bpy
+    addon.unregister()
+
+
+@pytest.fixture(scope="session")
+def arrays():
+    """A small figure."""
+    return shapes.figure(18)
+
+
+@pytest.fixture
+def figure_object(blender, arrays):
+    """The small figure as the active object."""
+    return add_object("Figure", *arrays)
+
+
+def add_object(name, vertices, faces):
+    mesh = bpy.data.meshes.new(name)
+    mesh.from_pydata(np.asarray(vertices).tolist(), [], np.asarray(faces).tolist() if len(faces) else [])
+    obj = bpy.data.objects.new(name, mesh)
+    bpy.context.scene.collection.objects.link(obj)
+    for other in bpy.context.view_layer.objects:
+        other.select_set(False)
+    obj.select_set(True)
+    bpy.context.view_layer.objects.active = obj
+    return obj
+
+
+def flat(collection, attribute, width):
+    data = np.empty(len(collection) * width, dtype=np.float32)
+    collection.foreach_get(attribute, data)
+    return data.tobytes()
+
+
+def snapshot(obj):
+    """All of an object's mesh that a user may care about, down to the bit."""
+    mesh, keys = obj.data, obj.data.shape_keys
+    colours = mesh.color_attributes
+    return {
+        "mode": obj.mode,
+        "vertices": flat(mesh.vertices, "co", 3),
+        "edges": [tuple(edge.vertices) for edge in mesh.edges],
+        "polygons": [tuple(polygon.vertices) for polygon in mesh.polygons],
+        "chosen": [vertex.select for vertex in mesh.vertices],
+        "keys": keys and {
+            key.name: (flat(key.data, "co", 3), key.value, key.mute, key.slider_min, key.slider_max, key.vertex_group,
+                       key.relative_key.name, key.lock_shape)
+            for key in keys.key_blocks
+        },
+        "active key": obj.active_shape_key and obj.active_shape_key.name,
+        "groups": [(group.name, group.index, group.lock_weight) for group in obj.vertex_groups],
+        "active group": obj.vertex_groups.active and obj.vertex_groups.active.name,
+        "weights": [sorted((part.group, part.weight) for part in vertex.groups) for vertex in mesh.vertices],
+        "colours": {each.name: (each.data_type, each.domain, flat(each.data, "color", 4)) for each in colours},
+        "active colours": colours.active_color and colours.active_color.name,
+        "attributes": sorted(each.name for each in mesh.attributes),
+        "properties": sorted(mesh.keys()) + sorted(obj.keys()),
+        "materials": [slot and slot.name for slot in mesh.materials],
+    }  # fmt: skip

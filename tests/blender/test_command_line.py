@@ -1,0 +1,184 @@
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+
+from addon.blender.off_format import read_off
+from addon.command_line import _output_names, main
+from addon.core import CanonicalFormError, InvalidMeshError
+from tests.sample import shapes
+
+QUICK = ["--iterations", "2", "--eigenpairs", "20", "--landmarks", "12"]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """The same small figure in every format, and some that are broken."""
+    folder = tmp_path_factory.mktemp("meshes")
+    vertices, faces = shapes.figure(18)
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    mesh = bpy.data.meshes.new("Figure")
+    mesh.from_pydata(vertices.tolist(), [], faces.tolist())
+    obj = bpy.data.objects.new("Figure", mesh)
+    bpy.context.scene.collection.objects.link(obj)
+    obj.select_set(True)
+    bpy.context.view_layer.objects.active = obj
+    bpy.ops.wm.save_as_mainfile(filepath=str(folder / "blend.blend"), copy=True)
+    bpy.ops.wm.obj_export(filepath=str(folder / "obj.obj"), export_materials=False)
+    bpy.ops.wm.ply_export(filepath=str(folder / "ply.ply"))
+    bpy.ops.wm.stl_export(filepath=str(folder / "stl.stl"))
+    bpy.ops.export_scene.gltf(filepath=str(folder / "glb.glb"))
+    lines = ["OFF", "# a comment", f"{len(vertices)} {len(faces)} 0"]
+    lines += [f"{x} {y} {z}" for x, y, z in vertices] + [f"3 {a} {b} {c}" for a, b, c in faces]
+    (folder / "off.off").write_text("\n".join(lines))
+    (folder / "short.off").write_text("\n".join(lines[:40]))
+    (folder / "empty.blend").write_bytes(b"")
+    (folder / "text.txt").write_text("hello")
+    return folder
+
+
+def run(*words):
+    done = subprocess.run(
+        [sys.executable, "-m", "addon", "compute", *map(str, words), *QUICK],
+        capture_output=True, text=True, check=False, cwd=Path(__file__).resolve().parents[2],
+    )  # fmt: skip
+    assert "Traceback" not in done.stderr
+    return done.returncode, [json.loads(line) for line in done.stdout.splitlines()], done.stderr
+
+
+def test_every_format_gives_the_same_form(folder, tmp_path):
+    inputs = [folder / f"{kind}.{kind}" for kind in ("blend", "obj", "ply", "stl", "glb", "off")]
+    code, lines, _ = run(*inputs, "--output", tmp_path)
+    assert code == 0
+    assert [Path(line["input"]).suffix for line in lines] == [path.suffix for path in inputs]
+    vertices, faces = shapes.figure(18)
+    for line in lines:
+        assert (line["vertices"], line["faces"]) == (len(vertices), len(faces))
+        assert len(line["feature_points"]) == len(lines[0]["feature_points"])
+        assert line["stress"]["last"] == pytest.approx(lines[0]["stress"]["last"], rel=1e-3)
+        assert set(line) == {
+            "input", "object", "output", "vertices", "faces", "feature_points", "patch_sizes", "stress", "pair_count",
+            "pair_reduction", "measures", "timings", "warnings",
+        }  # fmt: skip
+        bpy.ops.wm.open_mainfile(filepath=line["output"])
+        obj = bpy.data.objects[line["object"]]
+        assert "Canonical Form" in obj.data.shape_keys.key_blocks
+        assert "Patches" in obj.data.color_attributes
+        assert len(obj.vertex_groups) == 1 + len(line["feature_points"])
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(f"{path.stem}.blend" for path in inputs)
+
+
+@pytest.mark.parametrize("kind", ["obj", "ply"])
+def test_the_bare_form_has_the_inputs_order_and_space(folder, tmp_path, kind):
+    code, [line], _ = run(folder / "off.off", "--output", tmp_path, "--format", kind)
+    assert code == 0
+    assert Path(line["output"]) == tmp_path / f"off.{kind}"
+    vertices, faces = shapes.figure(18)
+    if kind == "obj":
+        form, corners = shapes.read_obj(tmp_path / "off.obj")
+        np.testing.assert_array_equal(corners, faces)
+    else:
+        bpy.ops.wm.read_factory_settings(use_empty=True)
+        bpy.ops.wm.ply_import(filepath=line["output"])
+        form = np.array([vertex.co for vertex in bpy.context.object.data.vertices])
+    assert form.shape == vertices.shape
+    np.testing.assert_allclose(form.mean(axis=0), vertices.mean(axis=0), atol=0.3)
+
+
+def test_a_failed_mesh_does_not_stop_the_others(folder, tmp_path):
+    broken = [folder / "short.off", folder / "empty.blend", folder / "text.txt", folder / "missing.obj", folder]
+    code, lines, errors = run(*broken, folder / "off.off", "--output", tmp_path)
+    assert code == 1
+    assert [("error" in line) for line in lines] == [True] * 5 + [False]
+    assert "cut short" in lines[0]["error"]
+    assert "not of a kind" in lines[2]["error"]
+    assert "not a file" in lines[3]["error"]
+    for line in lines[:5]:
+        assert line["error"] in errors
+    assert [path.name for path in tmp_path.iterdir()] == ["off.blend"]
+
+
+def test_an_input_is_never_overwritten(folder, tmp_path):
+    source = tmp_path / "off.obj"
+    vertices, faces = shapes.figure(18)
+    text = "\n".join([f"v {x} {y} {z}" for x, y, z in vertices] + [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in faces])
+    source.write_text(text)
+    code, [line], _ = run(source, "--output", tmp_path, "--format", "obj")
+    assert code == 1
+    assert "overwrite" in line["error"]
+    assert source.read_text() == text
+
+
+def test_an_existing_result_is_replaced_and_nothing_is_left_beside_it(folder, tmp_path):
+    (tmp_path / "off.obj").write_text("old")
+    assert run(folder / "off.off", "--output", tmp_path, "--format", "obj")[0] == 0
+    assert (tmp_path / "off.obj").read_text().startswith("v ")
+    assert len(list(tmp_path.iterdir())) == 1
+
+
+def test_every_mesh_of_a_blend_file_is_done_and_one_can_be_named(tmp_path, folder):
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    vertices, faces = shapes.figure(18)
+    for name in ("One", "Two"):
+        mesh = bpy.data.meshes.new(name)
+        mesh.from_pydata(vertices.tolist(), [], faces.tolist())
+        bpy.context.scene.collection.objects.link(bpy.data.objects.new(name, mesh))
+    bpy.ops.object.camera_add()
+    source = tmp_path / "two.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(source), copy=True)
+    code, lines, _ = run(source, "--output", tmp_path / "out")
+    assert code == 0
+    assert [line["object"] for line in lines] == ["One", "Two"]
+    code, lines, _ = run(source, "--output", tmp_path / "out", "--object", "Two", "--format", "obj")
+    assert [line["object"] for line in lines] == ["Two"]
+    code, lines, _ = run(source, "--output", tmp_path / "out", "--object", "Three")
+    assert "no mesh object named" in lines[0]["error"]
+
+
+def test_options_reach_the_method(folder, tmp_path):
+    code, [line], _ = run(folder / "off.off", "--output", tmp_path, "--feature-points", "5,300", "--as-published")
+    assert code == 0
+    assert line["feature_points"] == [5, 300]
+    for wrong in (["--feature-points", "x"], ["--prominence", "-1"], ["--start", "nowhere"], ["--nonsense"]):
+        code, lines, errors = run(folder / "off.off", "--output", tmp_path, *wrong)
+        assert (code, lines) == (2, [])
+        assert errors
+
+
+def test_no_words_and_help(capsys):
+    assert main([]) == 2
+    assert main(["--help"]) == 0
+    assert main(["compute", "--help"]) == 0
+    assert "--output DIR" in capsys.readouterr().out
+
+
+def test_files_of_one_name_get_their_folders_names(tmp_path):
+    paths = [tmp_path / "a" / "rest.obj", tmp_path / "b" / "rest.obj", tmp_path / "b" / "walk.obj"]
+    assert _output_names(paths) == ["a-rest", "b-rest", "walk"]
+    with pytest.raises(CanonicalFormError, match="named twice"):
+        _output_names([paths[0], paths[0]])
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [("", "OFF"), ("PLY\n", "OFF"), ("OFF\n1 x 0\n", "well-formed"), ("OFF\n3 1 0\n0 0 0\n", "cut short"),
+     ("OFF\n-3 1 0\n", "cut short|announces"), ("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 a\n3 0 1 2\n", "well-formed"),
+     ("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 9\n", "not there"), ("OFF", "well-formed")],
+)  # fmt: skip
+def test_broken_off_files_are_refused(tmp_path, text, words):
+    path = tmp_path / "broken.off"
+    path.write_text(text)
+    with pytest.raises(InvalidMeshError, match=words):
+        read_off(path)
+
+
+def test_off_with_counts_on_the_first_line_colours_and_quads(tmp_path):
+    path = tmp_path / "quad.off"
+    path.write_text("COFF 4 1 0\n0 0 0 255 0 0\n1 0 0 0 0 0\n1 1 0 0 0 0\n0 1 0 9 9 9\n4 0 1 2 3 0.5 0.5 0.5\n")
+    vertices, polygons = read_off(path)
+    np.testing.assert_array_equal(vertices[2], [1, 1, 0])
+    assert polygons == [[0, 1, 2, 3]]

@@ -1,0 +1,333 @@
+import json
+
+import bpy
+import numpy as np
+import pytest
+
+from addon.blender.mesh_reading import read_mesh
+from addon.blender.palette import patch_colours, ramp
+from addon.blender.result_writing import record_of
+from addon.core import Settings, canonical_form
+from addon.interface.panels import VIEW3D_PT_canonical_form, VIEW3D_PT_canonical_form_advanced
+from addon.interface.properties import METHOD_NAMES, settings_of
+from tests.blender.conftest import QUICK, add_object, flat, snapshot
+from tests.sample import shapes
+
+
+def compute(**options):
+    return bpy.ops.object.canonical_form(**{**QUICK, **options})
+
+
+def test_it_writes_key_groups_and_colours(figure_object, arrays):
+    obj = figure_object
+    assert compute(value=0.4) == {"FINISHED"}
+    form = canonical_form(*read_mesh(obj.data), Settings(**QUICK))
+    keys = obj.data.shape_keys
+    assert [key.name for key in keys.key_blocks] == ["Basis", "Canonical Form"]
+    assert keys.key_blocks[1].value == pytest.approx(0.4)
+    assert keys.key_blocks[1].relative_key == keys.reference_key
+    written = np.frombuffer(flat(keys.key_blocks[1].data, "co", 3), np.float32).reshape(-1, 3)
+    np.testing.assert_allclose(written, form.vertices, atol=1e-5)  # Blender keeps options in single precision
+    np.testing.assert_allclose(
+        np.frombuffer(flat(keys.reference_key.data, "co", 3), np.float32).reshape(-1, 3), arrays[0].astype(np.float32)
+    )
+    count = len(form.feature_points)
+    assert [group.name for group in obj.vertex_groups] == [
+        "Feature Points", *(f"Patch {index + 1}" for index in range(count)),
+    ]  # fmt: skip
+    for vertex in obj.data.vertices:
+        weights = {obj.vertex_groups[part.group].name: part.weight for part in vertex.groups}
+        expected = {f"Patch {form.patches[vertex.index] + 1}": 1.0}
+        if vertex.index in form.feature_points:
+            expected["Feature Points"] = 1.0
+        assert weights == expected
+    colours = obj.data.color_attributes
+    assert [(each.name, each.data_type, each.domain) for each in colours] == [
+        ("Auto Diffusion Function", "FLOAT_COLOR", "POINT"), ("Patches", "FLOAT_COLOR", "POINT"),
+    ]  # fmt: skip
+    shown = np.frombuffer(flat(colours["Patches"].data, "color", 4), np.float32).reshape(-1, 4)
+    assert len(np.unique(shown, axis=0)) == count
+
+
+def test_run_and_clear_leave_the_mesh_as_it_was(figure_object):
+    before = snapshot(figure_object)
+    compute()
+    assert snapshot(figure_object) != before
+    assert bpy.ops.object.canonical_form_clear() == {"FINISHED"}
+    assert snapshot(figure_object) == before
+
+
+@pytest.fixture
+def furnished(figure_object):
+    """An object with two keys, five groups, colours, a material and properties of the user's own."""
+    obj, rng = figure_object, np.random.default_rng(0)
+    obj.shape_key_add(name="My Basis", from_mix=False)
+    for name, value in (("Smile", 0.3), ("Canonical Form", 0.7)):  # the second has the name that we would take
+        key = obj.shape_key_add(name=name, from_mix=False)
+        moved = rng.normal(size=3 * len(obj.data.vertices)).astype(np.float32)
+        key.data.foreach_set("co", moved)
+        key.value, key.slider_max = value, 2.0
+    for name in ("Left", "Right", "Patch 1", "Feature Points", "Arm"):
+        group = obj.vertex_groups.new(name=name)
+        for vertex in rng.choice(len(obj.data.vertices), 40, replace=False):
+            group.add([int(vertex)], float(rng.uniform()), "REPLACE")
+    obj.vertex_groups[1].lock_weight = True
+    obj.vertex_groups.active_index = 2
+    paint = obj.data.color_attributes.new(name="Patches", type="BYTE_COLOR", domain="CORNER")
+    paint.data.foreach_set("color", rng.uniform(size=4 * len(paint.data)).astype(np.float32))
+    obj.data.materials.append(bpy.data.materials.new("Skin"))
+    obj.data["mine"], obj["mine too"] = 1, 2
+    obj.active_shape_key_index = 1
+    return obj
+
+
+def test_the_users_own_data_survives_bit_for_bit(furnished):
+    before = snapshot(furnished)
+    compute()
+    during = snapshot(furnished)
+    assert all(during["keys"][name] == key for name, key in before["keys"].items())
+    assert during["groups"][:5] == before["groups"]
+    assert all(w[: len(b)] == b for w, b in zip(during["weights"], before["weights"], strict=True))
+    assert all(during["colours"][name] == colour for name, colour in before["colours"].items())
+    for same in ("vertices", "edges", "polygons", "chosen", "active key", "active group", "active colours", "mode"):
+        assert during[same] == before[same], same
+    compute()
+    bpy.ops.object.canonical_form_clear()
+    assert snapshot(furnished) == before
+
+
+def test_a_second_run_replaces_its_own_results_only(furnished):
+    compute()
+    once = snapshot(furnished)
+    compute()
+    assert snapshot(furnished) == once
+    compute(feature_points="3, 200")
+    record = record_of(furnished.data)
+    assert len(record["groups"]) == 3
+    assert len(furnished.vertex_groups) == 5 + 3
+    assert record["report"]["feature_points"] == [3, 200]
+
+
+def test_results_that_the_user_renamed_or_removed_do_not_confuse_clear(figure_object):
+    compute()
+    figure_object.vertex_groups["Patch 1"].name = "Kept"
+    figure_object.vertex_groups.remove(figure_object.vertex_groups["Patch 2"])
+    figure_object.data.color_attributes.remove(figure_object.data.color_attributes["Patches"])
+    key = figure_object.shape_key_add(name="Later", from_mix=False)
+    bpy.ops.object.canonical_form_clear()
+    assert [group.name for group in figure_object.vertex_groups] == ["Kept"]
+    assert [each.name for each in figure_object.data.shape_keys.key_blocks] == ["Basis", key.name]
+
+
+@pytest.mark.parametrize("mode", ["EDIT", "SCULPT", "WEIGHT_PAINT", "VERTEX_PAINT"])
+def test_it_works_from_other_modes_and_goes_back(figure_object, mode):
+    bpy.ops.object.mode_set(mode=mode)
+    compute()
+    assert figure_object.mode == mode
+    assert "Canonical Form" in figure_object.data.shape_keys.key_blocks
+    bpy.ops.object.canonical_form_clear()
+    assert figure_object.mode == mode
+    assert figure_object.data.shape_keys is None
+
+
+def test_edits_made_in_edit_mode_count(figure_object):
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.transform.resize(value=(2, 2, 2))
+    compute()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    size = np.ptp(np.frombuffer(flat(figure_object.data.shape_keys.key_blocks[1].data, "co", 3), np.float32))
+    bpy.ops.object.canonical_form_clear()
+    bpy.ops.transform.resize(value=(1, 1, 1))
+    assert size > 1.5 * 2.2
+
+
+def test_quads_and_ngons_keep_their_faces(blender):
+    bpy.ops.mesh.primitive_cube_add()
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.subdivide(number_cuts=5)
+    bpy.ops.mesh.select_all(action="DESELECT")
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bpy.context.object.data.vertices[0].select = True
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.dissolve_verts()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    sizes = sorted(len(polygon.vertices) for polygon in bpy.context.object.data.polygons)
+    assert sizes[0] == 4
+    assert sizes[-1] == 6
+    polygons = snapshot(bpy.context.object)["polygons"]
+    assert compute() == {"FINISHED"}
+    assert snapshot(bpy.context.object)["polygons"] == polygons
+
+
+def test_objects_that_share_a_mesh_share_the_result(figure_object):
+    twin = bpy.data.objects.new("Twin", figure_object.data)
+    bpy.context.scene.collection.objects.link(twin)
+    compute()
+    assert [group.name for group in twin.vertex_groups] == [group.name for group in figure_object.vertex_groups]
+    bpy.context.view_layer.objects.active = twin
+    bpy.ops.object.canonical_form_clear()
+    assert record_of(figure_object.data) is None
+    assert len(figure_object.vertex_groups) == 0
+
+
+def refused(words, **options):
+    with pytest.raises(RuntimeError, match=words):
+        compute(**options)
+
+
+def test_what_cannot_be_used_is_refused_with_a_sentence(blender, arrays):
+    refused("Select a mesh object first")
+    bpy.ops.object.camera_add()
+    refused("not a mesh")
+    add_object("Empty", [], [])
+    refused("has no faces")
+    add_object("Points", np.eye(3), [])
+    refused("has no faces")
+    vertices, faces = shapes.sphere(1)
+    pair = add_object("Pair", np.vstack([vertices, vertices + 9]), np.vstack([faces, faces + len(vertices)]))
+    before = snapshot(pair)
+    refused("2 loose parts.*P > By Loose Parts")
+    assert snapshot(pair) == before
+    figure = add_object("Figure", *arrays)
+    before = snapshot(figure)
+    refused("Feature points must be", feature_points="three")
+    refused("must lie between", feature_points="99999999")
+    refused("GB", memory_limit=0.1, feature_points="0", eigenpairs=5) if len(arrays[0]) > 4000 else None
+    assert snapshot(figure) == before
+    figure.shape_key_add(name="Basis")
+    figure.data.shape_keys.use_relative = False
+    refused("absolute")
+
+
+def test_edit_mode_without_faces_is_refused_and_kept(blender):
+    obj = add_object("Points", np.eye(3), [])
+    bpy.ops.object.mode_set(mode="EDIT")
+    refused("no faces")
+    assert obj.mode == "EDIT"
+
+
+def test_a_linked_mesh_is_refused_and_a_local_copy_works(blender, arrays, tmp_path):
+    add_object("Figure", *arrays)
+    path = str(tmp_path / "library.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path, copy=True)
+    bpy.data.batch_remove([*bpy.data.objects, *bpy.data.meshes])
+    with bpy.data.libraries.load(path, link=True) as (_, wanted):
+        wanted.objects = ["Figure"]
+    linked = bpy.data.objects["Figure"]
+    bpy.context.scene.collection.objects.link(linked)
+    bpy.context.view_layer.objects.active = linked
+    refused("linked from another file.*Make Local")
+    linked.make_local()
+    linked.data.make_local()
+    bpy.context.view_layer.objects.active = bpy.data.objects["Figure"]
+    assert compute() == {"FINISHED"}
+
+
+def test_clear_without_a_result_says_so(figure_object):
+    with pytest.raises(RuntimeError, match="no canonical form"):
+        bpy.ops.object.canonical_form_clear()
+
+
+def test_results_survive_saving_and_loading(figure_object, tmp_path):
+    before = snapshot(figure_object)
+    compute()
+    path = str(tmp_path / "saved.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    bpy.ops.wm.open_mainfile(filepath=path)
+    obj = bpy.data.objects["Figure"]
+    assert record_of(obj.data)["report"]["stress"]["steps"] == QUICK["iterations"]
+    bpy.context.view_layer.objects.active = obj
+    bpy.ops.object.canonical_form_clear()
+    assert snapshot(obj) == before
+
+
+def test_a_stretched_object_is_warned_about(figure_object):
+    figure_object.scale = (1, 1, 3)
+    bpy.context.view_layer.update()
+    compute()
+    assert any("scale is not uniform" in each for each in record_of(figure_object.data)["report"]["warnings"])
+
+
+def test_properties_mirror_the_settings(blender):
+    chosen = settings_of(bpy.context.scene.canonical_form)
+    for name, value in vars(Settings()).items():
+        assert getattr(chosen, name) == (pytest.approx(value) if isinstance(value, float) else value), name
+    assert set(METHOD_NAMES) - {"value"} == set(vars(Settings()))
+
+
+class Layout:
+    """Stands in for Blender's layout and writes down what a panel draws."""
+
+    def __init__(self, lines):
+        self.lines = lines
+
+    def prop(self, owner, name, **options):
+        assert hasattr(owner, name)
+        self.lines.append(options.get("text", name))
+
+    def operator(self, name, text="", **_):
+        self.lines.append(text)
+        return type("Options", (), {})()
+
+    def label(self, text="", **_):
+        self.lines.append(text)
+
+    def column(self, **_):
+        return self
+
+    def box(self):
+        return self
+
+
+def drawn(panel):
+    lines = []
+    panel.draw(type("Self", (), {"layout": Layout(lines)})(), bpy.context)
+    return lines
+
+
+def test_the_panel_shows_what_was_found(figure_object):
+    assert drawn(VIEW3D_PT_canonical_form) == ["prominence", "Compute"]
+    compute()
+    lines = drawn(VIEW3D_PT_canonical_form)
+    assert "Pose to Form" in lines
+    assert any("feature points and patches" in line for line in lines)
+    assert any("still falling" in line for line in lines)
+    assert lines[-1] == "Clear"
+    assert set(drawn(VIEW3D_PT_canonical_form_advanced)) == set(METHOD_NAMES) - {"prominence"}
+
+
+def test_the_record_is_json(figure_object):
+    compute()
+    report = record_of(figure_object.data)["report"]
+    assert json.loads(json.dumps(report)) == report
+    assert report["measures"]["compactness_error"] is not None
+
+
+def test_unregistering_leaves_nothing_behind(blender):
+    import addon
+
+    addon.unregister()
+    assert not hasattr(bpy.types.Scene, "canonical_form")
+    assert not hasattr(bpy.types, "OBJECT_OT_canonical_form")
+    assert not hasattr(bpy.types, "VIEW3D_PT_canonical_form")
+    addon.register()
+
+
+def test_neighbouring_patches_look_different():
+    vertices, faces = shapes.grid(40, 40)
+    cells = (vertices[:, 0] * 4.999).astype(int) * 5 + (vertices[:, 1] * 4.999).astype(int)
+    colours = patch_colours(cells, faces)
+    ends = cells[np.concatenate([faces[:, :2], faces[:, 1:]])]
+    ends = ends[ends[:, 0] != ends[:, 1]]
+    assert np.linalg.norm(colours[ends[:, 0]] - colours[ends[:, 1]], axis=1).min() > 0.15
+    assert ((colours >= 0) & (colours <= 1)).all()
+
+
+def test_the_ramp_grows_lighter_evenly():
+    colours = ramp(np.linspace(0, 1, 50))
+    luminance = colours[:, :3] @ [0.2126, 0.7152, 0.0722]
+    lightness = np.cbrt(luminance)
+    steps = np.diff(lightness)
+    assert steps.min() > 0
+    assert steps.max() < 2.5 * steps.min()

@@ -1,0 +1,99 @@
+"""Builds the extension: `make package`.
+
+Fetches the scipy wheels that the manifest lists, and has Blender's own builder write one zip a platform to `build/`.
+With ``--here`` only the wheel of this machine is fetched and one zip for it is written, for tests.
+"""
+
+import re
+import shutil
+import subprocess
+import sys
+import tomllib
+import zipfile
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+BUILD = ROOT / "build"
+
+
+def main(here: bool) -> list[Path]:
+    manifest = (ROOT / "blender_manifest.toml").read_text()
+    described = tomllib.loads(manifest)
+    wheels = [Path(wheel).name for wheel in described["wheels"]]
+    if here:
+        wheels = [wheel for wheel in wheels if "manylinux" in wheel]
+    fetch(wheels, BUILD / "wheels")
+    stage = BUILD / "stage"
+    shutil.rmtree(stage, ignore_errors=True)
+    tracked = subprocess.run(
+        ["git", "ls-files", "-co", "--exclude-standard", "--", "__init__.py", "addon", "LICENSE"],
+        cwd=ROOT, capture_output=True, text=True, check=True,
+    ).stdout.split()  # fmt: skip
+    for name in tracked:
+        (stage / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(ROOT / name, stage / name)
+    (stage / "wheels").mkdir()
+    for wheel in wheels:
+        shutil.copy(BUILD / "wheels" / wheel, stage / "wheels" / wheel)
+    if here:
+        kept = "".join(f'  "./wheels/{wheel}",\n' for wheel in wheels)
+        manifest = re.sub(r"wheels = \[.*?\]", f"wheels = [\n{kept}]", manifest, flags=re.DOTALL)
+        manifest = re.sub(r"platforms = .*", 'platforms = ["linux-x64"]', manifest)
+    (stage / "blender_manifest.toml").write_text(manifest)
+    builder = blender_builder()
+    split = [] if here else ["--split-platforms"]
+    before = set(BUILD.glob("*.zip"))
+    for old in before:
+        old.unlink()
+    tell([sys.executable, builder, "build", f"--source-dir={stage}", f"--output-dir={BUILD}", *split])
+    zips = sorted(BUILD.glob("*.zip"))
+    for path in zips:
+        tell([sys.executable, builder, "validate", path])
+        check_content(path)
+        print(f"{path}: {path.stat().st_size / 1e6:.0f} MB")
+    return zips
+
+
+def fetch(wheels: list[str], folder: Path) -> None:
+    """Download the wheels that are not there yet."""
+    for wheel in wheels:
+        if (folder / wheel).exists():
+            continue
+        name, version, python, _, platform = wheel.removesuffix(".whl").split("-")
+        tell([
+            sys.executable, "-m", "pip", "download", "--quiet", "--disable-pip-version-check", "--no-deps",
+            "--only-binary=:all:", f"--python-version={python[2:]}", "--implementation=cp",
+            *(f"--platform={each}" for each in platform.split(".")), f"--dest={folder}", f"{name}=={version}",
+        ])  # fmt: skip
+        if not (folder / wheel).exists():
+            sys.exit(f"The registry has no {wheel}.")
+
+
+def blender_builder() -> Path:
+    """Find Blender's own command-line tool for extensions inside the bpy module."""
+    import bpy
+
+    found = sorted(Path(bpy.utils.resource_path("LOCAL")).rglob("bl_pkg/cli/blender_ext.py"))
+    if not found:
+        sys.exit("This bpy has no extension builder.")
+    return found[0]
+
+
+def check_content(path: Path) -> None:
+    """Refuse a zip that holds anything but the code, the manifest, the licence and wheels, or an empty folder."""
+    names = zipfile.ZipFile(path).namelist()
+    wanted = re.compile(r"(__init__\.py|blender_manifest\.toml|LICENSE|addon/.+\.py|wheels/.+\.whl)$")
+    odd = [name for name in names if not name.endswith("/") and not wanted.match(name)]
+    if odd or "addon/core/canonical.py" not in names or not any(name.startswith("wheels/") for name in names):
+        sys.exit(f"{path.name} does not hold what it should: {odd or names}")
+
+
+def tell(command: list) -> None:
+    """Run a command and stop where it fails."""
+    done = subprocess.run(command)
+    if done.returncode:
+        sys.exit(f"Failed: {' '.join(map(str, command))}")
+
+
+if __name__ == "__main__":
+    main("--here" in sys.argv)
