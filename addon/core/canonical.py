@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from .alignment import keeps_outside_out, rigid_fit
 from .deformation import deformed_towards
 from .delaunay import intrinsic_delaunay
-from .distances import all_geodesics, biharmonic_distances, commute_time_squared
+from .distances import GreensFunction, all_geodesics, commute_time_squared
 from .errors import InvalidSettingsError, TooLargeError
 from .features import merged, prominent_maxima
 from .heat import HeatMethod
@@ -138,10 +138,11 @@ def canonical_form(
         patches = [triangles[closed_cell_faces(cells, triangles, index)] for index in range(len(features))]
         _require_memory(len(points), [len(np.unique(patch)) for patch in patches], settings.memory_limit)
     with monitor.stage("Distances", 0.45):
-        sets = _patch_pairs(points, patches, cells, spectrum, settings, monitor)
+        green = GreensFunction(L, M)
+        sets = _patch_pairs(points, patches, cells, spectrum, green, settings, monitor)
         if len(features) > 1:
             sets.append(
-                _feature_pairs(features, to_features, biharmonic_distances(L, M, features), adf, sets, settings)
+                _feature_pairs(features, to_features, green.biharmonic_distances(features), adf, sets, settings)
             )
         pair_count = sum(len(pairs.vertices) ** 2 for pairs in sets)
     start = points
@@ -204,8 +205,8 @@ def _checked_features(given: object, vertex_count: int) -> IntArray | None:
 
 
 def _require_memory(vertex_count: int, sizes: list[int], limit: float) -> None:
-    """Refuse before the memory is spent: tiles and factors of every patch, two matrices of the largest."""
-    needed = 8 * (2 * sum(p**2 for p in sizes) + 2 * max(sizes) ** 2) / 1e9
+    """Refuse before the memory is spent: tiles and factors of every patch, three matrices of the largest."""
+    needed = 8 * (2 * sum(p**2 for p in sizes) + 3 * max(sizes) ** 2) / 1e9
     if needed > limit:
         raise TooLargeError(
             f"All pairs of points inside the {len(sizes)} patches need about {needed:.1f} GB, more than the limit of "
@@ -219,6 +220,7 @@ def _patch_pairs(
     patches: list[IntArray],
     cells: IntArray,
     spectrum: Spectrum,
+    green: GreensFunction,
     settings: Settings,
     monitor: Monitor,
 ) -> list[PairSet]:
@@ -239,11 +241,14 @@ def _patch_pairs(
         np.fill_diagonal(missing, False)
         short += np.count_nonzero(missing) // 2
         distance[missing] = _SMALL_DISTANCE * mean
+        if settings.as_published:
+            commute = commute_time_squared(spectrum, vertices, vertices)
+        else:
+            commute = green.commute_time_squared(vertices, monitor)
 
-        def weights(rows: slice, columns: slice, target: FloatArray, vertices: IntArray = vertices) -> FloatArray:
+        def weights(rows: slice, columns: slice, target: FloatArray, commute: FloatArray = commute) -> FloatArray:
             monitor.check()
-            squared = commute_time_squared(spectrum, vertices[rows], vertices[columns])
-            return np.divide(squared, target**2, out=np.zeros_like(target), where=target > 0)
+            return np.divide(commute[rows, columns], target**2, out=np.zeros_like(target), where=target > 0)
 
         sets.append(pair_set(vertices, distance, weights))
     if short:

@@ -18,15 +18,124 @@ _CHUNK = 128  # most sources solved at once
 _CHUNK_VALUES = 600_000  # most distances solved at once: bounds memory and the time until a cancel is heard
 
 
-def commute_time_squared(spectrum: Spectrum, first: IntArray, second: IntArray) -> FloatArray:
-    """Compute squared commute times between two sets of vertices.
+class GreensFunction:
+    """Solutions of ``L u = e_i``, with L factored once: the exact sums of equations 8 and 9.
 
-    ``c_ij² = Σ_{k≥1} (h_k(i) - h_k(j))² / λ_k`` (equation 8).
+    Parameters
+    ----------
+    stiffness : (n, n) scipy.sparse.csr_matrix
+        L of a connected surface.
+    mass : (n,) ndarray of float
+        Diagonal of M.
+    """
+
+    def __init__(self, stiffness: csr_matrix, mass: FloatArray) -> None:
+        from scipy.sparse.linalg import splu
+
+        self._mass = mass
+        # L is singular: the last vertex is held at 0, which shifts every solution by a constant
+        self._solve = splu(
+            stiffness[:-1, :-1].tocsc(),
+            permc_spec="COLAMD",
+            diag_pivot_thresh=0.0,
+            options={"SymmetricMode": True},
+        ).solve
+
+    def commute_time_squared(self, points: IntArray, monitor: Monitor | None = None) -> FloatArray:
+        """Compute squared commute times between all pairs of some vertices (equation 8, all eigenpairs).
+
+        Parameters
+        ----------
+        points : (p,) ndarray of int
+            Vertices.
+        monitor : Monitor, optional
+            Asked between blocks of vertices whether to stop.
+
+        Returns
+        -------
+        (p, p) ndarray of float
+            c²; it has no unit.
+
+        Raises
+        ------
+        CancelledError
+            If the monitor says so.
+
+        References
+        ----------
+        Qiu and Hancock, "Clustering and Embedding Using Commute Times", 2007.
+        """
+        green = np.empty((len(points), len(points)))  # rows and columns of one inverse of L
+        chunk = int(np.clip(_CHUNK_VALUES // len(self._mass), 4, _CHUNK))
+        for start in range(0, len(points), chunk):
+            if monitor is not None:
+                monitor.check()
+            green[:, start : start + chunk] = self._grounded(points[start : start + chunk])[points]
+        diagonal = np.diag(green).copy()
+        for start in range(0, len(points), _CHUNK):
+            if monitor is not None:
+                monitor.check()
+            stop = start + _CHUNK
+            mean = (green[start:stop, start:] + green[start:, start:stop].T) / 2
+            squared = np.maximum(diagonal[start:stop, None] + diagonal[None, start:] - 2 * mean, 0.0)
+            green[start:stop, start:] = squared
+            green[start:, start:stop] = squared.T
+        np.fill_diagonal(green, 0.0)
+        return green
+
+    def biharmonic_distances(self, points: IntArray) -> FloatArray:
+        """Compute biharmonic distances between some vertices (equation 9, all eigenpairs).
+
+        With g = L⁺ M L⁺ (L⁺ orthogonal to constants under M), ``dB_ij² = g_ii + g_jj - 2 g_ij``.
+
+        Parameters
+        ----------
+        points : (k,) ndarray of int
+            Vertices.
+
+        Returns
+        -------
+        (k, k) ndarray of float
+            dB, a length.
+
+        References
+        ----------
+        Lipman, Rustamov and Funkhouser, "Biharmonic Distance", 2010.
+        """
+        area = self._mass.sum()
+        solved = self._grounded(points) - self._balancing()[:, None]
+        solved -= (self._mass @ solved) / area
+        product = solved.T @ (self._mass[:, None] * solved)  # g_ij
+        diagonal = np.diag(product)
+        squared = diagonal[:, None] + diagonal[None, :] - product - product.T
+        np.fill_diagonal(squared, 0.0)
+        return np.sqrt(np.maximum(squared, 0.0))
+
+    def _grounded(self, points: IntArray) -> FloatArray:
+        """Solve for unit sources at the points, drained at the last vertex."""
+        right = np.zeros((len(self._mass), len(points)))
+        right[points, np.arange(len(points))] = 1.0
+        solved = np.zeros_like(right)
+        solved[:-1] = self._solve(right[:-1])
+        return solved
+
+    def _balancing(self) -> FloatArray:
+        """Solve for a unit source spread evenly over the area."""
+        solved = np.zeros(len(self._mass))
+        solved[:-1] = self._solve(self._mass[:-1] / self._mass.sum())
+        return solved
+
+
+def commute_time_squared(spectrum: Spectrum, first: IntArray, second: IntArray) -> FloatArray:
+    """Compute squared commute times between two sets of vertices from the eigenpairs at hand.
+
+    ``c_ij² = Σ_{k≥1} (h_k(i) - h_k(j))² / λ_k`` (equation 8). A sum cut short sees nothing smaller than its shortest
+    wave: vertices around a finger come out at no distance. `GreensFunction.commute_time_squared` has the whole sum.
 
     Parameters
     ----------
     spectrum : Spectrum
-        The eigenpairs; the sum runs over those that are there.
+        The eigenpairs.
     first : (p,) ndarray of int
         Vertices i.
     second : (q,) ndarray of int
@@ -36,10 +145,6 @@ def commute_time_squared(spectrum: Spectrum, first: IntArray, second: IntArray) 
     -------
     (p, q) ndarray of float
         c²; it has no unit.
-
-    References
-    ----------
-    Qiu and Hancock, "Clustering and Embedding Using Commute Times", 2007.
     """
     return _spectral_squared(spectrum, first, second, 1)
 
@@ -47,8 +152,8 @@ def commute_time_squared(spectrum: Spectrum, first: IntArray, second: IntArray) 
 def biharmonic_squared(spectrum: Spectrum, first: IntArray, second: IntArray) -> FloatArray:
     """Compute squared biharmonic distances from the eigenpairs at hand.
 
-    ``dB_ij² = Σ_{k≥1} (h_k(i) - h_k(j))² / λ_k²`` (equation 9). The sum converges slowly; `biharmonic_distances`
-    has the exact value.
+    ``dB_ij² = Σ_{k≥1} (h_k(i) - h_k(j))² / λ_k²`` (equation 9). `GreensFunction.biharmonic_distances` has the whole
+    sum.
 
     Parameters
     ----------
@@ -63,48 +168,8 @@ def biharmonic_squared(spectrum: Spectrum, first: IntArray, second: IntArray) ->
     -------
     (p, q) ndarray of float
         dB², in squared units of length.
-
-    References
-    ----------
-    Lipman, Rustamov and Funkhouser, "Biharmonic Distance", 2010.
     """
     return _spectral_squared(spectrum, first, second, 2)
-
-
-def biharmonic_distances(stiffness: csr_matrix, mass: FloatArray, points: IntArray) -> FloatArray:
-    """Compute biharmonic distances between some vertices exactly, as if all eigenpairs were summed (equation 9).
-
-    With g = L⁺ M L⁺ (L⁺ orthogonal to constants under M), ``dB_ij² = g_ii + g_jj - 2 g_ij``; one linear solve a point.
-
-    Parameters
-    ----------
-    stiffness : (n, n) scipy.sparse.csr_matrix
-        L of a connected surface.
-    mass : (n,) ndarray of float
-        Diagonal of M.
-    points : (k,) ndarray of int
-        Vertices.
-
-    Returns
-    -------
-    (k, k) ndarray of float
-        dB, a length.
-    """
-    from scipy.sparse.linalg import splu
-
-    n, area = len(mass), mass.sum()
-    right = np.zeros((n, len(points)))
-    right[points, np.arange(len(points))] = 1.0
-    right -= mass[:, None] / area
-    # L is singular: hold the last vertex at 0, then take the mean out
-    solved = np.zeros((n, len(points)))
-    solved[:-1] = splu(stiffness[:-1, :-1].tocsc()).solve(right[:-1])
-    solved -= (mass @ solved) / area
-    product = solved.T @ (mass[:, None] * solved)  # g_ij
-    diagonal = np.diag(product)
-    squared = diagonal[:, None] + diagonal[None, :] - product - product.T
-    np.fill_diagonal(squared, 0.0)
-    return np.sqrt(np.maximum(squared, 0.0))
 
 
 def all_geodesics(surface: Triangulation, monitor: Monitor, done: float = 0.0, share: float = 1.0) -> FloatArray:

@@ -19,7 +19,7 @@ class Settings:
     diffusion_time : float
         t of the Auto Diffusion Function (equation 7), in multiples of 1/λ_1. Larger: fewer, broader features.
     eigenpairs : int
-        Number K of eigenpairs in the Auto Diffusion Function and the commute time.
+        Number K of eigenpairs in the Auto Diffusion Function and, as published, in the commute time.
     prominence : float
         Least prominence of a feature point: the logarithm of how many times higher the Auto Diffusion Function is
         there than at the pass to a higher point. Larger: fewer features.
@@ -42,7 +42,8 @@ class Settings:
     extrapolation : int
         Number of earlier steps from which the next is extrapolated; 0 takes plain steps. The stress never rises.
     as_published : bool
-        Follow the paper to the letter: open cells, biharmonic distances as they are, unscaled terms, plain steps.
+        Follow the paper to the letter: open cells, commute times from K eigenpairs, biharmonic distances as they are,
+        unscaled terms, plain steps.
     memory_limit : float
         Most memory that may be used, in gigabytes.
     """

@@ -4,7 +4,7 @@ from scipy.linalg import eigh
 
 from addon.core import CancelledError
 from addon.core.delaunay import intrinsic_delaunay
-from addon.core.distances import all_geodesics, biharmonic_distances, biharmonic_squared, commute_time_squared
+from addon.core.distances import GreensFunction, all_geodesics, biharmonic_squared, commute_time_squared
 from addon.core.laplacian import mass, stiffness
 from addon.core.monitor import Monitor
 from addon.core.spectrum import compute_spectrum
@@ -32,10 +32,12 @@ def test_commute_time_and_biharmonic_distance_against_a_dense_eigendecomposition
     points = np.array([0, 5, 17, 99, 160])
     c2 = commute_time_squared(spectrum, points, points)
     b2 = biharmonic_squared(spectrum, points, points)
-    exact = biharmonic_distances(L, M, points)
+    green = GreensFunction(L, M)
+    exact, exact_c2 = green.biharmonic_distances(points), green.commute_time_squared(points)
     for i, one in enumerate(points):
         for j, two in enumerate(points):
             assert c2[i, j] == pytest.approx(dense(values, vectors, 1, one, two), rel=1e-8, abs=1e-12)
+            assert exact_c2[i, j] == pytest.approx(dense(values, vectors, 1, one, two), rel=1e-8, abs=1e-12)
             assert b2[i, j] == pytest.approx(dense(values, vectors, 2, one, two), rel=1e-8, abs=1e-12)
             assert exact[i, j] == pytest.approx(np.sqrt(dense(values, vectors, 2, one, two)), rel=1e-8, abs=1e-10)
 
@@ -49,9 +51,11 @@ def test_truncated_sums_run_over_the_pairs_at_hand(small):
 def test_biharmonic_distance_is_a_metric_and_a_length(small):
     L, M, *_ = small
     points = np.arange(0, 162, 9)
-    d = biharmonic_distances(L, M, points)
+    d = GreensFunction(L, M).biharmonic_distances(points)
     assert (d[:, None, :] <= d[:, :, None] + d[None, :, :] + 1e-12).all()
-    np.testing.assert_allclose(biharmonic_distances(L, 9 * M, points), 3 * d, rtol=1e-9)  # the surface 3 times as large
+    np.testing.assert_allclose(
+        GreensFunction(L, 9 * M).biharmonic_distances(points), 3 * d, rtol=1e-9
+    )  # the surface 3 times as large
 
 
 def test_all_geodesics_are_symmetric_positive_and_nearly_a_metric(figure):

@@ -27,10 +27,11 @@ def main(levels: int) -> None:
     print(f"Built a posed figure of {len(figure.data.vertices):,} vertices. Taking its pose out …", flush=True)
     bpy.ops.object.canonical_form()
     report = record_of(figure.data)["report"]
+    stress, seconds = report["stress"], sum(report["timings"].values())
     print(
-        f"{len(report['feature_points'])} feature points; stress {report['stress']['first']:.4g} to "
-        f"{report['stress']['last']:.4g} in {report['stress']['steps']} steps; "
-        f"{report['pair_count'] / 1e6:.1f} million pair distances, {report['pair_reduction']:.0%} less than all; {sum(report['timings'].values()):.1f} s"
+        f"{len(report['feature_points'])} feature points; stress {stress['first']:.4g} to {stress['last']:.4g} in "
+        f"{stress['steps']} steps; {report['pair_count'] / 1e6:.1f} million pair distances, "
+        f"{report['pair_reduction']:.0%} less than all; {seconds:.1f} s"
     )
     for warning in report["warnings"]:
         print(f"Warning: {warning}")
