@@ -32,6 +32,9 @@ def figure():
 
 
 def picture(name):
+    for area in view()["screen"].areas:
+        area.tag_redraw()
+    bpy.ops.wm.redraw_timer(type="DRAW_WIN_SWAP", iterations=3)
     if shutil.which("import"):
         subprocess.run(["import", "-window", "root", str(PICTURES / f"{name}.png")], check=True)
 
