@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 import sys
 from collections import Counter
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, redirect_stdout
 from pathlib import Path
 from typing import Any, TextIO
 
@@ -19,24 +18,30 @@ from .blender.files import open_meshes, save_blend, save_form
 from .blender.mesh_reading import refusal
 from .core import CanonicalFormError, Settings
 from .core.settings import STARTS
+from .result_lines import own_output
 
 
-def main(arguments: list[str]) -> int:
+def main(arguments: list[str], output: TextIO | None = None) -> int:
     """Run the command line.
 
     Parameters
     ----------
     arguments : list of str
         The words after the name of the command.
+    output : TextIO, optional
+        Where the result lines go; standard output when left out.
 
     Returns
     -------
     int
         0 if every mesh was done, 1 if one failed, 2 if the words make no sense.
     """
-    parser = _parser()
+    if output is None:
+        with own_output() as output:
+            return main(arguments, output)
     try:
-        options = parser.parse_args(arguments)
+        with redirect_stdout(output):  # for --help
+            options = _parser().parse_args(arguments)
         settings = _settings(options)
         names = _output_names(options.meshes)
         options.output.mkdir(parents=True, exist_ok=True)
@@ -46,11 +51,10 @@ def main(arguments: list[str]) -> int:
         print(f"canonical_form: {error}", file=sys.stderr)
         return 2
     failed = False
-    with _own_output() as output:
-        for path, name in zip(options.meshes, names, strict=True):
-            for line in _compute_file(path, name, settings, options):
-                failed = failed or "error" in line
-                print(json.dumps(line), file=output, flush=True)
+    for path, name in zip(options.meshes, names, strict=True):
+        for line in _compute_file(path, name, settings, options):
+            failed = failed or "error" in line
+            print(json.dumps(line), file=output, flush=True)
     return int(failed)
 
 
@@ -176,18 +180,3 @@ def _progress_line(name: str) -> Iterator[Any]:
         yield show
     finally:
         sys.stderr.write("\r\x1b[K")
-
-
-@contextmanager
-def _own_output() -> Iterator[TextIO]:
-    """Keep standard output for the result lines: what Blender itself prints goes to standard error meanwhile."""
-    sys.stdout.flush()
-    kept = os.dup(1)
-    os.dup2(2, 1)
-    try:
-        with os.fdopen(os.dup(kept), "w") as output:
-            yield output
-    finally:
-        sys.stdout.flush()
-        os.dup2(kept, 1)
-        os.close(kept)

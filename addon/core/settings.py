@@ -48,7 +48,7 @@ class Settings:
         Most memory that may be used, in gigabytes.
     """
 
-    diffusion_time: float = 0.1
+    diffusion_time: float = 0.15
     eigenpairs: int = 100
     prominence: float = 0.5
     merge_distance: float = 0.05

@@ -1,3 +1,4 @@
+import io
 import json
 import subprocess
 import sys
@@ -149,11 +150,13 @@ def test_options_reach_the_method(folder, tmp_path):
         assert errors
 
 
-def test_no_words_and_help(capsys):
-    assert main([]) == 2
-    assert main(["--help"]) == 0
-    assert main(["compute", "--help"]) == 0
-    assert "--output DIR" in capsys.readouterr().out
+def test_no_words_and_help():
+    output = io.StringIO()
+    assert main([], output) == 2
+    assert output.getvalue() == ""
+    assert main(["--help"], output) == 0
+    assert main(["compute", "--help"], output) == 0
+    assert "--output DIR" in output.getvalue()
 
 
 def test_files_of_one_name_get_their_folders_names(tmp_path):
