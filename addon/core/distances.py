@@ -14,8 +14,9 @@ from .surface import FloatArray, IntArray, Triangulation
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
 
-_CHUNK = 128  # most sources solved at once
-_CHUNK_VALUES = 600_000  # most distances solved at once: bounds memory and the time until a cancel is heard
+_CHUNK = 32  # most sources solved at once: more do not fit the processor's cache and take longer each
+_ROWS = 128  # rows of a matrix made symmetric at once
+_CHUNK_VALUES = 200_000  # most distances solved at once: bounds the time until a cancel is heard
 
 
 class GreensFunction:
@@ -72,10 +73,10 @@ class GreensFunction:
                 monitor.check()
             green[:, start : start + chunk] = self._grounded(points[start : start + chunk])[points]
         diagonal = np.diag(green).copy()
-        for start in range(0, len(points), _CHUNK):
+        for start in range(0, len(points), _ROWS):
             if monitor is not None:
                 monitor.check()
-            stop = start + _CHUNK
+            stop = start + _ROWS
             mean = (green[start:stop, start:] + green[start:, start:stop].T) / 2
             squared = np.maximum(diagonal[start:stop, None] + diagonal[None, start:] - 2 * mean, 0.0)
             green[start:stop, start:] = squared
@@ -202,8 +203,8 @@ def all_geodesics(surface: Triangulation, monitor: Monitor, done: float = 0.0, s
         block = np.arange(start, min(start + chunk, count))
         distance[:, block] = heat.distances(block)
         monitor.tick(done + share * (block[-1] + 1) / count)
-    for start in range(0, count, _CHUNK):
-        stop = start + _CHUNK
+    for start in range(0, count, _ROWS):
+        stop = start + _ROWS
         mean = (distance[start:stop, start:] + distance[start:, start:stop].T) / 2
         distance[start:stop, start:] = mean
         distance[start:, start:stop] = mean.T
