@@ -1,5 +1,6 @@
 python = .venv/bin/python
-.PHONY: environment run test check package docs
+.PHONY: environment run test check package docs test-window
+BLENDER = blender
 
 environment:
 	@for each in python3 python3.11 python3.13; do \
@@ -21,3 +22,7 @@ package: environment
 
 docs: environment
 	$(python) docs/make_reference.py
+
+test-window: package
+	xvfb-run -a -s "-screen 0 1280x800x24" $(BLENDER) --factory-startup --window-geometry 0 0 1280 800 \
+	  --python tests/window/session.py -- build/canonical_form-*linux*.zip $(MESH) build/pictures

@@ -1,0 +1,86 @@
+"""Writes docs/api.md from the docstrings of the core: `make docs`. With ``--check`` it only says whether it is current."""
+
+import importlib
+import inspect
+import re
+import sys
+import textwrap
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT))
+TARGET = ROOT / "docs" / "api.md"
+MODULES = (  # in the order of the data
+    "canonical", "settings", "errors", "surface", "delaunay", "laplacian", "spectrum", "features", "heat", "patches",
+    "distances", "scaling", "deformation", "stress", "smacof", "alignment", "measures", "monitor",
+)  # fmt: skip
+HEAD = """# API of the core
+
+`addon.core` needs numpy and scipy only, and no Blender. Arrays in, arrays out. The first two names and the errors are
+imported from `addon.core`; everything else from the module it is listed under. This page is made from the docstrings
+by `make docs`.
+"""
+
+
+def reference() -> str:
+    """Assemble the page."""
+    parts = [HEAD]
+    for name in MODULES:
+        module = importlib.import_module(f"addon.core.{name}")
+        parts.append(f"## `addon.core.{name}`\n\n{module.__doc__.strip()}\n")
+        for each in vars(module).values():
+            public = getattr(each, "__module__", "") == module.__name__ and not each.__name__.startswith("_")
+            if inspect.isclass(each) and public:
+                parts.append(described(each.__name__, each))
+                for method_name, method in vars(each).items():
+                    documented = inspect.isfunction(method) and (method.__doc__ or "").strip()
+                    if documented and (method_name == "__call__" or not method_name.startswith("_")):
+                        parts.append(described(f"{each.__name__}.{method_name}", method))
+            elif inspect.isfunction(each) and public:
+                parts.append(described(each.__name__, each))
+    return "\n".join(parts)
+
+
+def described(name: str, thing: object) -> str:
+    """One heading, signature and docstring."""
+    text = inspect.getdoc(thing) or ""
+    is_function = inspect.isfunction(thing)
+    lines = [f"### `{name}`\n"]
+    if is_function:
+        lines.append(f"```python\n{name}{signature(thing)}\n```\n")
+    return "\n".join(lines) + "\n" + markdown(text) + "\n"
+
+
+def signature(function: object) -> str:
+    """Parameters and defaults; types are told in the text."""
+    plain = [
+        parameter.replace(annotation=inspect.Parameter.empty)
+        for parameter in inspect.signature(function).parameters.values()
+    ]
+    return str(inspect.Signature(plain))
+
+
+def markdown(docstring: str) -> str:
+    """Turn numpydoc sections into headings and lists."""
+    docstring = docstring.replace("``", "`")
+    pieces = re.split(r"^([A-Z][a-z]+)\n-+\n", docstring, flags=re.MULTILINE)
+    result = [pieces[0].strip() + "\n"]
+    for title, body in zip(pieces[1::2], pieces[2::2], strict=True):
+        result.append(f"**{title}**\n")
+        if title in ("References", "Notes"):
+            result.append(body.strip() + "\n")
+            continue
+        entries = re.split(r"^(?=\S)", body.strip(), flags=re.MULTILINE)
+        for entry in filter(None, entries):
+            first, _, rest = entry.partition("\n")
+            meaning = " ".join(textwrap.dedent(rest).split())
+            result.append(f"- `{first.strip()}`" + (f": {meaning}" if meaning else ""))
+        result.append("")
+    return "\n".join(result)
+
+
+if __name__ == "__main__":
+    page = reference()
+    if "--check" in sys.argv:
+        sys.exit(0 if TARGET.exists() and TARGET.read_text() == page else "docs/api.md is out of date: run make docs")
+    TARGET.write_text(page)
