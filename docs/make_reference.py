@@ -1,4 +1,4 @@
-"""Writes docs/api.md from the docstrings of the core: `make docs`. With ``--check`` it only says whether it is current."""
+"""Writes docs/api.md from the docstrings of the core: `make docs`. With ``--check`` it only says if it is current."""
 
 import importlib
 import inspect
