@@ -18,7 +18,7 @@ from .blender.files import open_meshes, save_blend, save_form
 from .blender.mesh_reading import refusal
 from .core import CanonicalFormError, Settings
 from .core.settings import STARTS
-from .result_lines import own_output
+from .result_lines import claim_output
 
 
 def main(arguments: list[str], output: TextIO | None = None) -> int:
@@ -29,16 +29,14 @@ def main(arguments: list[str], output: TextIO | None = None) -> int:
     arguments : list of str
         The words after the name of the command.
     output : TextIO, optional
-        Where the result lines go; standard output when left out.
+        Where the result lines go; standard output, claimed for them, when left out.
 
     Returns
     -------
     int
         0 if every mesh was done, 1 if one failed, 2 if the words make no sense.
     """
-    if output is None:
-        with own_output() as output:
-            return main(arguments, output)
+    output = output or claim_output()
     try:
         with redirect_stdout(output):  # for --help
             options = _parser().parse_args(arguments)

@@ -1,30 +1,23 @@
-"""Keeps standard output for result lines: what Blender itself prints goes to standard error meanwhile."""
+"""Keeps standard output for result lines: what Blender itself prints goes to standard error."""
 
 from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import TextIO
 
 
-@contextmanager
-def own_output() -> Iterator[TextIO]:
-    """Take standard output away from everyone else for a while.
+def claim_output() -> TextIO:
+    """Take standard output away from everyone else until the process ends.
 
-    Yields
-    ------
+    Blender's own lines wait in a buffer and may come out at the very end, so there is no giving it back.
+
+    Returns
+    -------
     TextIO
-        The true standard output; writing to file descriptor 1 goes to standard error.
+        The true standard output; file descriptor 1 leads to standard error from now on.
     """
     sys.stdout.flush()
-    kept = os.dup(1)
+    output = os.fdopen(os.dup(1), "w")
     os.dup2(2, 1)
-    try:
-        with os.fdopen(os.dup(kept), "w") as output:
-            yield output
-    finally:
-        sys.stdout.flush()
-        os.dup2(kept, 1)
-        os.close(kept)
+    return output
