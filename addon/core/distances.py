@@ -71,7 +71,7 @@ class GreensFunction:
         for start in range(0, len(points), chunk):
             if monitor is not None:
                 monitor.check()
-            green[:, start : start + chunk] = self._grounded(points[start : start + chunk])[points]
+            green[start : start + chunk] = self._grounded(points[start : start + chunk])[points].T
         diagonal = np.diag(green).copy()
         for start in range(0, len(points), _ROWS):
             if monitor is not None:
@@ -201,7 +201,7 @@ def all_geodesics(surface: Triangulation, monitor: Monitor, done: float = 0.0, s
     chunk = int(np.clip(_CHUNK_VALUES // count, 4, _CHUNK))
     for start in range(0, count, chunk):
         block = np.arange(start, min(start + chunk, count))
-        distance[:, block] = heat.distances(block)
+        distance[block] = heat.distances(block).T  # by rows: a column of a large matrix touches every page of it
         monitor.tick(done + share * (block[-1] + 1) / count)
     for start in range(0, count, _ROWS):
         stop = start + _ROWS
