@@ -24,5 +24,5 @@ docs: environment
 	$(python) docs/make_reference.py
 
 test-window: package
-	xvfb-run -a -s "-screen 0 1280x800x24" $(BLENDER) --factory-startup --window-geometry 0 0 1280 800 \
+	BLENDER_USER_RESOURCES=$$(mktemp -d) xvfb-run -a -s "-screen 0 1280x800x24" $(BLENDER) --factory-startup --window-geometry 0 0 1280 800 \
 	  --python tests/window/session.py -- build/canonical_form-*linux*.zip $(MESH) build/pictures
