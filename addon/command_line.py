@@ -34,7 +34,7 @@ def main(arguments: list[str], output: TextIO | None = None) -> int:
     Returns
     -------
     int
-        0 if every mesh was done, 1 if one failed, 2 if the words make no sense.
+        0 if every mesh was done, 1 if one failed, 2 if the words make no sense, 130 if stopped by the keyboard.
     """
     output = output or claim_output()
     try:
@@ -49,10 +49,15 @@ def main(arguments: list[str], output: TextIO | None = None) -> int:
         print(f"canonical_form: {error}", file=sys.stderr)
         return 2
     failed = False
-    for path, name in zip(options.meshes, names, strict=True):
-        for line in _compute_file(path, name, settings, options):
-            failed = failed or "error" in line
-            print(json.dumps(line), file=output, flush=True)
+    written: set[str] = set()
+    try:
+        for path, name in zip(options.meshes, names, strict=True):
+            for line in _compute_file(path, name, settings, options, written):
+                failed = failed or "error" in line
+                print(json.dumps(line), file=output, flush=True)
+    except KeyboardInterrupt:
+        print("canonical_form: Stopped by the keyboard; what was written so far is whole.", file=sys.stderr)
+        return 130
     return int(failed)
 
 
@@ -112,44 +117,52 @@ def _output_names(paths: list[Path]) -> list[str]:
     return names
 
 
-def _compute_file(path: Path, name: str, settings: Settings, options: argparse.Namespace) -> Iterator[dict[str, Any]]:
-    """Compute every mesh of a file and yield one line a mesh."""
+def _compute_file(
+    path: Path, name: str, settings: Settings, options: argparse.Namespace, written: set[str]
+) -> Iterator[dict[str, Any]]:
+    """Compute every mesh of a file and yield one line a mesh; `written` holds the names taken so far."""
     try:
-        objects = open_meshes(path)
-        if options.object is not None:
-            objects = [obj for obj in objects if obj.name == options.object]
-            if not objects:
-                raise CanonicalFormError(f"{path.name} holds no mesh object named {options.object!r}.")
+        objects = open_meshes(path, options.object)
     except (CanonicalFormError, OSError) as error:
         yield _failure({"input": str(path)}, error)
         return
     lines = []
+    target = options.output / f"{name}.blend"
     for obj in objects:
         line: dict[str, Any] = {"input": str(path), "object": obj.name}
-        target = options.output / f"{name}.blend"
         try:
             reason = refusal(obj)
             if reason is not None:
                 raise CanonicalFormError(reason)
-            bpy.context.view_layer.objects.active = obj
+            if obj.name in bpy.context.view_layer.objects:
+                bpy.context.view_layer.objects.active = obj
             with _progress_line(f"{path.name} {obj.name}") as progress:
                 form, report = compute_on(obj, settings, options.value, progress)
             if options.format != "blend":
                 stem = name if len(objects) == 1 else f"{name}-{bpy.path.clean_name(obj.name)}"
-                target = options.output / f"{stem}.{options.format}"
+                target = options.output / f"{_unused(stem, written)}.{options.format}"
                 _require_new(target, path)
                 save_form(target, form.vertices, obj.data)
             lines.append({**line, "output": str(target), **report})
-        except (CanonicalFormError, OSError) as error:
+        except (CanonicalFormError, OSError, RuntimeError) as error:  # RuntimeError: Blender itself refuses
             lines.append(_failure(line, error))
     if options.format == "blend" and any("error" not in line for line in lines):
         try:
-            target = options.output / f"{name}.blend"
             _require_new(target, path)
             save_blend(target)
         except (CanonicalFormError, OSError, RuntimeError) as error:
             lines = [line if "error" in line else _failure(line, error) for line in lines]
     yield from lines
+
+
+def _unused(stem: str, written: set[str]) -> str:
+    """Append a number to a name that another mesh of this run has taken, on any file system."""
+    name, number = stem, 1
+    while name.casefold() in written:
+        number += 1
+        name = f"{stem}-{number}"
+    written.add(name.casefold())
+    return name
 
 
 def _require_new(target: Path, source: Path) -> None:

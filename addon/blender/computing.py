@@ -9,7 +9,7 @@ from typing import Any
 import bpy
 import numpy as np
 
-from ..core import CanonicalForm, Settings, canonical_form
+from ..core import CanonicalForm, CanonicalFormError, Settings, canonical_form
 from ..core.measures import summary
 from ..core.monitor import Cancelled, Progress
 from .mesh_reading import read_mesh
@@ -59,7 +59,7 @@ def compute_on(
     return form, report
 
 
-def clear_from(obj: bpy.types.Object) -> bool:
+def clear_from(obj: bpy.types.Object) -> list[str]:
     """Remove from an object's mesh what `compute_on` wrote, in any mode.
 
     Parameters
@@ -69,8 +69,13 @@ def clear_from(obj: bpy.types.Object) -> bool:
 
     Returns
     -------
-    bool
-        Whether there was anything to remove.
+    list of str
+        Names of results that were left in place because they have been changed since.
+
+    Raises
+    ------
+    CanonicalFormError
+        If Blender cannot leave the object's mode.
     """
     with object_mode(obj):
         return clear_results(obj)
@@ -89,10 +94,20 @@ def object_mode(obj: bpy.types.Object) -> Iterator[None]:
     ------
     None
         Control, with the object in Object Mode.
+
+    Raises
+    ------
+    CanonicalFormError
+        If Blender cannot leave the object's mode.
     """
     mode = obj.mode
     if mode != "OBJECT":
-        bpy.ops.object.mode_set(mode="OBJECT")
+        try:
+            bpy.ops.object.mode_set(mode="OBJECT")
+        except RuntimeError as error:
+            raise CanonicalFormError(
+                f"{obj.name} cannot leave its mode. Switch to Object Mode and run again."
+            ) from error
     try:
         yield
     finally:

@@ -15,15 +15,50 @@ from ..core.surface import FloatArray
 from .off_format import read_off
 
 SUFFIXES = (".blend", ".obj", ".ply", ".stl", ".glb", ".off")
+_BONE_SHAPES = "glTF_not_exported"  # where the importer of .glb puts what it draws bones with
+_KINDS = [
+    "actions",
+    "armatures",
+    "cache_files",
+    "cameras",
+    "collections",
+    "curves",
+    "grease_pencils",
+    "hair_curves",
+    "images",
+    "lattices",
+    "lightprobes",
+    "lights",
+    "linestyles",
+    "masks",
+    "materials",
+    "meshes",
+    "metaballs",
+    "movieclips",
+    "node_groups",
+    "objects",
+    "paint_curves",
+    "palettes",
+    "particles",
+    "pointclouds",
+    "sounds",
+    "speakers",
+    "texts",
+    "textures",
+    "volumes",
+    "worlds",
+]
 
 
-def open_meshes(path: Path) -> list[bpy.types.Object]:
+def open_meshes(path: Path, name: str | None = None) -> list[bpy.types.Object]:
     """Open a file in place of what Blender holds and list its mesh objects, each mesh once.
 
     Parameters
     ----------
     path : Path
         A .blend, .obj, .ply, .stl, .glb or .off file.
+    name : str, optional
+        Name of the one object wanted.
 
     Returns
     -------
@@ -47,12 +82,17 @@ def open_meshes(path: Path) -> list[bpy.types.Object]:
             _import(path)
     except RuntimeError as error:
         raise InvalidMeshError(f"Blender cannot read {path.name}: {str(error).strip()}") from error
-    found: dict[str, bpy.types.Object] = {}
-    for obj in sorted(bpy.context.scene.objects, key=lambda each: each.name):
-        if obj.type == "MESH" and len(obj.data.polygons):
-            found.setdefault(obj.data.name, obj)
+    found: dict[bpy.types.Mesh, bpy.types.Object] = {}
+    for obj in sorted(bpy.data.objects, key=lambda each: each.name):
+        shown = obj.users_scene and not any(each.name == _BONE_SHAPES for each in obj.users_collection)
+        if obj.type == "MESH" and shown and len(obj.data.polygons) and name in (None, obj.name):
+            found.setdefault(obj.data, obj)
     if not found:
-        raise InvalidMeshError(f"{path.name} holds no mesh with faces.")
+        raise InvalidMeshError(
+            f"{path.name} holds no mesh with faces."
+            if name is None
+            else f"{path.name} holds no mesh object named {name!r}."
+        )
     return list(found.values())
 
 
@@ -78,8 +118,16 @@ def save_form(path: Path, vertices: FloatArray, mesh: bpy.types.Mesh) -> None:
         Positions.
     mesh : bpy.types.Mesh
         The mesh that the polygons are read from.
+
+    Raises
+    ------
+    InvalidMeshError
+        If the format cannot hold the mesh.
     """
     polygons = [list(polygon.vertices) for polygon in mesh.polygons]
+    most = max(map(len, polygons))
+    if path.suffix == ".ply" and most > 255:
+        raise InvalidMeshError(f"{mesh.name} has a face of {most} corners, and .ply holds 255. Write .obj instead.")
     if path.suffix == ".obj":
         lines = [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in vertices.tolist()]
         lines += ["f " + " ".join(str(corner + 1) for corner in corners) for corners in polygons]
@@ -104,9 +152,14 @@ def _replace(path: Path, write: Callable[[Path], object]) -> None:
 
 def _empty() -> None:
     """Drop all data of the open file; loading an empty file instead would switch extensions off."""
-    bpy.data.batch_remove([*bpy.data.objects, *bpy.data.meshes, *bpy.data.materials, *bpy.data.images])
-    for collection in list(bpy.context.scene.collection.children):
-        bpy.data.collections.remove(collection)
+    fresh = bpy.data.scenes.new("Scene")
+    for window in bpy.context.window_manager.windows:
+        window.scene = fresh
+    old = [scene for scene in bpy.data.scenes if scene != fresh]
+    for kind in _KINDS:
+        old += list(getattr(bpy.data, kind, []))
+    bpy.data.batch_remove(old)
+    fresh.name = "Scene"
 
 
 def _welded(mesh: bpy.types.Mesh) -> None:

@@ -36,6 +36,10 @@ def refusal(obj: bpy.types.Object | None) -> str | None:
     keys = mesh.shape_keys
     if keys is not None and not keys.use_relative:
         return f"The shape keys of {mesh.name} are absolute. Tick Relative in the Shape Keys panel first."
+    if obj.mode != "OBJECT" and obj != bpy.context.view_layer.objects.active:
+        return f"{obj.name} is not the active object. Make it active, or leave its mode, and run again."
+    if obj.mode != "EDIT" and mesh.is_editmode:
+        return f"{mesh.name} is being edited through another object. Leave Edit Mode there first."
     if obj.mode == "OBJECT" and not mesh.polygons:  # in Edit Mode the mesh may not know its faces yet
         return f"{mesh.name} has no faces. Choose a mesh with a surface."
     return None

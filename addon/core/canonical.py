@@ -160,7 +160,7 @@ def canonical_form(
         form, history = minimise_stress(
             stress, inverse, start, settings.iterations, settings.tolerance, extrapolation, monitor
         )
-        if len(history) > 1 and history[-2] - history[-1] >= settings.tolerance * history[-2]:
+        if settings.tolerance > 0 and _still_falls(history, settings):
             monitor.warn(
                 f"The stress was still falling after {settings.iterations} steps. More iterations will change the form "
                 "a little further."
@@ -189,6 +189,12 @@ def _inflated(surface: Triangulation, points: FloatArray, layout: FloatArray, mo
     if not keeps_outside_out(surface, points, layout):
         layout = layout * [1.0, 1.0, -1.0]
     return deformed_towards(surface, points, layout, pull=_INFLATION_PULL, steps=_INFLATION_STEPS, monitor=monitor)
+
+
+def _still_falls(history: FloatArray, settings: Settings) -> bool:
+    """Tell whether the minimisation ran out of steps."""
+    steps = len(history) - 1
+    return 0 < steps == settings.iterations and history[-2] - history[-1] >= settings.tolerance * history[-2]
 
 
 def _checked_features(given: object, vertex_count: int) -> IntArray | None:

@@ -70,13 +70,13 @@ class Settings:
         InvalidSettingsError
             With the name of the option, its range and the value given.
         """
-        _require(self.diffusion_time > 0, "diffusion_time", "above 0", self.diffusion_time)
+        _require(0 < self.diffusion_time <= 50, "diffusion_time", "above 0 and at most 50", self.diffusion_time)
         _require(self.eigenpairs >= 1, "eigenpairs", "at least 1", self.eigenpairs)
         _require(self.prominence >= 0, "prominence", "at least 0", self.prominence)
         _require(0 <= self.merge_distance <= 1, "merge_distance", "from 0 to 1", self.merge_distance)
         _require(self.start in STARTS, "start", "'intrinsic' or 'input'", self.start)
         _require(self.landmarks >= 4, "landmarks", "at least 4", self.landmarks)
-        _require(self.feature_share >= 0, "feature_share", "at least 0", self.feature_share)
+        _require(0 <= self.feature_share <= 10, "feature_share", "from 0 to 10", self.feature_share)
         _require(self.iterations >= 0, "iterations", "at least 0", self.iterations)
         _require(self.tolerance >= 0, "tolerance", "at least 0", self.tolerance)
         _require(self.extrapolation >= 0, "extrapolation", "at least 0", self.extrapolation)

@@ -63,7 +63,7 @@ class OBJECT_OT_canonical_form_clear(bpy.types.Operator):
         reason = None
         if obj is None or obj.type != "MESH" or record_of(obj.data) is None:
             reason = "The active object has no canonical form."
-        elif not obj.data.is_editable:
+        else:
             reason = refusal(obj)
         if reason is not None:
             cls.poll_message_set(reason)
@@ -71,7 +71,13 @@ class OBJECT_OT_canonical_form_clear(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Remove the results."""
-        clear_from(context.object)
+        try:
+            left = clear_from(context.object)
+        except CanonicalFormError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        if left:
+            self.report({"WARNING"}, f"Kept, since they were changed after the run: {', '.join(left)}.")
         return {"FINISHED"}
 
 

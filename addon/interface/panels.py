@@ -32,7 +32,7 @@ class VIEW3D_PT_canonical_form(bpy.types.Panel):
         if record is None:
             return
         keys = obj.data.shape_keys
-        key = keys.key_blocks.get(record["shape_key"]) if keys is not None else None
+        key = keys.key_blocks.get(next(iter(record["key"]))) if keys is not None else None
         if key is not None:
             layout.prop(key, "value", text="Pose to Form", slider=True)
         _draw_report(layout.box().column(align=True), record["report"])

@@ -37,6 +37,7 @@ class MethodProperties:
         description="Time of the Auto Diffusion Function; larger gives fewer, broader features",
         default=_DEFAULT.diffusion_time,
         min=0.001,
+        max=50.0,
         soft_max=1.0,
         precision=3,
     )
@@ -76,6 +77,7 @@ class MethodProperties:
         description="How much the feature points pull at each other, against the weight their patches hold them with",
         default=_DEFAULT.feature_share,
         min=0.0,
+        max=10.0,
         soft_max=0.3,
     )
     iterations: IntProperty(  # type: ignore[valid-type]
@@ -109,7 +111,7 @@ class MethodProperties:
         name="Memory Limit",
         description="Most memory that may be used, in gigabytes",
         default=_DEFAULT.memory_limit,
-        min=0.1,
+        min=0.001,
         soft_max=64.0,
     )
 

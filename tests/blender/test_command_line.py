@@ -185,3 +185,41 @@ def test_off_with_counts_on_the_first_line_colours_and_quads(tmp_path):
     vertices, polygons = read_off(path)
     np.testing.assert_array_equal(vertices[2], [1, 1, 0])
     assert polygons == [[0, 1, 2, 3]]
+
+
+def test_a_file_with_awkward_objects_does_not_stop_the_run(tmp_path, folder):
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    vertices, faces = shapes.figure(18)
+    hidden = bpy.data.collections.new("Hidden")
+    bpy.context.scene.collection.children.link(hidden)
+    for name, collection in (("Cube.001", bpy.context.scene.collection), ("Cube_001", hidden)):
+        mesh = bpy.data.meshes.new(name)
+        mesh.from_pydata(vertices.tolist(), [], faces.tolist())
+        collection.objects.link(bpy.data.objects.new(name, mesh))
+    twin = bpy.data.objects.new("Twin", bpy.data.meshes["Cube.001"])
+    bpy.context.scene.collection.objects.link(twin)
+    bpy.context.view_layer.layer_collection.children["Hidden"].exclude = True
+    bpy.data.texts.new("secret")
+    bpy.data.scenes.new("Other")
+    source = tmp_path / "awkward.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(source), copy=True)
+    code, lines, _ = run(source, folder / "off.off", "--output", tmp_path / "obj", "--format", "obj")
+    assert code == 0
+    assert len({line["output"].casefold() for line in lines}) == len(lines) == 3
+    assert len(list((tmp_path / "obj").iterdir())) == 3
+    code, [line], _ = run(source, "--output", tmp_path / "one", "--object", "Twin")
+    assert (code, line["object"]) == (0, "Twin")
+    code, lines, _ = run(source, folder / "off.off", "--output", tmp_path / "both")
+    assert code == 0
+    bpy.ops.wm.open_mainfile(filepath=lines[-1]["output"])
+    assert [len(each) for each in (bpy.data.texts, bpy.data.scenes, bpy.data.objects)] == [0, 1, 1]
+
+
+def test_a_face_too_large_for_ply_is_refused(tmp_path):
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.mesh.primitive_cylinder_add(vertices=300)
+    source = tmp_path / "round.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(source), copy=True)
+    code, [line], _ = run(source, "--output", tmp_path, "--format", "ply")
+    assert code == 1
+    assert "300 corners" in line["error"]

@@ -223,7 +223,8 @@ def test_too_large_a_mesh_is_refused_before_the_memory_is_spent(sphere):
 
 @pytest.mark.parametrize(
     "wrong",
-    [{"diffusion_time": 0}, {"eigenpairs": 0}, {"prominence": -1}, {"merge_distance": 2}, {"start": "pose"},
+    [{"diffusion_time": 0}, {"diffusion_time": 1000}, {"feature_share": float("inf")},
+     {"eigenpairs": 0}, {"prominence": -1}, {"merge_distance": 2}, {"start": "pose"},
      {"landmarks": 2}, {"feature_share": -1}, {"iterations": -1}, {"tolerance": -1}, {"extrapolation": -1},
      {"memory_limit": 0}],
 )  # fmt: skip
