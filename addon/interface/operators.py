@@ -83,14 +83,4 @@ class OBJECT_OT_canonical_form_clear(bpy.types.Operator):
 
 CLASSES = (OBJECT_OT_canonical_form, OBJECT_OT_canonical_form_clear)
 
-
-def register() -> None:
-    """Register the operators."""
-    for each in CLASSES:
-        bpy.utils.register_class(each)
-
-
-def unregister() -> None:
-    """Unregister the operators."""
-    for each in reversed(CLASSES):
-        bpy.utils.unregister_class(each)
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

@@ -86,14 +86,4 @@ def _wrapped(sentence: str, width: int) -> list[str]:
 
 CLASSES = (VIEW3D_PT_canonical_form, VIEW3D_PT_canonical_form_advanced)
 
-
-def register() -> None:
-    """Register the panels."""
-    for each in CLASSES:
-        bpy.utils.register_class(each)
-
-
-def unregister() -> None:
-    """Unregister the panels."""
-    for each in reversed(CLASSES):
-        bpy.utils.unregister_class(each)
+register, unregister = bpy.utils.register_classes_factory(CLASSES)
