@@ -5,6 +5,7 @@ mesh, opens the tab, computes, undoes, redoes and clears, and compares the mesh 
 ``import`` is at hand it takes a picture of the screen at each step.
 """
 
+import os
 import shutil
 import subprocess
 import sys
@@ -137,6 +138,7 @@ def proceed():
     except Exception:  # a test outside pytest: show whatever went wrong and stop Blender
         traceback.print_exc()
         sys.stderr.flush()
+        os._exit(1)  # quit_blender would report success
     bpy.ops.wm.quit_blender()
     return None
 
