@@ -1,7 +1,7 @@
 """Builds the extension: `make package`.
 
 Fetches the scipy wheels that the manifest lists, and has Blender's own builder write one zip a platform to `build/`.
-With ``--here`` only the wheel of this machine is fetched and one zip for it is written, for tests.
+With ``--here`` only the wheels of Linux are fetched and one zip is written to `build/here/`, for tests.
 """
 
 import re
@@ -40,13 +40,14 @@ def main(here: bool) -> list[Path]:
         manifest = re.sub(r"wheels = \[.*?\]", f"wheels = [\n{kept}]", manifest, flags=re.DOTALL)
         manifest = re.sub(r"platforms = .*", 'platforms = ["linux-x64"]', manifest)
     (stage / "blender_manifest.toml").write_text(manifest)
+    output = BUILD / "here" if here else BUILD
+    output.mkdir(exist_ok=True)
     builder = blender_builder()
     split = [] if here else ["--split-platforms"]
-    before = set(BUILD.glob("*.zip"))
-    for old in before:
+    for old in output.glob("*.zip"):
         old.unlink()
-    tell([sys.executable, builder, "build", f"--source-dir={stage}", f"--output-dir={BUILD}", *split])
-    zips = sorted(BUILD.glob("*.zip"))
+    tell([sys.executable, builder, "build", f"--source-dir={stage}", f"--output-dir={output}", *split])
+    zips = sorted(output.glob("*.zip"))
     for path in zips:
         tell([sys.executable, builder, "validate", path])
         check_content(path)

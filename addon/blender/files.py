@@ -16,7 +16,7 @@ from .off_format import read_off
 
 SUFFIXES = (".blend", ".obj", ".ply", ".stl", ".glb", ".off")
 _BONE_SHAPES = "glTF_not_exported"  # where the importer of .glb puts what it draws bones with
-_KINDS = [
+_KINDS = [  # what a file may have brought into Blender
     "actions",
     "armatures",
     "cache_files",

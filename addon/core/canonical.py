@@ -116,8 +116,8 @@ def canonical_form(
         given = _checked_features(settings.feature_points, len(points))
         centre, unit = points.mean(axis=0), float(np.ptp(points, axis=0).max())
         points = (points - centre) / unit
-        unit *= np.sqrt(surface_area(points, triangles))
-        points /= np.sqrt(surface_area(points, triangles))
+        size = np.sqrt(surface_area(points, triangles))
+        points, unit = points / size, unit * size
         surface = intrinsic_delaunay(triangulated(points, triangles))
         L, M = stiffness(surface), mass(surface)
     with monitor.stage("Spectrum", 0.06):
@@ -160,7 +160,7 @@ def canonical_form(
         form, history = minimise_stress(
             stress, inverse, start, settings.iterations, settings.tolerance, extrapolation, monitor
         )
-        if settings.tolerance > 0 and _still_falls(history, settings):
+        if _still_falls(history, settings):
             monitor.warn(
                 f"The stress was still falling after {settings.iterations} steps. More iterations will change the form "
                 "a little further."
@@ -192,9 +192,11 @@ def _inflated(surface: Triangulation, points: FloatArray, layout: FloatArray, mo
 
 
 def _still_falls(history: FloatArray, settings: Settings) -> bool:
-    """Tell whether the minimisation ran out of steps."""
+    """Tell whether the minimisation ran out of steps before it met the tolerance, where there is one."""
     steps = len(history) - 1
-    return 0 < steps == settings.iterations and history[-2] - history[-1] >= settings.tolerance * history[-2]
+    if settings.tolerance == 0 or not 0 < steps == settings.iterations:
+        return False
+    return bool(history[-2] - history[-1] >= settings.tolerance * history[-2])
 
 
 def _checked_features(given: object, vertex_count: int) -> IntArray | None:
@@ -247,14 +249,21 @@ def _patch_pairs(
         np.fill_diagonal(missing, False)
         short += np.count_nonzero(missing) // 2
         distance[missing] = _SMALL_DISTANCE * mean
-        if settings.as_published:
-            commute = commute_time_squared(spectrum, vertices, vertices)
-        else:
-            commute = green.commute_time_squared(vertices, monitor)
+        whole = None if settings.as_published else green.commute_time_squared(vertices, monitor)
 
-        def weights(rows: slice, columns: slice, target: FloatArray, commute: FloatArray = commute) -> FloatArray:
+        def weights(
+            rows: slice,
+            columns: slice,
+            target: FloatArray,
+            vertices: IntArray = vertices,
+            whole: FloatArray | None = whole,
+        ) -> FloatArray:
             monitor.check()
-            return np.divide(commute[rows, columns], target**2, out=np.zeros_like(target), where=target > 0)
+            if whole is None:
+                commute = commute_time_squared(spectrum, vertices[rows], vertices[columns])
+            else:
+                commute = whole[rows, columns]
+            return np.divide(commute, target**2, out=np.zeros_like(target), where=target > 0)
 
         sets.append(pair_set(vertices, distance, weights))
     if short:

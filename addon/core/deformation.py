@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .laplacian import mass, stiffness
+from .laplacian import factored, mass, stiffness
 from .monitor import Monitor
 from .surface import FloatArray, Triangulation
 
@@ -32,11 +32,10 @@ def diffused_covariances(surface: Triangulation, before: FloatArray, after: Floa
         Covariances of edge vectors, those before by row and those after by column, smoothed by the heat flow.
     """
     from scipy.sparse import diags
-    from scipy.sparse.linalg import splu
 
     L, M = stiffness(surface), mass(surface)
     local = _covariances(_edge_weights(L), before, after).reshape(-1, 9)
-    return splu((diags(M) + _SPREAD * M.sum() * L).tocsc()).solve(local).reshape(-1, 3, 3)
+    return factored(diags(M) + _SPREAD * M.sum() * L).solve(local).reshape(-1, 3, 3)
 
 
 def deformed_towards(
@@ -80,12 +79,11 @@ def deformed_towards(
     diffused over the surface, so that a limb that the target squashes or turns inside out comes out right.
     """
     from scipy.sparse import diags
-    from scipy.sparse.linalg import splu
 
     monitor = monitor or Monitor()
     L, M = stiffness(surface), mass(surface)
     weights = _edge_weights(L)
-    solve = splu((L + pull * diags(M)).tocsc()).solve
+    solve = factored(L + pull * diags(M)).solve
     rotation = _rotations(diffused_covariances(surface, before, target))
     positions = target
     for step in range(steps):

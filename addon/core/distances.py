@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .heat import HeatMethod
+from .laplacian import factored
 from .monitor import Monitor
 from .spectrum import Spectrum
 from .surface import FloatArray, IntArray, Triangulation
@@ -31,16 +32,9 @@ class GreensFunction:
     """
 
     def __init__(self, stiffness: csr_matrix, mass: FloatArray) -> None:
-        from scipy.sparse.linalg import splu
-
         self._mass = mass
         # L is singular: the last vertex is held at 0, which shifts every solution by a constant
-        self._solve = splu(
-            stiffness[:-1, :-1].tocsc(),
-            permc_spec="COLAMD",
-            diag_pivot_thresh=0.0,
-            options={"SymmetricMode": True},
-        ).solve
+        self._solve = factored(stiffness[:-1, :-1]).solve
 
     def commute_time_squared(self, points: IntArray, monitor: Monitor | None = None) -> FloatArray:
         """Compute squared commute times between all pairs of some vertices (equation 8, all eigenpairs).

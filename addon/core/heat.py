@@ -9,13 +9,12 @@ from numpy.typing import ArrayLike
 
 from .delaunay import intrinsic_delaunay, midpoint_refined
 from .errors import SolverError
-from .laplacian import mass, stiffness
+from .laplacian import factored, mass, stiffness
 from .monitor import Monitor
 from .surface import FloatArray, Triangulation, checked_mesh, face_areas, triangulated
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
-    from scipy.sparse.linalg import SuperLU
 
 _FAINTEST = 1e-280  # heat that must reach one end of the surface from the other; a double ends at 1e-308
 _LONGER = 40  # most doublings of the time for that
@@ -82,18 +81,18 @@ class HeatMethod:
         L, M = stiffness(fine), diags(mass(fine))
         monitor.check()
         # the multiple of M only makes L invertible; right-hand sides sum to 0, so it does not show in the distances
-        self._poisson = _factored(L + 1e-9 / mass(fine).sum() * M)
+        self._poisson = factored(L + 1e-9 / mass(fine).sum() * M)
         monitor.check()
         L = _without_negative_weights(L)
         if time is not None:
-            self._heat = _factored(M + time * L)
+            self._heat = factored(M + time * L)
             return
         time = 0.5 * float((fine.lengths**2).mean())
         probe = np.zeros(n)
         probe[_far_end(fine)] = 1.0
         for _ in range(_LONGER):
             monitor.check()
-            self._heat = _factored(M + time * L)
+            self._heat = factored(M + time * L)
             heat = self._heat.solve(probe)
             if heat.min() > _FAINTEST * heat.max():
                 return
@@ -176,10 +175,3 @@ def _far_end(surface: Triangulation) -> int:
     graph = coo_matrix((surface.lengths.ravel()[first], (row[first], column[first])), shape=shape).tocsr()
     end = int(np.argmax(dijkstra(graph, directed=False, indices=0)))
     return int(np.argmax(dijkstra(graph, directed=False, indices=end)))
-
-
-def _factored(matrix: object) -> SuperLU:
-    from scipy.sparse import csc_matrix
-    from scipy.sparse.linalg import splu
-
-    return splu(csc_matrix(matrix), permc_spec="COLAMD", diag_pivot_thresh=0.0, options={"SymmetricMode": True})

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .errors import InvalidSettingsError, SolverError
+from .laplacian import factored
 from .monitor import Monitor
 from .surface import FloatArray
 
@@ -83,16 +84,11 @@ def compute_spectrum(stiffness: csr_matrix, mass: FloatArray, count: int, monito
 def _lowest(symmetric: csr_matrix, mass: FloatArray, count: int, monitor: Monitor) -> tuple[FloatArray, FloatArray]:
     """Shift-and-invert Lanczos around a shift just below 0, where L is singular."""
     from scipy.sparse import identity
-    from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh, splu
+    from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
     n = len(mass)
     shift = -1e-2 / mass.sum()
-    inverse = splu(
-        (symmetric - shift * identity(n)).tocsc(),
-        permc_spec="COLAMD",
-        diag_pivot_thresh=0.0,
-        options={"SymmetricMode": True},
-    )
+    inverse = factored(symmetric - shift * identity(n))
 
     def solve(vector: FloatArray) -> FloatArray:
         monitor.check()

@@ -133,9 +133,8 @@ class Stress:
         self.pair_sets = pair_sets
         self._monitor = monitor or Monitor()
         largest = max((len(pairs.vertices) for pairs in pair_sets), default=0)
-        self._room = np.empty(
-            (3, min(_ROWS, largest) * largest)
-        )  # reused by every tile: fresh pages cost more than sums
+        # working memory of every tile in turn: fresh pages cost more than the sums
+        self._room = np.empty((3, min(_ROWS, largest) * largest))
 
     def value(self, embedding: FloatArray) -> float:
         """Evaluate the stress.

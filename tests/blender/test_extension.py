@@ -37,7 +37,7 @@ print("PASSED", bpy.app.version_string)
 @pytest.fixture(scope="module")
 def package():
     subprocess.run([sys.executable, "tests/package.py", "--here"], cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
-    return next((ROOT / "build").glob("canonical_form-*.zip"))
+    return next((ROOT / "build" / "here").glob("canonical_form-*.zip"))
 
 
 def test_it_installs_enables_runs_disables_and_uninstalls(package, tmp_path):
