@@ -8,27 +8,31 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .alignment import keeps_outside_out, rigid_fit
-from .deformation import deformed_towards
+from .arrangement import inflated, laid_out, landmark_distances
+from .coarsening import coarsened
 from .delaunay import intrinsic_delaunay
-from .distances import GreensFunction, all_geodesics, commute_time_squared
-from .errors import InvalidSettingsError, TooLargeError
+from .detail import carried_by_frames, detailed
+from .distances import GreensFunction
+from .errors import InvalidSettingsError
 from .features import merged, prominent_maxima
 from .heat import HeatMethod
 from .laplacian import mass, stiffness
 from .measures import surface_area
+from .memory import require_memory, require_pair_memory
 from .monitor import Cancelled, Monitor, Progress
+from .pairs import all_patch_pairs, arrangement_pairs, balanced, feature_pairs, sampled_patch_pairs
 from .patches import closed_cell_faces, voronoi_cells
-from .scaling import farthest_points, landmark_scaling
+from .scaling import farthest_points
 from .settings import Settings
-from .smacof import WeightInverse, minimise_stress
-from .spectrum import Spectrum, auto_diffusion, compute_spectrum
-from .stress import PairSet, Stress, pair_set
-from .surface import FloatArray, IntArray, Triangulation, checked_mesh, triangulated
+from .smacof import minimise_stress
+from .spectrum import auto_diffusion, compute_spectrum
+from .stress import CrossPairs, PairSet, Stress
+from .surface import FloatArray, IntArray, Triangulation, checked_mesh, triangulated, vertex_areas
+from .weight_inverse import SampledWeightInverse, WeightInverse
 
-_NO_DISTANCE = 1e-6  # share of the mean distance in a patch below which the heat method has failed for a pair,
-_SMALL_DISTANCE = 1e-3  # and the share that such a pair gets instead
-_INFLATION_PULL = 10.0  # 1/area: the layout shapes what is larger than a limb, the surface what is smaller
-_INFLATION_STEPS = 20
+_WORTH_COARSENING = 1.2  # times as many vertices as are worked on
+_STUCK = 2.0  # times as many vertices as asked for are left: the coarse mesh is not one
+_LAYOUT_SMOOTHING = 0.05  # diffusion time of the landmarks' geodesics over that of the patches
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,51 +115,83 @@ def canonical_form(
     """
     settings = settings or Settings()
     monitor = Monitor(progress, cancelled)
-    with monitor.stage("Surface", 0.01):
-        points, triangles = checked_mesh(vertices, faces)
-        given = _checked_features(settings.feature_points, len(points))
-        centre, unit = points.mean(axis=0), float(np.ptp(points, axis=0).max())
-        points = (points - centre) / unit
-        size = np.sqrt(surface_area(points, triangles))
-        points, unit = points / size, unit * size
+    with monitor.stage("Surface", 0.02):
+        whole_points, whole_triangles = checked_mesh(vertices, faces)
+        given = _checked_features(settings.feature_points, len(whole_points))
+        require_memory(len(whole_points), settings)
+        monitor.check()
+        centre, unit = whole_points.mean(axis=0), float(np.ptp(whole_points, axis=0).max())
+        whole_points = (whole_points - centre) / unit
+        size = np.sqrt(surface_area(whole_points, whole_triangles))
+        whole_points, unit = whole_points / size, unit * size
+    coarse = None
+    points, triangles = whole_points, whole_triangles
+    if settings.coarse_vertices is not None and len(points) > _WORTH_COARSENING * settings.coarse_vertices:
+        with monitor.stage("Coarse mesh", 0.3):
+            coarse = coarsened(points, triangles, settings.coarse_vertices, given, monitor)
+            points, triangles = points[coarse.kept], coarse.faces
+            given = None if given is None else np.searchsorted(coarse.kept, given)
+            if len(points) > _STUCK * settings.coarse_vertices:
+                monitor.warn(
+                    f"The mesh could only be reduced to {len(points):,} vertices, because of its many borders or edges "
+                    "of more than two faces; the computation takes longer. Merge vertices by distance for a faster one."
+                )
+    with monitor.stage("Triangulation", 0.32):
         surface = intrinsic_delaunay(triangulated(points, triangles))
         L, M = stiffness(surface), mass(surface)
-    with monitor.stage("Spectrum", 0.06):
+    with monitor.stage("Spectrum", 0.4):
         spectrum = compute_spectrum(L, M, settings.eigenpairs, monitor)
         if len(spectrum.eigenvalues) < settings.eigenpairs:
             monitor.warn(f"The mesh is small: all {len(spectrum.eigenvalues)} eigenpairs that it has were used.")
-    with monitor.stage("Feature points", 0.08):
+    with monitor.stage("Feature points", 0.42):
         adf = auto_diffusion(spectrum, settings.diffusion_time)
-        heat = HeatMethod(surface, monitor=monitor)
+        heat = HeatMethod(surface, refine=settings.whole, monitor=monitor)
         features = prominent_maxima(adf, triangles, settings.prominence)[0] if given is None else given
         monitor.check()
         to_features = heat.distances(features)
         if given is None:
             kept = merged(features, to_features[features], settings.merge_distance * float(to_features.max()))
             features, to_features = features[kept], to_features[:, kept]
-    with monitor.stage("Patches", 0.09):
+    with monitor.stage("Patches", 0.43):
         cells = voronoi_cells(to_features, features, triangles)
         patches = [triangles[closed_cell_faces(cells, triangles, index)] for index in range(len(features))]
-        _require_memory(len(points), [len(np.unique(patch)) for patch in patches], settings.memory_limit)
-    with monitor.stage("Distances", 0.45):
-        green = GreensFunction(L, M)
-        sets = _patch_pairs(points, patches, cells, spectrum, green, settings, monitor)
-        if len(features) > 1:
-            sets.append(
-                _feature_pairs(features, to_features, green.biharmonic_distances(features), adf, sets, settings)
-            )
-        pair_count = sum(len(pairs.vertices) ** 2 for pairs in sets)
+        if settings.whole:
+            require_pair_memory(len(points), [len(np.unique(patch)) for patch in patches], settings.memory_limit)
+    with monitor.stage("Distances", 0.6):
+        green = GreensFunction(L, M) if settings.whole else None
+        sets: list[PairSet] = []
+        cross: list[CrossPairs] = []
+        if green is not None:
+            sets = all_patch_pairs(points, patches, cells, spectrum, green, settings, monitor)
+        else:
+            cross = sampled_patch_pairs(points, patches, features, spectrum, settings, monitor)
     start = points
     if settings.start == "intrinsic":
-        with monitor.stage("Landmarks", 0.48):
-            landmarks, to_landmarks = farthest_points(heat, features, to_features, settings.landmarks, monitor)
-            layout = landmark_scaling(to_landmarks, landmarks)
-        with monitor.stage("Start", 0.5):
-            start = _inflated(surface, points, layout, monitor)
-    with monitor.stage("Factorisation", 0.55):
-        inverse = WeightInverse(len(points), sets, monitor)
-    with monitor.stage("Embedding", 0.99):
-        stress = Stress(len(points), sets, monitor)
+        with monitor.stage("Landmarks", 0.65):
+            landmarks, to_landmarks = _landmarks(surface, features, settings, monitor)
+            distances = landmark_distances(to_landmarks, landmarks, spectrum)
+        with monitor.stage("Start", 0.7):
+            start = inflated(surface, points, laid_out(distances, landmarks, points, triangles), monitor)
+    from scipy.spatial.distance import pdist, squareform
+
+    with monitor.stage("Factorisation", 0.72):
+        between = None
+        if settings.start == "intrinsic" and not settings.as_published:
+            between = arrangement_pairs(landmarks, squareform(pdist(start[landmarks])))
+        elif len(features) > 1:
+            between = _feature_pairs(features, to_features, green or GreensFunction(L, M), adf, settings)
+        if between is not None:
+            if not settings.as_published:
+                between = balanced(between, sets or cross, len(points), settings.arrangement_share)
+            sets = [*sets, between]
+        pair_count = sum(len(pairs.vertices) ** 2 for pairs in sets) + sum(pairs.targets.size for pairs in cross)
+        inverse: WeightInverse | SampledWeightInverse
+        if cross:
+            inverse = SampledWeightInverse(len(points), cross, sets, monitor)
+        else:
+            inverse = WeightInverse(len(points), sets, monitor)
+    with monitor.stage("Embedding", 0.9):
+        stress = Stress(len(points), sets, monitor, cross)
         extrapolation = 0 if settings.as_published else settings.extrapolation
         form, history = minimise_stress(
             stress, inverse, start, settings.iterations, settings.tolerance, extrapolation, monitor
@@ -165,11 +201,21 @@ def canonical_form(
                 f"The stress was still falling after {settings.iterations} steps. More iterations will change the form "
                 "a little further."
             )
-    with monitor.stage("Alignment", 1.0):
         if not keeps_outside_out(surface, points, form):
             form = form * [1.0, 1.0, -1.0]
-        form = form / np.sqrt(surface_area(form, triangles))
-        rotation, shift = rigid_fit(form, points, M)
+    if settings.preserve_detail > 0 and not settings.as_published:
+        with monitor.stage("Detail", 0.97):
+            form = detailed(surface, points, form, triangles, settings.preserve_detail, monitor)
+    with monitor.stage("Alignment", 1.0):
+        if coarse is not None:
+            form = carried_by_frames(coarse, surface, points, form, whole_points)
+            monitor.check()
+            adf = coarse.carried_back(adf)
+            features = coarse.kept[features]
+            cells = voronoi_cells(coarse.carried_back(to_features), features, whole_triangles)
+            monitor.check()
+        form = form / np.sqrt(surface_area(form, whole_triangles))
+        rotation, shift = rigid_fit(form, whole_points, vertex_areas(whole_points, whole_triangles))
         form = (form @ rotation + shift) * unit + centre
     return CanonicalForm(
         form,
@@ -178,17 +224,30 @@ def canonical_form(
         adf,
         history,
         pair_count,
-        1 - pair_count / len(points) ** 2,
+        1 - pair_count / len(whole_points) ** 2,
         monitor.timings,
         monitor.warnings,
     )
 
 
-def _inflated(surface: Triangulation, points: FloatArray, layout: FloatArray, monitor: Monitor) -> FloatArray:
-    """Give the limbs of a layout, which classical scaling squashes, the roundness they have on the surface."""
-    if not keeps_outside_out(surface, points, layout):
-        layout = layout * [1.0, 1.0, -1.0]
-    return deformed_towards(surface, points, layout, pull=_INFLATION_PULL, steps=_INFLATION_STEPS, monitor=monitor)
+def _landmarks(
+    surface: Triangulation, features: IntArray, settings: Settings, monitor: Monitor
+) -> tuple[IntArray, FloatArray]:
+    """Spread landmarks over the surface, the feature points first, and measure smoothed geodesics from them."""
+    time = _LAYOUT_SMOOTHING * settings.smoothing
+    heat = HeatMethod(surface, time or None, refine=False, monitor=monitor)
+    return farthest_points(heat, features, heat.distances(features), settings.landmarks, monitor)
+
+
+def _feature_pairs(
+    features: IntArray, to_features: FloatArray, green: GreensFunction, adf: FloatArray, settings: Settings
+) -> PairSet:
+    """Ask for biharmonic distances between the feature points, in the measure of geodesic ones unless as published."""
+    biharmonic = green.biharmonic_distances(features)
+    scale = 1.0  # s, by least squares
+    if not settings.as_published:
+        scale = float(np.vdot(biharmonic, to_features[features]) / np.vdot(biharmonic, biharmonic))
+    return feature_pairs(features, scale * biharmonic, adf)
 
 
 def _still_falls(history: FloatArray, settings: Settings) -> bool:
@@ -210,87 +269,3 @@ def _checked_features(given: object, vertex_count: int) -> IntArray | None:
     if len(np.unique(features)) < len(features):
         raise InvalidSettingsError("feature_points names a vertex twice.")
     return features.astype(np.int64)
-
-
-def _require_memory(vertex_count: int, sizes: list[int], limit: float) -> None:
-    """Refuse before the memory is spent: tiles and factors of every patch, three matrices of the largest."""
-    needed = 8 * (2 * sum(p**2 for p in sizes) + 3 * max(sizes) ** 2) / 1e9
-    if needed > limit:
-        raise TooLargeError(
-            f"All pairs of points inside the {len(sizes)} patches need about {needed:.1f} GB, more than the limit of "
-            f"{limit:g} GB. Reduce the mesh to about {int(vertex_count * np.sqrt(limit / needed)):,} vertices (for "
-            "instance with a Decimate modifier, applied), or raise the memory limit."
-        )
-
-
-def _patch_pairs(
-    points: FloatArray,
-    patches: list[IntArray],
-    cells: IntArray,
-    spectrum: Spectrum,
-    green: GreensFunction,
-    settings: Settings,
-    monitor: Monitor,
-) -> list[PairSet]:
-    """Measure every closed cell and weight its pairs: ``w_ij = c_ij² / δ_ij²`` (first sum of equation 10)."""
-    sets = []
-    effort = np.cumsum([0.0] + [float(len(patch)) ** 2 for patch in patches])
-    effort /= effort[-1]
-    short = 0
-    for index, patch in enumerate(patches):
-        vertices, corners = np.unique(patch, return_inverse=True)
-        surface = triangulated(points[vertices], corners.reshape(-1, 3))
-        distance = all_geodesics(surface, monitor, effort[index], effort[index + 1] - effort[index])
-        if settings.as_published:  # open cells: the pairs of the cell's own vertices only
-            own = np.flatnonzero(cells[vertices] == index)
-            vertices, distance = vertices[own], distance[np.ix_(own, own)]
-        mean = float(distance.mean())
-        missing = distance < _NO_DISTANCE * mean
-        np.fill_diagonal(missing, False)
-        short += np.count_nonzero(missing) // 2
-        distance[missing] = _SMALL_DISTANCE * mean
-        whole = None if settings.as_published else green.commute_time_squared(vertices, monitor)
-
-        def weights(
-            rows: slice,
-            columns: slice,
-            target: FloatArray,
-            vertices: IntArray = vertices,
-            whole: FloatArray | None = whole,
-        ) -> FloatArray:
-            monitor.check()
-            if whole is None:
-                commute = commute_time_squared(spectrum, vertices[rows], vertices[columns])
-            else:
-                commute = whole[rows, columns]
-            return np.divide(commute, target**2, out=np.zeros_like(target), where=target > 0)
-
-        sets.append(pair_set(vertices, distance, weights))
-    if short:
-        monitor.warn(
-            f"{short} pairs of points came out with no distance between them, because of very thin triangles, and were "
-            "given a small one. Merge vertices by distance, or remesh, for a better form."
-        )
-    return sets
-
-
-def _feature_pairs(
-    features: IntArray,
-    to_features: FloatArray,
-    biharmonic: FloatArray,
-    adf: FloatArray,
-    patch_sets: list[PairSet],
-    settings: Settings,
-) -> PairSet:
-    """Weight the pairs of feature points by ``(ADF_i + ADF_j) / 2`` (second sum of equation 10)."""
-    heat = adf[features]
-    scale = 1.0  # s: biharmonic distances in the measure of geodesic ones, by least squares
-    if not settings.as_published:
-        scale = float(np.vdot(biharmonic, to_features[features]) / np.vdot(biharmonic, biharmonic))
-    pairs = pair_set(
-        features, scale * biharmonic, lambda rows, columns, _: (heat[rows, None] + heat[None, columns]) / 2
-    )
-    if settings.as_published:
-        return pairs
-    held = sum(float(patch.total_weights()[np.isin(patch.vertices, features)].sum()) for patch in patch_sets)
-    return pairs.scaled(settings.feature_share * held / float(pairs.total_weights().sum()))

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .laplacian import factored, mass, stiffness
 from .monitor import Monitor
-from .surface import FloatArray, Triangulation
+from .surface import FloatArray, IntArray, Triangulation, signed_volume
 
 if TYPE_CHECKING:
-    from scipy.sparse import coo_matrix
+    from scipy.sparse import csr_matrix
 
+_PRESSURE_STEPS = 3  # Newton steps of the pressure in each deformation step
+_MOST_PRESSURE = 0.05  # farthest a vertex may be pushed in one step, in units of sqrt(area)
 _SPREAD = 0.01  # diffusion time of the first rotations, as a share of the area: wide enough to see a limb as a body
 
 
@@ -34,8 +37,26 @@ def diffused_covariances(surface: Triangulation, before: FloatArray, after: Floa
     from scipy.sparse import diags
 
     L, M = stiffness(surface), mass(surface)
-    local = _covariances(_edge_weights(L), before, after).reshape(-1, 9)
+    local = _Edges(L, before).covariances(after).reshape(-1, 9)
     return factored(diags(M) + _SPREAD * M.sum() * L).solve(local).reshape(-1, 3, 3)
+
+
+def local_rotations(surface: Triangulation, before: FloatArray, after: FloatArray) -> FloatArray:
+    """Find the rotation of the surroundings of every vertex: of its edges.
+
+    Parameters
+    ----------
+    surface : Triangulation
+        The surface, Delaunay.
+    before, after : (n, 3) ndarray of float
+        Positions of the vertices.
+
+    Returns
+    -------
+    (n, 3, 3) ndarray of float
+        Proper rotations, applied from the right: ``x ↦ x R``.
+    """
+    return _rotations(_Edges(stiffness(surface), before).covariances(after))
 
 
 def deformed_towards(
@@ -44,6 +65,8 @@ def deformed_towards(
     target: FloatArray,
     pull: float,
     steps: int,
+    memory: float = 1.0,
+    closed_faces: IntArray | None = None,
     monitor: Monitor | None = None,
 ) -> FloatArray:
     """Deform a mesh as rigidly as possible while its vertices are pulled to given places.
@@ -60,6 +83,11 @@ def deformed_towards(
         Strength of the pull, in 1/area.
     steps : int
         Number of alternations between rotations and positions.
+    memory : float
+        Share of the energy that remembers how the surface was bent, 0 to 1. The rest asks for the lengths of the
+        edges only, whichever way they point: creases of the pose may open.
+    closed_faces : (m, 3) ndarray of int, optional
+        Triangles of the mesh, if it is closed: the compactness ``V² / A³`` is then kept, by an even pressure.
     monitor : Monitor, optional
         Told the progress and asked whether to stop.
 
@@ -82,49 +110,89 @@ def deformed_towards(
 
     monitor = monitor or Monitor()
     L, M = stiffness(surface), mass(surface)
-    weights = _edge_weights(L)
+    edges = _Edges(L, before)
     solve = factored(L + pull * diags(M)).solve
+    monitor.check()
     rotation = _rotations(diffused_covariances(surface, before, target))
     positions = target
     for step in range(steps):
-        positions = solve(_rotated_edges(weights, before, rotation) + pull * M[:, None] * target)
+        force = memory * edges.rotated(rotation)
+        if memory < 1:
+            force += (1 - memory) * edges.with_lengths_kept(positions)
+        positions = solve(force + pull * M[:, None] * target)
+        if closed_faces is not None:
+            positions = _under_pressure(positions, before, closed_faces, solve)
         monitor.tick((step + 1) / steps)
         if step + 1 < steps:
-            rotation = _rotations(_covariances(weights, before, positions))
+            rotation = _rotations(edges.covariances(positions))
     return positions
 
 
-def _edge_weights(stiffness_matrix: object) -> coo_matrix:
-    from scipy.sparse import triu
+class _Edges:
+    """The edges of the undeformed mesh with their weights, and sums over the edges at each vertex."""
 
-    upper = triu(stiffness_matrix, 1).tocoo()
-    upper.data = -upper.data
-    return upper
+    def __init__(self, stiffness_matrix: csr_matrix, before: FloatArray) -> None:
+        from scipy.sparse import csr_matrix, triu
+
+        upper = triu(stiffness_matrix, 1).tocoo()
+        self._i, self._j, weight = upper.row, upper.col, -upper.data
+        count = len(weight)
+        self._vectors = before[self._i] - before[self._j]  # (e, 3)
+        self._weighted = weight[:, None] * self._vectors
+        self._stretch = weight * np.linalg.norm(self._vectors, axis=1)
+        ends = np.column_stack([self._i, self._j]).ravel()
+        shape = (2 * count, len(before))
+        start = np.arange(2 * count + 1)
+        self._ends = csr_matrix((np.ones(2 * count), ends, start), shape=shape).T.tocsr()
+        signs = np.tile([1.0, -1.0], count)
+        self._signed = csr_matrix((signs, ends, start), shape=shape).T.tocsr()
+
+    def covariances(self, after: FloatArray) -> FloatArray:
+        moved = after[self._i] - after[self._j]
+        outer = (self._weighted[:, :, None] * moved[:, None, :]).reshape(-1, 9)
+        return (self._ends @ np.repeat(outer, 2, axis=0)).reshape(-1, 3, 3)
+
+    def rotated(self, rotation: FloatArray) -> FloatArray:
+        turned = np.einsum("ij,ijk->ik", self._weighted / 2, rotation[self._i] + rotation[self._j])
+        return self._signed @ np.repeat(turned, 2, axis=0)
+
+    def with_lengths_kept(self, positions: FloatArray) -> FloatArray:
+        moved = positions[self._i] - positions[self._j]
+        length = np.linalg.norm(moved, axis=1)
+        length[length == 0] = 1.0
+        return self._signed @ np.repeat((self._stretch / length)[:, None] * moved, 2, axis=0)
 
 
-def _gathered(weights: coo_matrix, at_row: FloatArray, at_column: FloatArray) -> FloatArray:
-    """Sum what every edge gives to its two ends."""
-    n, e = weights.shape[0], weights.nnz
-    from scipy.sparse import csr_matrix
+def _under_pressure(
+    positions: FloatArray, before: FloatArray, faces: IntArray, solve: Callable[[FloatArray], FloatArray]
+) -> FloatArray:
+    """Blow a closed mesh up, or let air out, until its compactness is that of the mesh before."""
+    wanted = _signed_compactness(before, faces)
+    corner = positions[faces]
+    push = np.repeat(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]) / 6, 3, axis=0)
+    count = len(positions)
+    normals = np.column_stack([np.bincount(faces.ravel(), push[:, k], minlength=count) for k in range(3)])
+    way = solve(normals)
+    way *= np.sqrt(_area(before, faces) / (way**2).sum(axis=1).max())  # an amount of 1 moves by sqrt(area)
+    side = np.sign(wanted)  # -1 where the triangles face inwards
+    way, wanted, amount, step = side * way, abs(wanted), 0.0, 1e-4
+    for _ in range(_PRESSURE_STEPS):
+        here = side * _signed_compactness(positions + amount * way, faces) - wanted
+        slope = (side * _signed_compactness(positions + (amount + step) * way, faces) - wanted - here) / step
+        if not slope > 0:  # the mesh has no inside to speak of
+            return positions
+        amount = float(np.clip(amount - here / slope, -_MOST_PRESSURE, _MOST_PRESSURE))
+    return positions + amount * way
 
-    ends = csr_matrix(
-        (np.ones(2 * e), np.concatenate([weights.row, weights.col]), np.arange(2 * e + 1)), shape=(2 * e, n)
-    )
-    return ends.T @ np.concatenate([at_row, at_column])
+
+def _signed_compactness(positions: FloatArray, faces: IntArray) -> float:
+    """Divide the volume by the area to the power 3/2: the root of the compactness, with the volume's sign."""
+    return signed_volume(positions, faces) / _area(positions, faces) ** 1.5
 
 
-def _covariances(weights: coo_matrix, before: FloatArray, after: FloatArray) -> FloatArray:
-    i, j = weights.row, weights.col
-    outer = (weights.data[:, None] * (before[i] - before[j]))[:, :, None] * (after[i] - after[j])[:, None, :]
-    outer = outer.reshape(-1, 9)
-    return _gathered(weights, outer, outer).reshape(-1, 3, 3)
-
-
-def _rotated_edges(weights: coo_matrix, before: FloatArray, rotation: FloatArray) -> FloatArray:
-    i, j = weights.row, weights.col
-    edge = (weights.data / 2)[:, None] * (before[i] - before[j])
-    turned = np.einsum("ij,ijk->ik", edge, rotation[i] + rotation[j])
-    return _gathered(weights, turned, -turned)
+def _area(positions: FloatArray, faces: IntArray) -> float:
+    a, b, c = positions[faces].transpose(1, 0, 2)
+    return float(np.sqrt((np.cross(b - a, c - a) ** 2).sum(axis=1)).sum() / 2)
 
 
 def _rotations(covariances: FloatArray) -> FloatArray:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from .alignment import closest_point_fit
-from .surface import FloatArray, IntArray, corner_lengths, face_areas, vertex_pairs
+from .surface import FloatArray, IntArray, corner_lengths, face_areas, is_closed, signed_volume, vertex_pairs
 
 
 def surface_area(vertices: FloatArray, faces: IntArray) -> float:
@@ -41,11 +41,7 @@ def enclosed_volume(vertices: FloatArray, faces: IntArray) -> float:
     float
         Volume; nan if the mesh is not closed, every edge between exactly two triangles.
     """
-    edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
-    if (np.unique(edges, axis=0, return_counts=True)[1] != 2).any():
-        return float("nan")
-    a, b, c = (vertices[faces] - vertices.mean(axis=0)).transpose(1, 0, 2)
-    return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
+    return signed_volume(vertices, faces) if is_closed(faces) else float("nan")
 
 
 def compactness(vertices: FloatArray, faces: IntArray) -> float:

@@ -8,6 +8,9 @@ from dataclasses import dataclass
 from .errors import InvalidSettingsError
 
 STARTS = ("intrinsic", "input")
+QUALITIES = ("draft", "normal", "full")
+_COARSE = {"draft": 1000, "normal": 2200}  # vertices of the mesh that is worked on
+_SAMPLES = {"draft": 40, "normal": 100}  # a patch
 
 
 @dataclass(frozen=True)
@@ -16,6 +19,12 @@ class Settings:
 
     Attributes
     ----------
+    quality : {'draft', 'normal', 'full'}
+        How much of the mesh is worked on. Draft: 1,000 vertices, 40 samples a patch. Normal: 2,200 vertices, 100
+        samples a patch; the result is carried back to all vertices, at a cost that grows like their number. Full: all
+        vertices and all pairs inside each patch, at a cost and memory that grow like the square of their number.
+    preserve_detail : float
+        From 0, the bare form of multidimensional scaling, to 1, the surface kept as rigid as possible.
     diffusion_time : float
         t of the Auto Diffusion Function (equation 7), in multiples of 1/λ_1. Larger: fewer, broader features.
     eigenpairs : int
@@ -32,9 +41,11 @@ class Settings:
         input, whose pose the result then keeps in part.
     landmarks : int
         Number of landmarks of the intrinsic start.
-    feature_share : float
-        How much the other feature points pull at a feature point, as a share of the weight with which its own patch
-        holds it. Far above 0.1 they would pull spikes out of the surface.
+    smoothing : float
+        Diffusion time of the geodesics inside patches, as a share of the area; those between landmarks have a
+        twentieth of it. Smoothed geodesics hardly shorten where a joint bends. 0: as accurate as the heat method is.
+    arrangement_share : float
+        How much the other landmarks pull at a landmark, as a share of the weight with which its patch holds it.
     iterations : int
         Most majorisation steps.
     tolerance : float
@@ -42,22 +53,25 @@ class Settings:
     extrapolation : int
         Number of earlier steps from which the next is extrapolated; 0 takes plain steps. The stress never rises.
     as_published : bool
-        Follow the paper to the letter: open cells, commute times from K eigenpairs, biharmonic distances as they are,
-        unscaled terms, plain steps.
+        Follow the paper to the letter: open cells, all vertices, commute times from K eigenpairs, biharmonic distances
+        as they are, unscaled terms, plain steps, no detail pass.
     memory_limit : float
         Most memory that may be used, in gigabytes.
     """
 
+    quality: str = "normal"
+    preserve_detail: float = 0.5
     diffusion_time: float = 0.15
-    eigenpairs: int = 100
+    eigenpairs: int = 80
     prominence: float = 0.5
     merge_distance: float = 0.05
     feature_points: Sequence[int] | None = None
     start: str = "intrinsic"
-    landmarks: int = 120
-    feature_share: float = 0.03
+    landmarks: int = 100
+    smoothing: float = 0.1
+    arrangement_share: float = 5.0
     iterations: int = 300
-    tolerance: float = 1e-4
+    tolerance: float = 1e-3
     extrapolation: int = 6
     as_published: bool = False
     memory_limit: float = 8.0
@@ -70,17 +84,40 @@ class Settings:
         InvalidSettingsError
             With the name of the option, its range and the value given.
         """
+        _require(self.quality in QUALITIES, "quality", "'draft', 'normal' or 'full'", self.quality)
+        _require(0 <= self.preserve_detail <= 1, "preserve_detail", "from 0 to 1", self.preserve_detail)
         _require(0 < self.diffusion_time <= 50, "diffusion_time", "above 0 and at most 50", self.diffusion_time)
         _require(self.eigenpairs >= 1, "eigenpairs", "at least 1", self.eigenpairs)
         _require(self.prominence >= 0, "prominence", "at least 0", self.prominence)
         _require(0 <= self.merge_distance <= 1, "merge_distance", "from 0 to 1", self.merge_distance)
         _require(self.start in STARTS, "start", "'intrinsic' or 'input'", self.start)
         _require(self.landmarks >= 4, "landmarks", "at least 4", self.landmarks)
-        _require(0 <= self.feature_share <= 10, "feature_share", "from 0 to 10", self.feature_share)
+        _require(0 <= self.smoothing <= 10, "smoothing", "from 0 to 10", self.smoothing)
+        _require(0 <= self.arrangement_share <= 100, "arrangement_share", "from 0 to 100", self.arrangement_share)
         _require(self.iterations >= 0, "iterations", "at least 0", self.iterations)
         _require(self.tolerance >= 0, "tolerance", "at least 0", self.tolerance)
         _require(self.extrapolation >= 0, "extrapolation", "at least 0", self.extrapolation)
         _require(self.memory_limit > 0, "memory_limit", "above 0", self.memory_limit)
+
+    @property
+    def whole(self) -> bool:
+        """Whether all vertices and all pairs inside a patch are used."""
+        return self.as_published or self.quality == "full"
+
+    @property
+    def coarse_vertices(self) -> int | None:
+        """Number of vertices to work on; None for all."""
+        return None if self.whole else _COARSE[self.quality]
+
+    @property
+    def samples(self) -> int:
+        """Number of samples a patch, where not all pairs are used."""
+        return _SAMPLES.get(self.quality, 0)
+
+    @property
+    def heat_time(self) -> float | None:
+        """Diffusion time of the geodesics inside patches, a squared length on a surface of unit area; None: least."""
+        return None if self.as_published or self.smoothing == 0 else self.smoothing
 
 
 def _require(holds: bool, name: str, range_: str, value: object) -> None:

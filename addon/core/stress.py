@@ -87,6 +87,28 @@ class PairSet:
         return matrix
 
 
+@dataclass(frozen=True, eq=False)
+class CrossPairs:
+    """Pairs of some vertices, the samples, with many, each with a wanted distance and a weight.
+
+    Attributes
+    ----------
+    rows : (s,) ndarray of int
+        The samples, each once.
+    columns : (p,) ndarray of int
+        The vertices they are paired with, each once; the samples may be among them.
+    targets : (s, p) ndarray of float
+        Wanted distances.
+    weights : (s, p) ndarray of float
+        Weights, 0 between a vertex and itself. A pair of two samples is there twice.
+    """
+
+    rows: IntArray
+    columns: IntArray
+    targets: FloatArray
+    weights: FloatArray
+
+
 def pair_set(
     vertices: IntArray, distances: FloatArray, weights: Callable[[slice, slice, FloatArray], FloatArray]
 ) -> PairSet:
@@ -126,15 +148,25 @@ class Stress:
         Patches and feature points.
     monitor : Monitor, optional
         Asked between tiles whether to stop.
+    cross : list of CrossPairs, optional
+        Samples of the patches with all vertices of them.
     """
 
-    def __init__(self, vertex_count: int, pair_sets: list[PairSet], monitor: Monitor | None = None) -> None:
+    def __init__(
+        self,
+        vertex_count: int,
+        pair_sets: list[PairSet],
+        monitor: Monitor | None = None,
+        cross: list[CrossPairs] | None = None,
+    ) -> None:
         self.vertex_count = vertex_count
         self.pair_sets = pair_sets
+        self.cross = cross or []
         self._monitor = monitor or Monitor()
         largest = max((len(pairs.vertices) for pairs in pair_sets), default=0)
+        sampled = max((pairs.targets.size for pairs in self.cross), default=0)
         # working memory of every tile in turn: fresh pages cost more than the sums
-        self._room = np.empty((3, min(_ROWS, largest) * largest))
+        self._room = np.empty((3, max(min(_ROWS, largest) * largest, sampled)))
 
     def value(self, embedding: FloatArray) -> float:
         """Evaluate the stress.
@@ -171,27 +203,40 @@ class Stress:
         CancelledError
             If the monitor says so.
         """
-        from scipy.spatial.distance import cdist
-
         total = 0.0
         pull = np.zeros_like(embedding)
         for pairs in self.pair_sets:
             points = np.ascontiguousarray(embedding[pairs.vertices])  # (p, d)
-            extended = np.column_stack([points, np.ones(len(points))])  # sums come with the products
             local = np.zeros_like(points)
             for start, target, weight in zip(range(0, len(points), _ROWS), pairs.targets, pairs.weights, strict=True):
-                self._monitor.check()
                 stop = start + len(target)
-                distance, missing, force = (room[: target.size].reshape(target.shape) for room in self._room)
-                cdist(points[start:stop], points[start:], out=distance)
-                np.subtract(target, distance, out=missing)
-                np.multiply(weight, missing, out=force)
-                total += float(np.vdot(force, missing))
-                distance[distance == 0] = 1.0  # the diagonal, and points that coincide: no direction, no pull
-                force /= distance
-                right = force @ extended[start:]
-                left = force.T @ extended[start:stop]
-                local[start:stop] += right[:, -1:] * points[start:stop] - right[:, :-1]
-                local[start:] += left[:, -1:] * points[start:] - left[:, :-1]
+                value, at_rows, at_columns = self._tile(points[start:stop], points[start:], target, weight)
+                total += value
+                local[start:stop] += at_rows
+                local[start:] += at_columns
             pull[pairs.vertices] += local
+        for pairs in self.cross:
+            rows, columns = (np.ascontiguousarray(embedding[part]) for part in (pairs.rows, pairs.columns))
+            value, at_rows, at_columns = self._tile(rows, columns, pairs.targets, pairs.weights)
+            total += value
+            pull[pairs.rows] += at_rows
+            pull[pairs.columns] += at_columns
         return total, pull
+
+    def _tile(
+        self, rows: FloatArray, columns: FloatArray, target: FloatArray, weight: FloatArray
+    ) -> tuple[float, FloatArray, FloatArray]:
+        """Sum one tile: its stress, and what it pulls at the points of its rows and of its columns."""
+        from scipy.spatial.distance import cdist
+
+        self._monitor.check()
+        distance, missing, force = (room[: target.size].reshape(target.shape) for room in self._room)
+        cdist(rows, columns, out=distance)
+        np.subtract(target, distance, out=missing)
+        np.multiply(weight, missing, out=force)
+        value = float(np.vdot(force, missing))
+        distance[distance == 0] = 1.0  # the diagonal, and points that coincide: no direction, no pull
+        force /= distance
+        right = force @ np.column_stack([columns, np.ones(len(columns))])  # sums come with the products
+        left = force.T @ np.column_stack([rows, np.ones(len(rows))])
+        return value, right[:, -1:] * rows - right[:, :-1], left[:, -1:] * columns - left[:, :-1]

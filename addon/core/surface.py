@@ -204,6 +204,63 @@ def corner_cotangents(lengths: FloatArray) -> FloatArray:
     return (squared.sum(axis=1, keepdims=True) - 2 * squared) / (4 * area[:, None])
 
 
+def vertex_areas(vertices: FloatArray, faces: IntArray) -> FloatArray:
+    """Give every vertex a third of the area of its triangles in space.
+
+    Parameters
+    ----------
+    vertices : (n, 3) ndarray of float
+        Vertex positions.
+    faces : (m, 3) ndarray of int
+        Triangles.
+
+    Returns
+    -------
+    (n,) ndarray of float
+        Areas.
+    """
+    a, b, c = vertices[faces].transpose(1, 0, 2)
+    thirds = np.sqrt((np.cross(b - a, c - a) ** 2).sum(axis=1)) / 6
+    return np.bincount(faces.ravel(), weights=np.repeat(thirds, 3), minlength=len(vertices)).astype(np.float64)
+
+
+def is_closed(faces: IntArray) -> bool:
+    """Tell whether every edge lies between exactly two triangles.
+
+    Parameters
+    ----------
+    faces : (m, 3) ndarray of int
+        Triangles.
+
+    Returns
+    -------
+    bool
+        True if the mesh has no border and no edge of more than two triangles.
+    """
+    tail, head = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    key = np.sort(np.minimum(tail, head) * (int(faces.max()) + 1) + np.maximum(tail, head))
+    return len(key) % 2 == 0 and bool((key[::2] == key[1::2]).all() and (key[1:-1:2] != key[2::2]).all())
+
+
+def signed_volume(vertices: FloatArray, faces: IntArray) -> float:
+    """Sum the signed volumes between the triangles and the centre.
+
+    Parameters
+    ----------
+    vertices : (n, 3) ndarray of float
+        Vertex positions.
+    faces : (m, 3) ndarray of int
+        Triangles.
+
+    Returns
+    -------
+    float
+        The volume inside a closed mesh, positive if its triangles are counter-clockwise seen from outside.
+    """
+    a, b, c = (vertices[faces] - vertices.mean(axis=0)).transpose(1, 0, 2)
+    return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
+
+
 def vertex_pairs(faces: IntArray) -> IntArray:
     """List every pair of vertices joined by an edge once.
 
