@@ -16,10 +16,15 @@ if TYPE_CHECKING:
 
 _PRESSURE_STEPS = 3  # Newton steps of the pressure in each deformation step
 _MOST_PRESSURE = 0.05  # farthest a vertex may be pushed in one step, in units of sqrt(area)
+_POCKET = 5.0  # a fifth of the surroundings inside out makes a pocket
+_LEAST_TRUST = 1e-3  # keeps the system regular
+_NEAR = 0.0005  # diffusion time of the rotations that carry detail, as a share of the area
 _SPREAD = 0.01  # diffusion time of the first rotations, as a share of the area: wide enough to see a limb as a body
 
 
-def diffused_covariances(surface: Triangulation, before: FloatArray, after: FloatArray) -> FloatArray:
+def diffused_covariances(
+    surface: Triangulation, before: FloatArray, after: FloatArray, trust: FloatArray | None = None, spread: float = _SPREAD
+) -> FloatArray:
     """Compare the surroundings of every vertex before and after, over an area as wide as a limb.
 
     Parameters
@@ -28,6 +33,10 @@ def diffused_covariances(surface: Triangulation, before: FloatArray, after: Floa
         The surface, Delaunay.
     before, after : (n, 3) ndarray of float
         Positions of the vertices.
+    trust : (n,) ndarray of float, optional
+        Weight of each vertex; 1 when left out.
+    spread : float
+        Diffusion time, as a share of the area.
 
     Returns
     -------
@@ -38,11 +47,15 @@ def diffused_covariances(surface: Triangulation, before: FloatArray, after: Floa
 
     L, M = stiffness(surface), mass(surface)
     local = _Edges(L, before).covariances(after).reshape(-1, 9)
-    return factored(diags(M) + _SPREAD * M.sum() * L).solve(local).reshape(-1, 3, 3)
+    if trust is not None:
+        local *= np.maximum(trust, _LEAST_TRUST)[:, None]
+    return factored(diags(M) + spread * M.sum() * L).solve(local).reshape(-1, 3, 3)
 
 
 def local_rotations(surface: Triangulation, before: FloatArray, after: FloatArray) -> FloatArray:
-    """Find the rotation of the surroundings of every vertex: of its edges.
+    """Find the rotation of the surroundings of every vertex: of the edges near it.
+
+    One ring alone would not do: a few edges that lie almost in one plane have a second rotation that fits as well.
 
     Parameters
     ----------
@@ -56,7 +69,7 @@ def local_rotations(surface: Triangulation, before: FloatArray, after: FloatArra
     (n, 3, 3) ndarray of float
         Proper rotations, applied from the right: ``x ↦ x R``.
     """
-    return _rotations(_Edges(stiffness(surface), before).covariances(after))
+    return _rotations(diffused_covariances(surface, before, after, spread=_NEAR))
 
 
 def deformed_towards(
@@ -68,6 +81,7 @@ def deformed_towards(
     memory: float = 1.0,
     closed_faces: IntArray | None = None,
     monitor: Monitor | None = None,
+    trust: FloatArray | None = None,
 ) -> FloatArray:
     """Deform a mesh as rigidly as possible while its vertices are pulled to given places.
 
@@ -90,6 +104,8 @@ def deformed_towards(
         Triangles of the mesh, if it is closed: the compactness ``V² / A³`` is then kept, by an even pressure.
     monitor : Monitor, optional
         Told the progress and asked whether to stop.
+    trust : (n,) ndarray of float, optional
+        How far the target is to be trusted, 0 to 1 by vertex; where it is not, there is no pull and full memory.
 
     Returns
     -------
@@ -111,21 +127,61 @@ def deformed_towards(
     monitor = monitor or Monitor()
     L, M = stiffness(surface), mass(surface)
     edges = _Edges(L, before)
-    solve = factored(L + pull * diags(M)).solve
+    trust = np.ones(len(before)) if trust is None else trust
+    anchor = pull * np.maximum(trust, _LEAST_TRUST) * M
+    memory_at = edges.means(1 - (1 - memory) * trust)[:, None]
+    solve = factored(L + diags(anchor)).solve
     monitor.check()
-    rotation = _rotations(diffused_covariances(surface, before, target))
-    positions = target
+    positions, rotation = target, _rotations(diffused_covariances(surface, before, target, trust))
     for step in range(steps):
-        force = memory * edges.rotated(rotation)
+        force = edges.rotated(rotation, memory_at)
         if memory < 1:
-            force += (1 - memory) * edges.with_lengths_kept(positions)
-        positions = solve(force + pull * M[:, None] * target)
+            force += edges.with_lengths_kept(positions, 1 - memory_at)
+        positions = solve(force + anchor[:, None] * target)
         if closed_faces is not None:
             positions = _under_pressure(positions, before, closed_faces, solve)
         monitor.tick((step + 1) / steps)
         if step + 1 < steps:
             rotation = _rotations(edges.covariances(positions))
     return positions
+
+
+def right_side_out(
+    surface: Triangulation, before: FloatArray, after: FloatArray, faces: IntArray, spread: float
+) -> FloatArray:
+    """Tell where an embedding is right side out, seen against its wider surroundings.
+
+    Parameters
+    ----------
+    surface : Triangulation
+        The surface, Delaunay.
+    before, after : (n, 3) ndarray of float
+        Positions of the vertices.
+    faces : (m, 3) ndarray of int
+        Triangles of the mesh.
+    spread : float
+        How far around an inverted triangle it is told, as a diffusion time and share of the area.
+
+    Returns
+    -------
+    (n,) ndarray of float
+        1 where all is well, 0 in the middle of a pocket that is inside out.
+    """
+    from scipy.sparse import diags
+
+    rotation = _rotations(diffused_covariances(surface, before, after))
+    normals = []
+    for positions in (before, after):
+        a, b, c = positions[faces].transpose(1, 0, 2)
+        normals.append(np.cross(b - a, c - a))
+    turned = np.einsum("ij,ijk->ik", normals[0], rotation[faces[:, 0]])
+    size = np.linalg.norm(turned, axis=1)
+    with_it = np.einsum("ij,ij->i", turned, normals[1]) / np.maximum(size * np.linalg.norm(normals[1], axis=1), 1e-30)
+    inverted = np.repeat(np.clip(-2 * with_it, 0.0, 1.0) * size / 6, 3)
+    area = np.bincount(faces.ravel(), inverted, minlength=len(before))
+    L, M = stiffness(surface), mass(surface)
+    share = factored(diags(M) + spread * M.sum() * L).solve(area)
+    return np.clip(1 - _POCKET * share, 0.0, 1.0)
 
 
 class _Edges:
@@ -152,15 +208,18 @@ class _Edges:
         outer = (self._weighted[:, :, None] * moved[:, None, :]).reshape(-1, 9)
         return (self._ends @ np.repeat(outer, 2, axis=0)).reshape(-1, 3, 3)
 
-    def rotated(self, rotation: FloatArray) -> FloatArray:
-        turned = np.einsum("ij,ijk->ik", self._weighted / 2, rotation[self._i] + rotation[self._j])
+    def means(self, values: FloatArray) -> FloatArray:
+        return (values[self._i] + values[self._j]) / 2
+
+    def rotated(self, rotation: FloatArray, share: FloatArray) -> FloatArray:
+        turned = np.einsum("ij,ijk->ik", share * self._weighted / 2, rotation[self._i] + rotation[self._j])
         return self._signed @ np.repeat(turned, 2, axis=0)
 
-    def with_lengths_kept(self, positions: FloatArray) -> FloatArray:
+    def with_lengths_kept(self, positions: FloatArray, share: FloatArray) -> FloatArray:
         moved = positions[self._i] - positions[self._j]
         length = np.linalg.norm(moved, axis=1)
         length[length == 0] = 1.0
-        return self._signed @ np.repeat((self._stretch / length)[:, None] * moved, 2, axis=0)
+        return self._signed @ np.repeat(share * (self._stretch / length)[:, None] * moved, 2, axis=0)
 
 
 def _under_pressure(

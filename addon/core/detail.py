@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from .coarsening import Coarsening
-from .deformation import deformed_towards, local_rotations
+from .deformation import deformed_towards, local_rotations, right_side_out
 from .monitor import Monitor
 from .surface import FloatArray, IntArray, Triangulation, is_closed
 
@@ -15,6 +15,7 @@ _STEPS = 8
 _FIRST = 12.0  # times the pull of the first pass, which only smooths what the stress crumpled
 _FIRST_STEPS = 4
 _FIRST_MEMORY = 0.4
+_POCKET_SPREAD = 0.001  # share of the area around a pocket that is let go
 
 
 def detailed(
@@ -53,12 +54,13 @@ def detailed(
         If the monitor says so.
     """
     pull = max(_PULL * ((1 - preserve) / preserve) ** 2, _LEAST_PULL)
-    memory = preserve**3
+    memory = preserve**4
     closed = faces if is_closed(faces) else None
     smooth = deformed_towards(
         surface, points, form, _FIRST * pull, _FIRST_STEPS, max(memory, _FIRST_MEMORY), monitor=monitor
     )
-    return deformed_towards(surface, points, smooth, pull, _STEPS, memory, closed, monitor)
+    trust = right_side_out(surface, points, smooth, faces, _POCKET_SPREAD)
+    return deformed_towards(surface, points, smooth, pull, _STEPS, memory, closed, monitor, trust=trust)
 
 
 def carried_by_frames(

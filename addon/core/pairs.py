@@ -189,7 +189,8 @@ def patch_geodesics(surface: Triangulation, sources: IntArray, time: float | Non
         some = sources[start : start + _CHUNK]
         block = near.distances(some)
         if far is not None:
-            block += (1 - np.exp(-(block**2) / (_NEAR**2 * time))) * (far.distances(some) - block)
+            smooth = (1 - np.exp(-(block**2) / (_NEAR**2 * time))) * (far.distances(some) - block)
+            block = np.maximum(block + smooth, block / 2)  # far too smooth is 0, or less, around the source
         distance[start : start + _CHUNK] = block.T
     return distance
 
