@@ -17,7 +17,7 @@ from .blender.computing import compute_on
 from .blender.files import open_meshes, save_blend, save_form
 from .blender.mesh_reading import refusal
 from .core import CanonicalFormError, Settings
-from .core.settings import STARTS
+from .core.settings import QUALITIES, STARTS
 from .result_lines import claim_output
 
 
@@ -72,6 +72,8 @@ def _parser() -> argparse.ArgumentParser:
     compute.add_argument("--format", choices=("blend", "obj", "ply"), default="blend", help="what to write")
     compute.add_argument("--object", help="name of the one object of a file to compute (default: every mesh in it)")
     compute.add_argument("--value", type=float, default=1.0, help="value of the shape key in a .blend")
+    compute.add_argument("--quality", choices=QUALITIES, default=default.quality, help="how much is worked on")
+    compute.add_argument("--preserve-detail", type=float, default=default.preserve_detail, help="0 to 1")
     compute.add_argument("--prominence", type=float, default=default.prominence, help="larger gives fewer patches")
     compute.add_argument("--feature-points", help="vertex indices separated by commas, instead of detected ones")
     compute.add_argument("--diffusion-time", type=float, default=default.diffusion_time, help="t of the ADF")
@@ -79,7 +81,10 @@ def _parser() -> argparse.ArgumentParser:
     compute.add_argument("--merge-distance", type=float, default=default.merge_distance, help="share of the diameter")
     compute.add_argument("--start", choices=STARTS, default=default.start, help="where the minimisation starts")
     compute.add_argument("--landmarks", type=int, default=default.landmarks, help="landmarks of the intrinsic start")
-    compute.add_argument("--feature-share", type=float, default=default.feature_share, help="weight of the features")
+    compute.add_argument("--smoothing", type=float, default=default.smoothing, help="averaging of the geodesics")
+    compute.add_argument(
+        "--arrangement-share", type=float, default=default.arrangement_share, help="weight of the landmarks"
+    )
     compute.add_argument("--iterations", type=int, default=default.iterations, help="most steps")
     compute.add_argument("--tolerance", type=float, default=default.tolerance, help="relative change to stop at")
     compute.add_argument("--extrapolation", type=int, default=default.extrapolation, help="earlier steps to use")

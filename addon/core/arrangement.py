@@ -15,7 +15,7 @@ _BIHARMONIC_SHARE = 0.6  # of the squared distances; the rest is geodesic
 _TIE, _SURE = 0.2, 0.6  # handedness below which the third axis is dropped, and above which it is kept whole
 _PULL = 30.0  # 1/area: the layout shapes what is larger than a limb, the surface what is smaller
 _MEMORY = 0.1  # of the bends of the pose
-_STEPS = 20
+_STEPS = 18
 
 
 def landmark_distances(geodesic: FloatArray, landmarks: IntArray, spectrum: Spectrum) -> FloatArray:

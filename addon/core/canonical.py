@@ -32,6 +32,7 @@ from .weight_inverse import SampledWeightInverse, WeightInverse
 
 _WORTH_COARSENING = 1.2  # times as many vertices as are worked on
 _STUCK = 2.0  # times as many vertices as asked for are left: the coarse mesh is not one
+_FEATURE_SHARE = 0.03  # of the feature points alone, from the input; far more would pull spikes out of the surface
 _LAYOUT_SMOOTHING = 0.05  # diffusion time of the landmarks' geodesics over that of the patches
 
 
@@ -169,7 +170,9 @@ def canonical_form(
     if settings.start == "intrinsic":
         with monitor.stage("Landmarks", 0.65):
             landmarks, to_landmarks = _landmarks(surface, features, settings, monitor)
-            distances = landmark_distances(to_landmarks, landmarks, spectrum)
+            distances = to_landmarks
+            if settings.smoothing > 0:
+                distances = landmark_distances(to_landmarks, landmarks, spectrum)
         with monitor.stage("Start", 0.7):
             start = inflated(surface, points, laid_out(distances, landmarks, points, triangles), monitor)
     from scipy.spatial.distance import pdist, squareform
@@ -182,7 +185,8 @@ def canonical_form(
             between = _feature_pairs(features, to_features, green or GreensFunction(L, M), adf, settings)
         if between is not None:
             if not settings.as_published:
-                between = balanced(between, sets or cross, len(points), settings.arrangement_share)
+                share = settings.arrangement_share if settings.start == "intrinsic" else _FEATURE_SHARE
+                between = balanced(between, sets or cross, len(points), share)
             sets = [*sets, between]
         pair_count = sum(len(pairs.vertices) ** 2 for pairs in sets) + sum(pairs.targets.size for pairs in cross)
         inverse: WeightInverse | SampledWeightInverse

@@ -82,6 +82,8 @@ def deformed_towards(
     closed_faces: IntArray | None = None,
     monitor: Monitor | None = None,
     trust: FloatArray | None = None,
+    done: float = 0.0,
+    share: float = 1.0,
 ) -> FloatArray:
     """Deform a mesh as rigidly as possible while its vertices are pulled to given places.
 
@@ -106,6 +108,8 @@ def deformed_towards(
         Told the progress and asked whether to stop.
     trust : (n,) ndarray of float, optional
         How far the target is to be trusted, 0 to 1 by vertex; where it is not, there is no pull and full memory.
+    done, share : float
+        The fraction of the present stage that is done before, and that this call is worth.
 
     Returns
     -------
@@ -140,7 +144,7 @@ def deformed_towards(
         positions = solve(force + anchor[:, None] * target)
         if closed_faces is not None:
             positions = _under_pressure(positions, before, closed_faces, solve)
-        monitor.tick((step + 1) / steps)
+        monitor.tick(done + share * (step + 1) / steps)
         if step + 1 < steps:
             rotation = _rotations(edges.covariances(positions))
     return positions

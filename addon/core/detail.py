@@ -54,13 +54,15 @@ def detailed(
         If the monitor says so.
     """
     pull = max(_PULL * ((1 - preserve) / preserve) ** 2, _LEAST_PULL)
-    memory = preserve**4
+    memory = preserve**5
     closed = faces if is_closed(faces) else None
     smooth = deformed_towards(
-        surface, points, form, _FIRST * pull, _FIRST_STEPS, max(memory, _FIRST_MEMORY), monitor=monitor
+        surface, points, form, _FIRST * pull, _FIRST_STEPS, max(memory, _FIRST_MEMORY), monitor=monitor, share=0.3
     )
     trust = right_side_out(surface, points, smooth, faces, _POCKET_SPREAD)
-    return deformed_towards(surface, points, smooth, pull, _STEPS, memory, closed, monitor, trust=trust)
+    return deformed_towards(
+        surface, points, smooth, pull, _STEPS, memory, closed, monitor, trust, done=0.3, share=0.7
+    )
 
 
 def carried_by_frames(

@@ -167,9 +167,7 @@ def biharmonic_squared(spectrum: Spectrum, first: IntArray, second: IntArray) ->
     return _spectral_squared(spectrum, first, second, 2)
 
 
-def all_geodesics(
-    surface: Triangulation, monitor: Monitor, done: float = 0.0, share: float = 1.0, time: float | None = None
-) -> FloatArray:
+def all_geodesics(surface: Triangulation, monitor: Monitor, done: float = 0.0, share: float = 1.0) -> FloatArray:
     """Measure geodesic distances between all vertices of a patch by the heat method (paper section 3.3).
 
     Parameters
@@ -180,8 +178,6 @@ def all_geodesics(
         Asked between blocks of sources whether to stop, and told the progress.
     done, share : float
         The fraction of the present stage that is done before, and that this call is worth.
-    time : float, optional
-        Diffusion time of the heat method, for smoothed geodesics; as accurate as can be when left out.
 
     Returns
     -------
@@ -194,7 +190,7 @@ def all_geodesics(
         If the monitor says so.
     """
     count = surface.vertex_count
-    heat = HeatMethod(surface, time, refine=time is None, monitor=monitor)
+    heat = HeatMethod(surface, monitor=monitor)
     distance = np.empty((count, count))
     chunk = int(np.clip(_CHUNK_VALUES // count, 4, _CHUNK))
     for start in range(0, count, chunk):

@@ -63,7 +63,13 @@ def all_patch_pairs(
     for index, patch in enumerate(patches):
         vertices, corners = np.unique(patch, return_inverse=True)
         surface = triangulated(points[vertices], corners.reshape(-1, 3))
-        distance = all_geodesics(surface, monitor, effort[index], effort[index + 1] - effort[index], settings.heat_time)
+        if settings.heat_time is None:
+            distance = all_geodesics(surface, monitor, effort[index], effort[index + 1] - effort[index])
+        else:
+            distance = patch_geodesics(surface, np.arange(len(vertices)), settings.heat_time, monitor)
+            distance = (distance + distance.T) / 2
+            np.fill_diagonal(distance, 0.0)
+            monitor.tick(float(effort[index + 1]))
         if settings.as_published:  # open cells: the pairs of the cell's own vertices only
             own = np.flatnonzero(cells[vertices] == index)
             vertices, distance = vertices[own], distance[np.ix_(own, own)]
@@ -290,7 +296,8 @@ def balanced(pairs: PairSet, patches: list[PairSet] | list[CrossPairs], vertex_c
         else:
             total[patch.rows] += patch.weights.sum(axis=1)
             total[patch.columns] += patch.weights.sum(axis=0)
-    return pairs.scaled(share * float(total[pairs.vertices].sum()) / float(pairs.total_weights().sum()))
+    own = float(pairs.total_weights().sum())
+    return pairs.scaled(share * float(total[pairs.vertices].sum()) / own) if own > 0 else pairs
 
 
 def _tell_of_missing(short: int, monitor: Monitor) -> None:

@@ -10,7 +10,7 @@ from .errors import InvalidSettingsError
 STARTS = ("intrinsic", "input")
 QUALITIES = ("draft", "normal", "full")
 _COARSE = {"draft": 1000, "normal": 2200}  # vertices of the mesh that is worked on
-_SAMPLES = {"draft": 40, "normal": 100}  # a patch
+_SAMPLES = {"draft": 40, "normal": 80}  # a patch
 
 
 @dataclass(frozen=True)
@@ -20,7 +20,7 @@ class Settings:
     Attributes
     ----------
     quality : {'draft', 'normal', 'full'}
-        How much of the mesh is worked on. Draft: 1,000 vertices, 40 samples a patch. Normal: 2,200 vertices, 100
+        How much of the mesh is worked on. Draft: 1,000 vertices, 40 samples a patch. Normal: 2,200 vertices, 80
         samples a patch; the result is carried back to all vertices, at a cost that grows like their number. Full: all
         vertices and all pairs inside each patch, at a cost and memory that grow like the square of their number.
     preserve_detail : float
@@ -43,7 +43,8 @@ class Settings:
         Number of landmarks of the intrinsic start.
     smoothing : float
         Diffusion time of the geodesics inside patches, as a share of the area; those between landmarks have a
-        twentieth of it. Smoothed geodesics hardly shorten where a joint bends. 0: as accurate as the heat method is.
+        twentieth of it and are averaged with biharmonic ones. Such distances hardly shorten where a joint bends.
+        0: geodesics alone, as accurate as the heat method is, for sheets that are to be unrolled.
     arrangement_share : float
         How much the other landmarks pull at a landmark, as a share of the weight with which its patch holds it.
     iterations : int
@@ -69,9 +70,9 @@ class Settings:
     start: str = "intrinsic"
     landmarks: int = 100
     smoothing: float = 0.1
-    arrangement_share: float = 5.0
+    arrangement_share: float = 10.0
     iterations: int = 300
-    tolerance: float = 1e-3
+    tolerance: float = 2e-3
     extrapolation: int = 6
     as_published: bool = False
     memory_limit: float = 8.0

@@ -106,6 +106,8 @@ class SampledWeightInverse:
     def __init__(
         self, vertex_count: int, cross: list[CrossPairs], pair_sets: list[PairSet], monitor: Monitor | None = None
     ) -> None:
+        from scipy.sparse import csr_matrix
+
         monitor = monitor or Monitor()
         some = [pairs.rows for pairs in cross] + [pairs.vertices for pairs in pair_sets]
         self._samples = np.unique(np.concatenate(some))
@@ -125,10 +127,11 @@ class SampledWeightInverse:
         for each in pair_sets:
             place = position[each.vertices]
             matrix[np.ix_(place, place)] += each.laplacian(monitor)
-        self._share = weights[:, self._others] / total[self._others]  # (s, n - s)
+        share = weights[:, self._others] / total[self._others]  # (s, n - s)
         self._total = total[self._others]
         monitor.check()
-        matrix -= self._share @ weights[:, self._others].T
+        matrix -= share @ weights[:, self._others].T
+        self._share = csr_matrix(share)  # a sample has weights in its own patches only
         matrix += float(np.diag(matrix).max()) / count  # constants are the null space
         self._factor = _cholesky(matrix, monitor)
 

@@ -7,6 +7,7 @@ from .operators import OBJECT_OT_canonical_form, OBJECT_OT_canonical_form_clear
 from .properties import METHOD_NAMES
 
 _CATEGORY = "Canonical Form"
+_MAIN = ("quality", "preserve_detail", "prominence")
 
 
 class VIEW3D_PT_canonical_form(bpy.types.Panel):
@@ -23,7 +24,8 @@ class VIEW3D_PT_canonical_form(bpy.types.Panel):
         layout.use_property_split = True
         layout.use_property_decorate = False
         chosen = context.scene.canonical_form
-        layout.prop(chosen, "prominence")
+        for name in _MAIN:
+            layout.prop(chosen, name)
         button = layout.operator(OBJECT_OT_canonical_form.bl_idname, text="Compute", icon="ARMATURE_DATA")
         for name in METHOD_NAMES:
             setattr(button, name, getattr(chosen, name))
@@ -55,7 +57,7 @@ class VIEW3D_PT_canonical_form_advanced(bpy.types.Panel):
         self.layout.use_property_decorate = False
         column = self.layout.column()
         for name in METHOD_NAMES:
-            if name != "prominence":
+            if name not in _MAIN:
                 column.prop(context.scene.canonical_form, name)
 
 

@@ -21,6 +21,24 @@ class MethodProperties:
         max=1.0,
         subtype="FACTOR",
     )
+    quality: EnumProperty(  # type: ignore[valid-type]
+        name="Quality",
+        description="How much of the mesh is worked on",
+        items=(
+            ("draft", "Draft", "1,000 vertices, few samples: a quick look"),
+            ("normal", "Normal", "2,200 vertices, carried back to all: a second or two, also on large meshes"),
+            ("full", "Full", "All vertices and all pairs: minutes above 10,000 vertices, for reference"),
+        ),
+        default=_DEFAULT.quality,
+    )
+    preserve_detail: FloatProperty(  # type: ignore[valid-type]
+        name="Preserve Detail",
+        description="From 0, the bare form, to 1, the surface kept as rigid as possible",
+        default=_DEFAULT.preserve_detail,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+    )
     prominence: FloatProperty(  # type: ignore[valid-type]
         name="Prominence",
         description="How far a feature point must stand out; larger gives fewer patches",
@@ -72,13 +90,23 @@ class MethodProperties:
         min=4,
         soft_max=500,
     )
-    feature_share: FloatProperty(  # type: ignore[valid-type]
-        name="Feature Weight",
-        description="How much the feature points pull at each other, against the weight their patches hold them with",
-        default=_DEFAULT.feature_share,
+    smoothing: FloatProperty(  # type: ignore[valid-type]
+        name="Smoothing",
+        description="How widely geodesics are averaged, as a share of the area; 0 measures them as they are, and they "
+        "then shorten where joints bend",
+        default=_DEFAULT.smoothing,
         min=0.0,
         max=10.0,
-        soft_max=0.3,
+        soft_max=1.0,
+        precision=3,
+    )
+    arrangement_share: FloatProperty(  # type: ignore[valid-type]
+        name="Arrangement Weight",
+        description="How much the landmarks pull at each other, against the weight their patches hold them with",
+        default=_DEFAULT.arrangement_share,
+        min=0.0,
+        max=100.0,
+        soft_max=20.0,
     )
     iterations: IntProperty(  # type: ignore[valid-type]
         name="Iterations",

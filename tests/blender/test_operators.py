@@ -183,7 +183,7 @@ def test_a_mesh_edited_through_another_object_is_refused(figure_object):
 def test_a_property_of_the_users_with_our_name_is_not_taken_for_a_record(figure_object):
     figure_object.data["canonical_form_record"] = "yes"
     assert record_of(figure_object.data) is None
-    assert drawn(VIEW3D_PT_canonical_form) == ["prominence", "Compute"]
+    assert drawn(VIEW3D_PT_canonical_form) == ["quality", "preserve_detail", "prominence", "Compute"]
 
 
 @pytest.mark.parametrize("mode", ["EDIT", "SCULPT", "WEIGHT_PAINT", "VERTEX_PAINT"])
@@ -354,14 +354,14 @@ def drawn(panel):
 
 
 def test_the_panel_shows_what_was_found(figure_object):
-    assert drawn(VIEW3D_PT_canonical_form) == ["prominence", "Compute"]
+    assert drawn(VIEW3D_PT_canonical_form) == ["quality", "preserve_detail", "prominence", "Compute"]
     compute()
     lines = drawn(VIEW3D_PT_canonical_form)
     assert "Pose to Form" in lines
     assert any("feature points and patches" in line for line in lines)
     assert any("still falling" in line for line in lines)
     assert lines[-1] == "Clear"
-    assert set(drawn(VIEW3D_PT_canonical_form_advanced)) == set(METHOD_NAMES) - {"prominence"}
+    assert set(drawn(VIEW3D_PT_canonical_form_advanced)) == set(METHOD_NAMES) - {"quality", "preserve_detail", "prominence"}
 
 
 def test_the_record_is_json(figure_object):

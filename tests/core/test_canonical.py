@@ -13,12 +13,13 @@ from addon.core.alignment import rigid_fit
 from addon.core.canonical import CanonicalForm
 from addon.core.delaunay import intrinsic_delaunay
 from addon.core.distances import GreensFunction, all_geodesics, commute_time_squared
+from addon.core.heat import HeatMethod, heat_geodesics
 from addon.core.laplacian import mass, stiffness
 from addon.core.measures import edge_stretch, surface_area
 from addon.core.monitor import Monitor
 from addon.core.patches import closed_cell_faces
 from addon.core.spectrum import compute_spectrum
-from addon.core.surface import corner_lengths, face_areas, triangulated
+from addon.core.surface import corner_lengths, face_areas, triangulated, vertex_areas
 from tests.sample import shapes
 
 
@@ -46,14 +47,14 @@ def test_the_contract(figure, form):
     np.testing.assert_array_equal(form.patches[form.feature_points], np.arange(5))
     assert (np.diff(form.stress) <= 1e-12 * form.stress[:-1]).all()
     assert form.pair_reduction == 1 - form.pair_count / len(vertices) ** 2
-    assert 0.6 < form.pair_reduction < 0.85
+    assert 0.85 < form.pair_reduction < 0.99
     assert form.warnings == []
     assert sum(form.timings.values()) > 0
 
 
 def test_it_lies_where_the_input_lies(figure, form):
     vertices, faces = figure
-    weights = mass(intrinsic_delaunay(triangulated(vertices, faces)))
+    weights = vertex_areas(vertices, faces)
     turn, shift = rigid_fit(form.vertices, vertices, weights)
     np.testing.assert_allclose(turn, np.eye(3), atol=1e-6)
     np.testing.assert_allclose(shift, 0, atol=1e-6)
@@ -63,13 +64,13 @@ def test_stress_is_equation_10_pair_by_pair():
     vertices, faces = shapes.figure(13)
     points = vertices - vertices.mean(axis=0)
     points /= np.sqrt(surface_area(points, faces))
-    settings = Settings(iterations=0, start="input", eigenpairs=40)
+    settings = Settings(
+        iterations=0, start="input", eigenpairs=40, quality="full", smoothing=0, preserve_detail=0
+    )
     form = canonical_form(vertices, faces, settings)
     surface = intrinsic_delaunay(triangulated(points, faces))
     L, M = stiffness(surface), mass(surface)
     spectrum = compute_spectrum(L, M, len(M))  # all there are
-    from addon.core.heat import HeatMethod
-
     features = form.feature_points
     total, held = 0.0, 0.0
     for index in range(len(features)):
@@ -87,7 +88,7 @@ def test_stress_is_equation_10_pair_by_pair():
     s = (biharmonic * between).sum() / (biharmonic**2).sum()
     heat = form.adf[features]
     pairs = [(i, j) for i in range(len(features)) for j in range(i + 1, len(features))]
-    factor = settings.feature_share * held / sum(heat[i] + heat[j] for i, j in pairs)
+    factor = 0.03 * held / sum(heat[i] + heat[j] for i, j in pairs)
     for i, j in pairs:
         apart = np.linalg.norm(points[features[i]] - points[features[j]])
         total += factor * (heat[i] + heat[j]) / 2 * (s * biharmonic[i, j] - apart) ** 2
@@ -151,9 +152,10 @@ def test_two_runs_give_the_same_bits(figure, form):
 def test_real_poses_of_one_shape_have_the_same_features(real_mesh):
     names = ("bind", "horse_gallop_f00", "horse_death_02_f22")
     forms = [canonical_form(*real_mesh(f"horse/{name}.obj"), Settings(iterations=2)) for name in names]
-    points = [set(form.feature_points.tolist()) for form in forms]
-    assert len(points[0]) == 6
-    assert len(points[0] & points[1] & points[2]) >= 5
+    rest = heat_geodesics(*real_mesh("horse/bind.obj"), forms[0].feature_points)
+    for form in forms:
+        assert len(form.feature_points) == 6
+        assert rest[form.feature_points].min(axis=1).max() < 0.05 * rest.max()
 
 
 def test_the_pose_goes_out(real_mesh):
@@ -161,10 +163,10 @@ def test_the_pose_goes_out(real_mesh):
     forms = [canonical_form(*mesh).vertices for mesh in meshes]
 
     def apart(one, two):
-        turn, shift = rigid_fit(one, two, mirror=True)
+        turn, shift = rigid_fit(one, two)
         return np.sqrt((((one @ turn + shift) - two) ** 2).sum(axis=1).mean())
 
-    assert apart(*forms) < 0.8 * apart(meshes[0][0], meshes[1][0])
+    assert apart(*forms) < 0.65 * apart(meshes[0][0], meshes[1][0])
 
 
 def test_progress_rises_to_one_through_named_stages(figure):
@@ -217,15 +219,17 @@ def test_too_few_iterations_are_reported(figure):
 
 
 def test_too_large_a_mesh_is_refused_before_the_memory_is_spent(sphere):
-    with pytest.raises(TooLargeError, match=r"GB.*Reduce the mesh to about .* vertices"):
+    with pytest.raises(TooLargeError, match=r"GB.*reduce the mesh to about .* vertices"):
+        canonical_form(*sphere, Settings(memory_limit=0.05, quality="full"))
+    with pytest.raises(TooLargeError, match=r"GB.*Reduce the mesh"):
         canonical_form(*sphere, Settings(memory_limit=0.05))
 
 
 @pytest.mark.parametrize(
     "wrong",
-    [{"diffusion_time": 0}, {"diffusion_time": 1000}, {"feature_share": float("inf")},
+    [{"diffusion_time": 0}, {"diffusion_time": 1000}, {"arrangement_share": float("inf")},
      {"eigenpairs": 0}, {"prominence": -1}, {"merge_distance": 2}, {"start": "pose"},
-     {"landmarks": 2}, {"feature_share": -1}, {"iterations": -1}, {"tolerance": -1}, {"extrapolation": -1},
+     {"landmarks": 2}, {"arrangement_share": -1}, {"smoothing": -1}, {"quality": "best"}, {"preserve_detail": 2}, {"iterations": -1}, {"tolerance": -1}, {"extrapolation": -1},
      {"memory_limit": 0}],
 )  # fmt: skip
 def test_settings_out_of_range_are_refused_by_name(wrong):
@@ -244,7 +248,7 @@ def test_a_sphere_is_its_own_form():
 def test_a_bent_sheet_is_unrolled():
     vertices, faces = shapes.grid(33, 17, 2.0, 1.0)
     rolled = np.column_stack([np.cos(2 * vertices[:, 0]), np.sin(2 * vertices[:, 0]), 2 * vertices[:, 1]]) / 2
-    form = canonical_form(rolled, faces, Settings(feature_points=[280]))
+    form = canonical_form(rolled, faces, Settings(quality="full", feature_points=[280], smoothing=0, preserve_detail=0, arrangement_share=0.03, tolerance=1e-5))
     centred = form.vertices - form.vertices.mean(axis=0)
     assert np.ptp(centred @ np.linalg.svd(centred, full_matrices=False)[2][2]) < 0.05
     stretch = edge_stretch(rolled, form.vertices, faces)

@@ -1,0 +1,307 @@
+"""Measures the default form on real meshes, against libraries in the same run, and writes the tables to the docs.
+
+Run ``make bench DATA=folder`` on a folder with one subfolder a shape and one .obj a pose. Takes about a quarter of an
+hour. Every time is given as a ratio to a library's time on the same mesh in the same run.
+"""
+
+import argparse
+import itertools
+import resource
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT))
+
+from addon.core import Settings, canonical_form  # noqa: E402
+from addon.core.alignment import rigid_fit  # noqa: E402
+from addon.core.heat import HeatMethod  # noqa: E402
+from addon.core.measures import compactness_error, edge_stretch, surface_area  # noqa: E402
+from addon.core.surface import triangulated  # noqa: E402
+from tests.benchmarks.remeshing import adaptive, noisy, quad_dominant, resized, uniform  # noqa: E402
+from tests.sample.shapes import read_obj  # noqa: E402
+
+
+def shapes_of(data):
+    """Read every pose of every shape, scaled to unit area."""
+    for folder in sorted(path for path in data.iterdir() if path.is_dir()):
+        poses = sorted(folder.glob("*.obj"), key=lambda path: (path.stem not in ("rest", "bind"), path.stem))
+        meshes = [read_obj(path) for path in poses]
+        yield folder.name, [path.stem for path in poses], [(unit(*mesh), mesh[1]) for mesh in meshes]
+
+
+def unit(vertices, faces):
+    vertices = vertices - vertices.mean(axis=0)
+    return vertices / np.sqrt(surface_area(vertices, faces))
+
+
+def apart(one, two, mirror=False):
+    turn, shift = rigid_fit(one, two, mirror=mirror)
+    return float(np.sqrt(((one @ turn + shift - two) ** 2).sum(axis=1).mean()))
+
+
+def mean_apart(many, mirror=False):
+    return float(np.mean([apart(one, two, mirror) for one, two in itertools.combinations(many, 2)]))
+
+
+def nearest_apart(one, two):
+    from scipy.spatial import KDTree
+
+    from addon.core.alignment import closest_point_fit
+
+    turn, shift = closest_point_fit(one, two)
+    one = one @ turn + shift
+    there, back = KDTree(two).query(one)[0], KDTree(one).query(two)[0]
+    return float(np.sqrt((there**2).mean() / 2 + (back**2).mean() / 2))
+
+
+def crossings(vertices, faces):
+    """Count pairs of triangles that cross and share no vertex; needs Blender's module."""
+    import bpy  # noqa: F401  it brings mathutils
+    from mathutils.bvhtree import BVHTree
+
+    tree = BVHTree.FromPolygons(vertices.tolist(), faces.tolist(), epsilon=0.0)
+    pairs = np.array(tree.overlap(tree), dtype=np.int64).reshape(-1, 2)
+    pairs = pairs[pairs[:, 0] < pairs[:, 1]]
+    shared = (faces[pairs[:, 0]][:, :, None] == faces[pairs[:, 1]][:, None, :]).any(axis=(1, 2))
+    return int(np.count_nonzero(~shared))
+
+
+def distance_change(meshes):
+    """Mean relative change of geodesics between 60 vertices from pose to pose: what no method on them can undo."""
+    vertices, faces = meshes[0]
+    some = np.random.default_rng(3).choice(len(vertices), 60, replace=False)
+    tables = [HeatMethod(triangulated(*mesh)).distances(some)[some] for mesh in meshes]
+    tables = [(table + table.T) / 2 for table in tables]
+    off = ~np.eye(60, dtype=bool)
+    return float(np.mean([
+        (np.abs(one - two)[off] / ((one + two) / 2)[off]).mean() for one, two in itertools.combinations(tables, 2)
+    ]))
+
+
+def quality_table(data, picture):
+    rows, single = [], []
+    inputs_sum, proper_sum, mirror_sum = 0.0, 0.0, 0.0
+    gallery = []
+    for shape, _, meshes in shapes_of(data):
+        forms, errors, median, high, extra, counts = [], [], [], [], [], []
+        for vertices, faces in meshes:
+            form = canonical_form(vertices, faces)
+            forms.append(form.vertices)
+            errors.append(1e4 * compactness_error(vertices, form.vertices, faces))
+            stretch = np.abs(edge_stretch(vertices, form.vertices, faces) - 1)
+            median.append(float(np.median(stretch)))
+            high.append(float(np.quantile(stretch, 0.95)))
+            extra.append((crossings(form.vertices, faces) - crossings(vertices, faces)) / len(faces))
+            counts.append(len(form.feature_points))
+        given, proper, mirror = mean_apart([v for v, _ in meshes]), mean_apart(forms), mean_apart(forms, mirror=True)
+        inputs_sum, proper_sum, mirror_sum = inputs_sum + given, proper_sum + proper, mirror_sum + mirror
+        single += errors
+        rows.append(
+            f"| {shape} | {len(meshes)} | {min(counts)}-{max(counts)} | {np.mean(errors):.3f} | {max(errors):.3f} | "
+            f"{np.mean(median):.1%} | {np.mean(high):.1%} | {proper / given:.2f} | {mirror / given:.2f} | "
+            f"{distance_change(meshes):.1%} | {max(extra):+.2%} |"
+        )
+        print(rows[-1], flush=True)
+        gallery.append((meshes, forms))
+    np.savez(picture, **{
+        f"{k}_{i}_{name}": array
+        for k, (meshes, forms) in enumerate(gallery)
+        for i, ((vertices, faces), form) in enumerate(zip(meshes, forms, strict=True))
+        for name, array in (("v", vertices), ("f", faces), ("x", form))
+    })
+    head = (
+        "| shape | poses | features | compactness error, mean | worst | edge distortion, median | 95th percentile | "
+        "pose ratio | mirrored too | geodesics change | crossings added, worst |\n|" + " --- |" * 11
+    )
+    total = (
+        f"\nCompactness error over all: {np.mean(single):.3f}·10⁻⁴. Pose ratio over all, sum by sum: "
+        f"**{proper_sum / inputs_sum:.3f}** with proper rotations, {mirror_sum / inputs_sum:.3f} with mirror images."
+    )
+    print(total, flush=True)
+    return "\n".join([head, *rows, total])
+
+
+def library_seconds(vertices, faces, sources=100):
+    import potpourri3d
+
+    began = time.perf_counter()
+    solver = potpourri3d.MeshHeatMethodDistanceSolver(vertices, faces)
+    factored = time.perf_counter() - began
+    began = time.perf_counter()
+    for source in range(min(sources, 20)):
+        solver.compute_distance(source * 7)
+    return factored, (time.perf_counter() - began) / min(sources, 20)
+
+
+def speed_table(data):
+    vertices, faces = next(meshes for name, _, meshes in shapes_of(data) if name == "man")[0]
+    rows = []
+    for count, allowed in ((10_000, 4), (40_000, 1.5), (160_000, 0.7)):
+        mesh = resized(vertices, faces, count)
+        ratios, seconds, covered = [], [], []
+        for _ in range(3):
+            factored, single = library_seconds(*mesh)
+            began = time.perf_counter()
+            form = canonical_form(*mesh)
+            seconds.append(time.perf_counter() - began)
+            ratios.append(seconds[-1] / (factored + 100 * single))
+            covered.append(sum(form.timings.values()) / seconds[-1])
+        rows.append(
+            f"| {len(mesh[0]):,} | {np.median(seconds):.2f} s | **{np.median(ratios):.2f}** | {allowed} | "
+            f"{min(covered):.1%} | {longest_wait(*mesh):.2f} s |"
+        )
+        print(rows[-1], flush=True)
+    head = (
+        "| vertices | default form | its time over potpourri3d's (factor + 100 sources) | wanted | timings cover | "
+        "longest wait of a cancel |\n| --- | --- | --- | --- | --- | --- |"
+    )
+    mesh = resized(vertices, faces, 20_000)
+    ratios = []
+    for _ in range(3):
+        factored, single = library_seconds(*mesh)
+        began = time.perf_counter()
+        canonical_form(*mesh, Settings(quality="draft"))
+        ratios.append(((time.perf_counter() - began) / (25 * single), (time.perf_counter() - began) / (factored + 25 * single)))
+    one, two = np.median(ratios, axis=0)
+    import potpourri3d
+
+    began = time.perf_counter()
+    potpourri3d.compute_distance(*mesh, 0)
+    alone = time.perf_counter() - began
+    began = time.perf_counter()
+    canonical_form(*mesh, Settings(quality="draft"))
+    draft = time.perf_counter() - began
+    text = (
+        f"\nDraft on {len(mesh[0]):,} vertices: {draft:.2f} s, {one:.1f} times 25 sources of a factored solver, {two:.1f} times "
+        f"factor + 25 sources, {draft / (25 * alone):.2f} times 25 calls of `compute_distance`, which factors anew."
+    )
+    print(text, flush=True)
+    return "\n".join([head, *rows, text, smacof_line(vertices, faces)])
+
+
+def smacof_line(vertices, faces):
+    from sklearn.manifold import smacof as library
+
+    mesh = resized(vertices, faces, 2_000)
+    distances = HeatMethod(triangulated(*mesh)).distances(np.arange(len(mesh[0])))
+    distances = (distances + distances.T) / 2
+    began = time.perf_counter()
+    library(distances, init=mesh[0], n_init=1, eps=1e-6, max_iter=300)
+    theirs = time.perf_counter() - began
+    began = time.perf_counter()
+    canonical_form(*mesh)
+    ours = time.perf_counter() - began
+    line = f"\nscikit-learn's `smacof` on {len(mesh[0]):,} points, distances given: {theirs:.1f} s; the whole form: {ours:.2f} s, **{theirs / ours:.0f} times** faster."
+    print(line, flush=True)
+    return line
+
+
+def longest_wait(vertices, faces):
+    asked = [time.perf_counter()]
+    canonical_form(vertices, faces, cancelled=lambda: asked.append(time.perf_counter()) is not None)
+    return float(np.diff(asked).max())
+
+
+def one_size(data, count, keep):
+    """Run in a process of its own, so that its peak memory is its own."""
+    vertices, faces = read_obj(data / "man" / "rest.obj")
+    mesh = noisy(*resized(unit(vertices, faces), faces, count), 0.0002)
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
+    began = time.perf_counter()
+    form = canonical_form(*mesh)
+    seconds = time.perf_counter() - began
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
+    np.savez(keep, form=form.vertices)
+    print(f"{len(mesh[0])} {seconds} {before} {peak} {len(form.feature_points)}")
+
+
+def scale_table(data, work):
+    rows, points = [], []
+    for count in (10_000, 40_000, 160_000, 640_000, 1_000_000):
+        keep = work / f"form-{count}.npz"
+        done = subprocess.run(
+            [sys.executable, __file__, str(data), "--one-size", str(count), str(keep)],
+            capture_output=True, text=True, check=True,
+        )  # fmt: skip
+        n, seconds, before, peak, features = (float(word) for word in done.stdout.split())
+        points.append((n, seconds))
+        rows.append(f"| {n:,.0f} | {seconds:.2f} s | {peak:.2f} GB (of it the mesh and Python {before:.2f}) | {features:.0f} |")
+        print(rows[-1], flush=True)
+    log = np.log(np.array(points)[1:])
+    exponent = np.polyfit(log[:, 0], log[:, 1], 1)[0]
+    small, large = (np.load(work / f"form-{count}.npz")["form"] for count in (10_000, 160_000))
+    text = (
+        f"\nExponent of time against n from 40,000: **{exponent:.2f}**. Form at 160,000 vertices against the form at "
+        f"10,000: {nearest_apart(large[::8], small):.2%} of sqrt(area), RMS of nearest points."
+    )
+    print(text, flush=True)
+    return "\n".join(["| vertices | time | peak memory | features |\n| --- | --- | --- | --- |", *rows, text])
+
+
+def tessellation_table(data):
+    rows = []
+    for shape, _, meshes in shapes_of(data):
+        if shape not in ("man", "horse"):
+            continue
+        vertices, faces = meshes[0]
+        form = canonical_form(vertices, faces)
+        for name, change in (("uniform", uniform), ("adaptive, edges 1:30", adaptive), ("quad-dominant", quad_dominant),
+                             ("1 % noise", lambda v, f: (noisy(v, f, None)))):  # fmt: skip
+            mesh = change(vertices, faces)
+            edges = np.linalg.norm(mesh[0][mesh[1]] - mesh[0][np.roll(mesh[1], 1, axis=1)], axis=2)
+            other = canonical_form(*mesh)
+            ours = other.vertices / np.sqrt(surface_area(other.vertices, mesh[1]))
+            rows.append(
+                f"| {shape} | {name} | {len(mesh[0]):,} | 1:{np.quantile(edges, 0.999) / np.quantile(edges, 0.001):.0f} | "
+                f"{nearest_apart(ours, form.vertices):.2%} | {len(other.feature_points)} of {len(form.feature_points)} |"
+            )
+            print(rows[-1], flush=True)
+    head = "| shape | remeshed | vertices | edge lengths | form apart (RMS of nearest points) | features |\n" + "| --- " * 6 + "|"
+    return "\n".join([head, *rows])
+
+
+def convergence_line(data):
+    from tests.benchmarks.convergence import stress_ratio
+
+    lines = []
+    for shape, _, meshes in shapes_of(data):
+        if shape in ("horse", "man"):
+            mesh = resized(*meshes[0], 3_000)
+            lines.append(f"{shape} ({len(mesh[0]):,} vertices) {stress_ratio(*mesh):.3f}")
+            print(lines[-1], flush=True)
+    return "Stress of the sampled solution on all pairs over the full solver's, same start: " + ", ".join(lines) + "."
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("data", type=Path)
+    parser.add_argument("--one-size", nargs=2)
+    parser.add_argument("--output", type=Path, default=ROOT / "docs" / "benchmarks.md")
+    parser.add_argument("--only", nargs="*")
+    options = parser.parse_args()
+    if options.one_size:
+        one_size(options.data, int(options.one_size[0]), options.one_size[1])
+        return
+    work = ROOT / "build" / "benchmarks"
+    work.mkdir(parents=True, exist_ok=True)
+    parts = {
+        "Quality": lambda: quality_table(options.data, work / "gallery.npz"),
+        "Speed": lambda: speed_table(options.data),
+        "Scale": lambda: scale_table(options.data, work),
+        "Tessellation": lambda: tessellation_table(options.data),
+        "Convergence": lambda: convergence_line(options.data),
+    }
+    text = ["# Benchmarks\n", "Remade by `make bench DATA=folder`. Two cores; ratios are measured in one run.\n"]
+    for title, part in parts.items():
+        if not options.only or title in options.only:
+            text += [f"## {title}\n", part(), ""]
+    options.output.write_text("\n".join(text))
+
+
+if __name__ == "__main__":
+    main()
