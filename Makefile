@@ -1,5 +1,5 @@
 python = .venv/bin/python
-.PHONY: environment run test check package docs test-window
+.PHONY: environment run test check package docs bench test-window
 BLENDER = blender
 
 environment:
@@ -22,6 +22,10 @@ package: environment
 
 docs: environment
 	$(python) docs/make_reference.py
+
+bench: environment
+	$(python) tests/benchmarks/form_tables.py $(DATA)
+	$(python) tests/benchmarks/contact_sheet.py build/benchmarks/gallery.npz docs/pictures/contact-sheet.png
 
 test-window: package
 	BLENDER_USER_RESOURCES=$$(mktemp -d) xvfb-run -a -s "-screen 0 1280x800x24" $(BLENDER) --factory-startup --window-geometry 0 0 1280 800 \

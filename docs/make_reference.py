@@ -11,8 +11,9 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 TARGET = ROOT / "docs" / "api.md"
 MODULES = (  # in the order of the data
-    "canonical", "settings", "errors", "surface", "delaunay", "laplacian", "spectrum", "features", "heat", "patches",
-    "distances", "scaling", "deformation", "stress", "smacof", "alignment", "measures", "monitor",
+    "canonical", "settings", "errors", "surface", "coarsening", "delaunay", "laplacian", "spectrum", "features", "heat",
+    "patches", "distances", "pairs", "scaling", "arrangement", "stress", "weight_inverse", "smacof", "deformation",
+    "detail", "alignment", "measures", "memory", "monitor",
 )  # fmt: skip
 HEAD = """# API of the core
 

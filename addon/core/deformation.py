@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 _PRESSURE_STEPS = 3  # Newton steps of the pressure in each deformation step
 _MOST_PRESSURE = 0.05  # farthest a vertex may be pushed in one step, in units of sqrt(area)
-_POCKET = 5.0  # a fifth of the surroundings inside out makes a pocket
+_POCKET = 40.0  # this many times the inverted share of the surroundings is not trusted
 _LEAST_TRUST = 1e-3  # keeps the system regular
 _NEAR = 0.0005  # diffusion time of the rotations that carry detail, as a share of the area
 _SPREAD = 0.01  # diffusion time of the first rotations, as a share of the area: wide enough to see a limb as a body

@@ -9,12 +9,12 @@ from .deformation import deformed_towards, local_rotations, right_side_out
 from .monitor import Monitor
 from .surface import FloatArray, IntArray, Triangulation, is_closed
 
-_PULL = 25.0  # 1/area, where detail and form weigh the same
+_PULL = 40.0  # 1/area, where detail and form weigh the same
 _LEAST_PULL = 0.3
 _STEPS = 8
 _FIRST = 12.0  # times the pull of the first pass, which only smooths what the stress crumpled
 _FIRST_STEPS = 4
-_FIRST_MEMORY = 0.4
+_FIRST_MEMORY = 0.6
 _POCKET_SPREAD = 0.001  # share of the area around a pocket that is let go
 
 
