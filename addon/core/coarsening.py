@@ -1,4 +1,4 @@
-"""A coarse mesh on some of the vertices of a fine one, and the way back: what is known there carried to all vertices."""
+"""A coarse mesh on some of the vertices of a fine one, and the way back from there to all vertices."""
 
 from __future__ import annotations
 
@@ -180,9 +180,9 @@ def _quadrics(points: FloatArray, faces: IntArray) -> FloatArray:
     plane = np.column_stack([normal, -np.einsum("ij,ij->i", normal, a)])
     row, column = np.triu_indices(4)
     terms = plane[:, row] * plane[:, column] * (area / 6)[:, None]  # (m, 10)
-    return np.column_stack([
-        np.bincount(faces.ravel(), np.repeat(terms[:, k], 3), minlength=len(points)) for k in range(10)
-    ])
+    return np.column_stack(
+        [np.bincount(faces.ravel(), np.repeat(terms[:, k], 3), minlength=len(points)) for k in range(10)]
+    )
 
 
 def _wishes(
@@ -193,7 +193,9 @@ def _wishes(
     rim = links.triangles != 2
     rims = np.bincount(u[rim], minlength=links.count)
     wild = np.bincount(u[links.triangles > 2], minlength=links.count) > 0
-    may = (patience[u] < np.inf) & np.where(rims[u] == 0, True, (rims[u] == 2) & ~wild[u] & rim)  # along a border, or off the inside
+    may = (patience[u] < np.inf) & np.where(
+        rims[u] == 0, True, (rims[u] == 2) & ~wild[u] & rim
+    )  # along a border, or off the inside
     u, v = u[may], v[may]
     x, y, z = points[v].T
     q = quadrics[u].T
@@ -264,9 +266,9 @@ def _harmless(
     after = np.cross(points[one] - points[v], points[two] - points[v])
     size_before, size_after = np.linalg.norm(before, axis=1), np.linalg.norm(after, axis=1)
     turned = np.einsum("ij,ij->i", before, after) < _TURN * size_before * size_after
-    longest = np.maximum.reduce([
-        ((points[a] - points[b]) ** 2).sum(axis=1) for a, b in ((one, two), (one, v), (two, v))
-    ])
+    longest = np.maximum.reduce(
+        [((points[a] - points[b]) ** 2).sum(axis=1) for a, b in ((one, two), (one, v), (two, v))]
+    )
     thin = (size_after < _THINNEST * longest) & (size_after < size_before)
     good[place[u[turned | thin]]] = False
     return good

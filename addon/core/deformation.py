@@ -23,7 +23,11 @@ _SPREAD = 0.01  # diffusion time of the first rotations, as a share of the area:
 
 
 def diffused_covariances(
-    surface: Triangulation, before: FloatArray, after: FloatArray, trust: FloatArray | None = None, spread: float = _SPREAD
+    surface: Triangulation,
+    before: FloatArray,
+    after: FloatArray,
+    trust: FloatArray | None = None,
+    spread: float = _SPREAD,
 ) -> FloatArray:
     """Compare the surroundings of every vertex before and after, over an area as wide as a limb.
 
@@ -213,7 +217,7 @@ class _Edges:
         return (self._ends @ np.repeat(outer, 2, axis=0)).reshape(-1, 3, 3)
 
     def means(self, values: FloatArray) -> FloatArray:
-        return (values[self._i] + values[self._j]) / 2
+        return np.asarray((values[self._i] + values[self._j]) / 2)
 
     def rotated(self, rotation: FloatArray, share: FloatArray) -> FloatArray:
         turned = np.einsum("ij,ijk->ik", share * self._weighted / 2, rotation[self._i] + rotation[self._j])
@@ -234,7 +238,9 @@ def _under_pressure(
     corner = positions[faces]
     push = np.repeat(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]) / 6, 3, axis=0)
     count = len(positions)
-    normals = np.column_stack([np.bincount(faces.ravel(), push[:, k], minlength=count) for k in range(3)])
+    normals = np.zeros((count, 3))
+    for axis in range(3):
+        normals[:, axis] = np.bincount(faces.ravel(), push[:, axis], minlength=count)
     way = solve(normals)
     way *= np.sqrt(_area(before, faces) / (way**2).sum(axis=1).max())  # an amount of 1 moves by sqrt(area)
     side = np.sign(wanted)  # -1 where the triangles face inwards

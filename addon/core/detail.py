@@ -60,9 +60,7 @@ def detailed(
         surface, points, form, _FIRST * pull, _FIRST_STEPS, max(memory, _FIRST_MEMORY), monitor=monitor, share=0.3
     )
     trust = right_side_out(surface, points, smooth, faces, _POCKET_SPREAD)
-    return deformed_towards(
-        surface, points, smooth, pull, _STEPS, memory, closed, monitor, trust, done=0.3, share=0.7
-    )
+    return deformed_towards(surface, points, smooth, pull, _STEPS, memory, closed, monitor, trust, done=0.3, share=0.7)
 
 
 def carried_by_frames(

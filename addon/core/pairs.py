@@ -194,7 +194,7 @@ def patch_geodesics(surface: Triangulation, sources: IntArray, time: float | Non
         monitor.check()
         some = sources[start : start + _CHUNK]
         block = near.distances(some)
-        if far is not None:
+        if far is not None and time is not None:
             smooth = (1 - np.exp(-(block**2) / (_NEAR**2 * time))) * (far.distances(some) - block)
             block = np.maximum(block + smooth, block / 2)  # far too smooth is 0, or less, around the source
         distance[start : start + _CHUNK] = block.T

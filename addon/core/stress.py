@@ -215,12 +215,12 @@ class Stress:
                 local[start:stop] += at_rows
                 local[start:] += at_columns
             pull[pairs.vertices] += local
-        for pairs in self.cross:
-            rows, columns = (np.ascontiguousarray(embedding[part]) for part in (pairs.rows, pairs.columns))
-            value, at_rows, at_columns = self._tile(rows, columns, pairs.targets, pairs.weights)
+        for each in self.cross:
+            rows, columns = (np.ascontiguousarray(embedding[part]) for part in (each.rows, each.columns))
+            value, at_rows, at_columns = self._tile(rows, columns, each.targets, each.weights)
             total += value
-            pull[pairs.rows] += at_rows
-            pull[pairs.columns] += at_columns
+            pull[each.rows] += at_rows
+            pull[each.columns] += at_columns
         return total, pull
 
     def _tile(

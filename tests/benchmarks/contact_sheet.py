@@ -33,7 +33,10 @@ def drawn(vertices, faces, turn):
     extent = (points.max(axis=0) - points.min(axis=0))[:2].max() * 1.08
     pixel = np.clip(((points - middle) / extent * [1, -1, 0] + 0.5)[:, :2] * SIZE, 0, SIZE - 1).astype(int)
     shade = 0.25 + 0.75 * np.abs(normal[face] @ np.array([0.3, 0.4, 0.87]))
-    colour = np.where(normal[face][:, 2:] > 0, [[205.0, 205.0, 212.0]], [[220.0, 60.0, 60.0]]) * np.minimum(shade, 1)[:, None]
+    colour = (
+        np.where(normal[face][:, 2:] > 0, [[205.0, 205.0, 212.0]], [[220.0, 60.0, 60.0]])
+        * np.minimum(shade, 1)[:, None]
+    )
     image = np.full((SIZE, SIZE, 3), 255, np.uint8)
     order = np.argsort(points[:, 2])
     image[pixel[order, 1], pixel[order, 0]] = colour[order].astype(np.uint8)
@@ -66,7 +69,10 @@ def main(gallery, target):
         rows.append(np.hstack([drawn(x, f, first) for _, f, x in meshes]))
         rows.append(np.hstack([drawn(x, f, second) for _, f, x in meshes]))
     width = max(row.shape[1] for row in rows)
-    write_png(target, np.vstack([np.pad(row, ((0, 0), (0, width - row.shape[1]), (0, 0)), constant_values=255) for row in rows]))
+    write_png(
+        target,
+        np.vstack([np.pad(row, ((0, 0), (0, width - row.shape[1]), (0, 0)), constant_values=255) for row in rows]),
+    )
 
 
 if __name__ == "__main__":

@@ -73,14 +73,16 @@ def crossings(vertices, faces):
 
 def distance_change(meshes):
     """Mean relative change of geodesics between 60 vertices from pose to pose: what no method on them can undo."""
-    vertices, faces = meshes[0]
+    vertices, _ = meshes[0]
     some = np.random.default_rng(3).choice(len(vertices), 60, replace=False)
     tables = [HeatMethod(triangulated(*mesh)).distances(some)[some] for mesh in meshes]
     tables = [(table + table.T) / 2 for table in tables]
     off = ~np.eye(60, dtype=bool)
-    return float(np.mean([
-        (np.abs(one - two)[off] / ((one + two) / 2)[off]).mean() for one, two in itertools.combinations(tables, 2)
-    ]))
+    return float(
+        np.mean(
+            [(np.abs(one - two)[off] / ((one + two) / 2)[off]).mean() for one, two in itertools.combinations(tables, 2)]
+        )
+    )
 
 
 def quality_table(data, picture):
@@ -108,12 +110,15 @@ def quality_table(data, picture):
         )
         print(rows[-1], flush=True)
         gallery.append((meshes, forms))
-    np.savez(picture, **{
-        f"{k}_{i}_{name}": array
-        for k, (meshes, forms) in enumerate(gallery)
-        for i, ((vertices, faces), form) in enumerate(zip(meshes, forms, strict=True))
-        for name, array in (("v", vertices), ("f", faces), ("x", form))
-    })
+    np.savez(
+        picture,
+        **{
+            f"{k}_{i}_{name}": array
+            for k, (meshes, forms) in enumerate(gallery)
+            for i, ((vertices, faces), form) in enumerate(zip(meshes, forms, strict=True))
+            for name, array in (("v", vertices), ("f", faces), ("x", form))
+        },
+    )
     head = (
         "| shape | poses | features | compactness error, mean | worst | edge distortion, median | 95th percentile | "
         "pose ratio | mirrored too | geodesics change | crossings added, worst |\n|" + " --- |" * 11
@@ -166,7 +171,9 @@ def speed_table(data):
         factored, single = library_seconds(*mesh)
         began = time.perf_counter()
         canonical_form(*mesh, Settings(quality="draft"))
-        ratios.append(((time.perf_counter() - began) / (25 * single), (time.perf_counter() - began) / (factored + 25 * single)))
+        ratios.append(
+            ((time.perf_counter() - began) / (25 * single), (time.perf_counter() - began) / (factored + 25 * single))
+        )
     one, two = np.median(ratios, axis=0)
     import potpourri3d
 
@@ -177,8 +184,9 @@ def speed_table(data):
     canonical_form(*mesh, Settings(quality="draft"))
     draft = time.perf_counter() - began
     text = (
-        f"\nDraft on {len(mesh[0]):,} vertices: {draft:.2f} s, {one:.1f} times 25 sources of a factored solver, {two:.1f} times "
-        f"factor + 25 sources, {draft / (25 * alone):.2f} times 25 calls of `compute_distance`, which factors anew."
+        f"\nDraft on {len(mesh[0]):,} vertices: {draft:.2f} s, {one:.1f} times 25 sources of a "
+        f"factored solver, "
+        f"{two:.1f} times factor + 25 sources, {draft / (25 * alone):.2f} times 25 calls of `compute_distance`, which factors anew."
     )
     print(text, flush=True)
     return "\n".join([head, *rows, text, smacof_line(vertices, faces)])
@@ -198,9 +206,9 @@ def smacof_line(vertices, faces):
     ours = time.perf_counter() - began
     alone = timings["Factorisation"] + timings["Embedding"]
     line = (
-        f"\nscikit-learn's `smacof` on {len(mesh[0]):,} points, distances and start given: {theirs:.1f} s. Our minimisation alone "
-        f"(factorisation and embedding): {alone:.2f} s, **{theirs / alone:.0f} times** faster; the whole form, distances and all: {ours:.2f} s, "
-        f"{theirs / ours:.1f} times faster."
+        f"\nscikit-learn's `smacof` on {len(mesh[0]):,} points, distances and start given: {theirs:.1f} s. "
+        f"Our minimisation alone (factorisation and embedding): {alone:.2f} s, **{theirs / alone:.0f} times** faster; "
+        f"the whole form, distances and all: {ours:.2f} s, {theirs / ours:.1f} times faster."
     )
     print(line, flush=True)
     return line
@@ -223,7 +231,7 @@ def one_size(data, count, keep):
     seconds = time.perf_counter() - began
     peak = gigabytes("VmHWM")
     np.savez(keep, form=form.vertices / np.sqrt(surface_area(form.vertices, mesh[1])))
-    print(f"{len(mesh[0])} {seconds} {before} {peak} {len(form.feature_points)} {memory_estimate(len(mesh[0]), Settings())}")
+    print(len(mesh[0]), seconds, before, peak, len(form.feature_points), memory_estimate(len(mesh[0]), Settings()))
 
 
 def gigabytes(name):
@@ -243,7 +251,8 @@ def scale_table(data, work):
         n, seconds, before, peak, features, estimate = (float(word) for word in done.stdout.split())
         points.append((n, seconds))
         rows.append(
-            f"| {n:,.0f} | {seconds:.2f} s | {peak:.2f} GB | {peak - before:.2f} GB | {estimate:.2f} GB | {features:.0f} |"
+            f"| {n:,.0f} | {seconds:.2f} s | {peak:.2f} GB | {peak - before:.2f} GB | {estimate:.2f} GB | "
+            f"{features:.0f} |"
         )
         print(rows[-1], flush=True)
     log = np.log(np.array(points)[1:])
@@ -254,7 +263,13 @@ def scale_table(data, work):
         f"10,000: {nearest_apart(large[::8], small):.2%} of sqrt(area), RMS of nearest points."
     )
     print(text, flush=True)
-    return "\n".join(["| vertices | time | peak memory | of it for the form | announced | features |\n| --- | --- | --- | --- | --- | --- |", *rows, text])
+    return "\n".join(
+        [
+            "| vertices | time | peak memory | of it for the form | announced | features |\n" + "| --- " * 6 + "|",
+            *rows,
+            text,
+        ]
+    )
 
 
 def tessellation_table(data):
@@ -271,11 +286,17 @@ def tessellation_table(data):
             other = canonical_form(*mesh)
             ours = other.vertices / np.sqrt(surface_area(other.vertices, mesh[1]))
             rows.append(
-                f"| {shape} | {name} | {len(mesh[0]):,} | 1:{np.quantile(edges, 0.999) / np.quantile(edges, 0.001):.0f} | "
-                f"{nearest_apart(ours, form.vertices):.2%} | {len(other.feature_points)} of {len(form.feature_points)} |"
+                f"| {shape} | {name} | {len(mesh[0]):,} | "
+                f"1:{np.quantile(edges, 0.999) / np.quantile(edges, 0.001):.0f} | "
+                f"{nearest_apart(ours, form.vertices):.2%} | "
+                f"{len(other.feature_points)} of {len(form.feature_points)} |"
             )
             print(rows[-1], flush=True)
-    head = "| shape | remeshed | vertices | edge lengths | form apart (RMS of nearest points) | features |\n" + "| --- " * 6 + "|"
+    head = (
+        "| shape | remeshed | vertices | edge lengths | form apart (RMS of nearest points) | features |\n"
+        + "| --- " * 6
+        + "|"
+    )
     return "\n".join([head, *rows])
 
 

@@ -17,7 +17,9 @@ def subdivided(vertices, faces):
     a, b, c = faces.T
     ab, bc, ca = middle(a, b), middle(b, c), middle(c, a)
     parts = [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
-    return np.concatenate([vertices, vertices[edges].mean(axis=1)]), np.concatenate([np.stack(p, axis=1) for p in parts])
+    return np.concatenate([vertices, vertices[edges].mean(axis=1)]), np.concatenate(
+        [np.stack(p, axis=1) for p in parts]
+    )
 
 
 def resized(vertices, faces, count):
@@ -67,7 +69,9 @@ def _split_some(vertices, faces, chosen):
     place[cut] = len(vertices) + np.arange(cut.sum())
     out = []
     for face, side in zip(faces, place[sides], strict=True):
-        polygon = [p for corner, mid in zip(face, side, strict=True) for p in ((corner, mid) if mid >= 0 else (corner,))]
+        polygon = [
+            p for corner, mid in zip(face, side, strict=True) for p in ((corner, mid) if mid >= 0 else (corner,))
+        ]
         while len(polygon) > 3:  # cut off corners between two midpoints, or any
             at = next((i for i in range(len(polygon)) if polygon[i] in face and polygon[i - 1] not in face
                        and polygon[(i + 1) % len(polygon)] not in face), 1)  # fmt: skip

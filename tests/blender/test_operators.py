@@ -361,7 +361,11 @@ def test_the_panel_shows_what_was_found(figure_object):
     assert any("feature points and patches" in line for line in lines)
     assert any("still falling" in line for line in lines)
     assert lines[-1] == "Clear"
-    assert set(drawn(VIEW3D_PT_canonical_form_advanced)) == set(METHOD_NAMES) - {"quality", "preserve_detail", "prominence"}
+    assert set(drawn(VIEW3D_PT_canonical_form_advanced)) == set(METHOD_NAMES) - {
+        "quality",
+        "preserve_detail",
+        "prominence",
+    }
 
 
 def test_the_record_is_json(figure_object):

@@ -7,8 +7,8 @@ from addon.core import Settings, canonical_form
 from addon.core.alignment import rigid_fit
 from addon.core.arrangement import handedness, laid_out, landmark_distances
 from addon.core.coarsening import coarsened
-from addon.core.delaunay import intrinsic_delaunay
 from addon.core.deformation import deformed_towards, right_side_out
+from addon.core.delaunay import intrinsic_delaunay
 from addon.core.detail import carried_by_frames
 from addon.core.heat import HeatMethod
 from addon.core.laplacian import mass, stiffness

@@ -64,9 +64,7 @@ def test_stress_is_equation_10_pair_by_pair():
     vertices, faces = shapes.figure(13)
     points = vertices - vertices.mean(axis=0)
     points /= np.sqrt(surface_area(points, faces))
-    settings = Settings(
-        iterations=0, start="input", eigenpairs=40, quality="full", smoothing=0, preserve_detail=0
-    )
+    settings = Settings(iterations=0, start="input", eigenpairs=40, quality="full", smoothing=0, preserve_detail=0)
     form = canonical_form(vertices, faces, settings)
     surface = intrinsic_delaunay(triangulated(points, faces))
     L, M = stiffness(surface), mass(surface)
@@ -229,7 +227,9 @@ def test_too_large_a_mesh_is_refused_before_the_memory_is_spent(sphere):
     "wrong",
     [{"diffusion_time": 0}, {"diffusion_time": 1000}, {"arrangement_share": float("inf")},
      {"eigenpairs": 0}, {"prominence": -1}, {"merge_distance": 2}, {"start": "pose"},
-     {"landmarks": 2}, {"arrangement_share": -1}, {"smoothing": -1}, {"quality": "best"}, {"preserve_detail": 2}, {"iterations": -1}, {"tolerance": -1}, {"extrapolation": -1},
+     {"landmarks": 2}, {"arrangement_share": -1},
+     {"smoothing": -1}, {"quality": "best"}, {"preserve_detail": 2},
+     {"iterations": -1}, {"tolerance": -1}, {"extrapolation": -1},
      {"memory_limit": 0}],
 )  # fmt: skip
 def test_settings_out_of_range_are_refused_by_name(wrong):
@@ -248,7 +248,13 @@ def test_a_sphere_is_its_own_form():
 def test_a_bent_sheet_is_unrolled():
     vertices, faces = shapes.grid(33, 17, 2.0, 1.0)
     rolled = np.column_stack([np.cos(2 * vertices[:, 0]), np.sin(2 * vertices[:, 0]), 2 * vertices[:, 1]]) / 2
-    form = canonical_form(rolled, faces, Settings(quality="full", feature_points=[280], smoothing=0, preserve_detail=0, arrangement_share=0.03, tolerance=1e-5))
+    form = canonical_form(
+        rolled,
+        faces,
+        Settings(
+            quality="full", feature_points=[280], smoothing=0, preserve_detail=0, arrangement_share=0.03, tolerance=1e-5
+        ),
+    )
     centred = form.vertices - form.vertices.mean(axis=0)
     assert np.ptp(centred @ np.linalg.svd(centred, full_matrices=False)[2][2]) < 0.05
     stretch = edge_stretch(rolled, form.vertices, faces)
