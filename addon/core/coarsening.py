@@ -112,9 +112,11 @@ def coarsened(
     while left > target and stuck < 4:
         monitor.tick(np.log(count / left) / np.log(count / target))
         links = _Links(faces, count)
+        monitor.check()
         leaving, onto, cost = _wishes(points, links, quadrics, areas, patience)
         monitor.check()
         chosen = _independent(leaving, cost, links, count)
+        monitor.check()
         leaving, onto, cost = leaving[chosen], onto[chosen], cost[chosen]
         good = _harmless(points, faces, links, leaving, onto, cost)
         patience[leaving[~good]] += 1

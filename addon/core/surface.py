@@ -274,8 +274,10 @@ def vertex_pairs(faces: IntArray) -> IntArray:
     (e, 2) ndarray of int
         Pairs, lower vertex index first, sorted.
     """
-    both = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
-    return np.unique(both, axis=0)
+    count = int(faces.max(initial=0)) + 1
+    tail, head = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    key = np.unique(np.minimum(tail, head) * count + np.maximum(tail, head))
+    return np.column_stack([key // count, key % count])
 
 
 def component_labels(vertex_count: int, faces: IntArray) -> IntArray:

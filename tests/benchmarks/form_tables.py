@@ -186,7 +186,8 @@ def speed_table(data):
     text = (
         f"\nDraft on {len(mesh[0]):,} vertices: {draft:.2f} s, {one:.1f} times 25 sources of a "
         f"factored solver, "
-        f"{two:.1f} times factor + 25 sources, {draft / (25 * alone):.2f} times 25 calls of `compute_distance`, which factors anew."
+        f"{two:.1f} times factor + 25 sources, "
+        f"{draft / (25 * alone):.2f} times 25 calls of `compute_distance`, which factors anew."
     )
     print(text, flush=True)
     return "\n".join([head, *rows, text, smacof_line(vertices, faces)])

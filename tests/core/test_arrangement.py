@@ -93,7 +93,7 @@ def test_a_pocket_that_is_inside_out_is_found():
     trust = right_side_out(surface, points, dented, faces, 0.001)
     rim = cap & (points[:, 2] < 0.3 * points[:, 2].max())
     assert trust[rim].mean() < 0.5
-    assert trust[points[:, 2] < -0.5 * points[:, 2].max()].min() > 0.9
+    assert trust[points[:, 2] < -0.7 * points[:, 2].max()].min() > 0.9
     np.testing.assert_array_equal(right_side_out(surface, points, points, faces, 0.001), 1.0)
 
 
