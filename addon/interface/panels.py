@@ -66,7 +66,7 @@ def _draw_report(column: bpy.types.UILayout, report: dict) -> None:
     lines = [
         f"{len(report['feature_points'])} feature points and patches",
         f"{sum(report['timings'].values()):.1f} s, {report['stress']['steps']} steps",
-        f"{report['pair_reduction']:.0%} of {report['vertices'] ** 2 / 1e6:.3g} million pairs saved",
+        f"{report['pair_reduction']:.1%} of {report['vertices'] ** 2 / 1e6:.3g} million pairs saved",
         f"Edge distortion: median {measures['edge_distortion_median']:.1%}",
     ]
     if measures["compactness_error"] is not None:
