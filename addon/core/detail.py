@@ -14,7 +14,7 @@ _LEAST_PULL = 0.3
 _STEPS = 8
 _FIRST = 12.0  # times the pull of the first pass, which only smooths what the stress crumpled
 _FIRST_STEPS = 4
-_FIRST_MEMORY = 0.5
+_FIRST_MEMORY = 0.6
 _POCKET_SPREAD = 0.001  # share of the area around a pocket that is let go
 
 
