@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .deformation import diffused_covariances
+from .deformation import ElasticBody
 from .laplacian import mass
 from .surface import FloatArray, Triangulation
 
@@ -100,23 +100,23 @@ def closest_point_fit(
     return best
 
 
-def keeps_outside_out(surface: Triangulation, before: FloatArray, after: FloatArray) -> bool:
+def keeps_outside_out(body: ElasticBody, after: FloatArray) -> bool:
     """Decide between an embedding and its mirror image, which no distance can tell apart.
 
     Where most of the surface would have to be turned inside out, the mirror image is the right one.
 
     Parameters
     ----------
-    surface : Triangulation
-        The surface, Delaunay.
-    before, after : (n, 3) ndarray of float
-        Positions of the vertices.
+    body : ElasticBody
+        The input.
+    after : (n, 3) ndarray of float
+        The embedding.
 
     Returns
     -------
     bool
         True if `after` is to be kept, False if its mirror image is.
     """
-    covariance = diffused_covariances(surface, before, after)
+    covariance = body.covariances(after)
     thinnest = np.linalg.svd(covariance, compute_uv=False)[:, -1]
-    return float((np.sign(np.linalg.det(covariance)) * thinnest) @ mass(surface)) >= 0
+    return float((np.sign(np.linalg.det(covariance)) * thinnest) @ body.mass) >= 0

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from .deformation import deformed_towards
+from .deformation import ElasticBody
 from .distances import biharmonic_squared
 from .monitor import Monitor
-from .scaling import landmark_scaling
+from .scaling import landmark_scaling, least_squares_scaling
 from .spectrum import Spectrum
 from .surface import FloatArray, IntArray, Triangulation, signed_volume
 
-_BIHARMONIC_SHARE = 0.6  # of the squared distances; the rest is geodesic
-_TIE, _SURE = 0.2, 0.6  # handedness below which the third axis is dropped, and above which it is kept whole
+_BIHARMONIC_SHARE = 0.4  # of the squared distances; the rest is geodesic
+_TIE, _SURE = 0.6, 1.2  # handedness below which the third axis is dropped, and above which it is kept whole
 _PULL = 30.0  # 1/area: the layout shapes what is larger than a limb, the surface what is smaller
 _MEMORY = 0.1  # of the bends of the pose
 _STEPS = 18
@@ -69,11 +69,14 @@ def laid_out(distances: FloatArray, landmarks: IntArray, points: FloatArray, fac
     (n, 3) ndarray of float
         The layout, along its principal axes.
     """
-    layout = landmark_scaling(distances, landmarks)
-    layout -= layout.mean(axis=0)
+    projected = landmark_scaling(distances, landmarks)
+    projected -= projected.mean(axis=0)
+    layout = least_squares_scaling(distances, landmarks, projected)
     handed = handedness(layout, faces) * np.sign(signed_volume(points, faces))
-    sure = np.clip((abs(handed) - _TIE) / (_SURE - _TIE), 0.0, 1.0)
-    return layout * [1.0, 1.0, np.sign(handed) * sure * sure * (3 - 2 * sure)]
+    sure = float(np.clip((abs(handed) - _TIE) / (_SURE - _TIE), 0.0, 1.0))
+    if sure < 1:
+        layout = least_squares_scaling(distances, landmarks, projected * [1.0, 1.0, sure], sure)
+    return layout * [1.0, 1.0, np.sign(handed)]
 
 
 def handedness(layout: FloatArray, faces: IntArray) -> float:
@@ -96,14 +99,12 @@ def handedness(layout: FloatArray, faces: IntArray) -> float:
     return signed_volume(layout, faces) / spread if spread > 0 else 0.0
 
 
-def inflated(surface: Triangulation, points: FloatArray, layout: FloatArray, monitor: Monitor) -> FloatArray:
+def inflated(body: ElasticBody, layout: FloatArray, monitor: Monitor) -> FloatArray:
     """Give the limbs of a layout, which classical scaling squashes, the roundness they have on the surface.
 
     Parameters
     ----------
-    surface : Triangulation
-        The surface, Delaunay.
-    points : (n, 3) ndarray of float
+    body : ElasticBody
         The input.
     layout : (n, 3) ndarray of float
         The layout.
@@ -120,4 +121,4 @@ def inflated(surface: Triangulation, points: FloatArray, layout: FloatArray, mon
     CancelledError
         If the monitor says so.
     """
-    return deformed_towards(surface, points, layout, _PULL, _STEPS, memory=_MEMORY, monitor=monitor)
+    return body.deformed_towards(layout, _PULL, _STEPS, _MEMORY, monitor)

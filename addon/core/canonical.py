@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from .alignment import keeps_outside_out, rigid_fit
 from .arrangement import inflated, laid_out, landmark_distances
 from .coarsening import coarsened
+from .deformation import ElasticBody
 from .delaunay import intrinsic_delaunay
 from .detail import carried_by_frames, detailed
 from .distances import GreensFunction
@@ -27,13 +28,14 @@ from .settings import Settings
 from .smacof import minimise_stress
 from .spectrum import auto_diffusion, compute_spectrum
 from .stress import CrossPairs, PairSet, Stress
+from .struts import struts_through
 from .surface import FloatArray, IntArray, Triangulation, checked_mesh, triangulated, vertex_areas
 from .weight_inverse import SampledWeightInverse, WeightInverse
 
 _WORTH_COARSENING = 1.2  # times as many vertices as are worked on
 _STUCK = 2.0  # times as many vertices as asked for are left: the coarse mesh is not one
 _FEATURE_SHARE = 0.03  # of the feature points alone, from the input; far more would pull spikes out of the surface
-_LAYOUT_SMOOTHING = 0.05  # diffusion time of the landmarks' geodesics over that of the patches
+_LAYOUT_SMOOTHING = 0.03  # diffusion time of the landmarks' geodesics over that of the patches
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,6 +168,7 @@ def canonical_form(
             sets = all_patch_pairs(points, patches, cells, spectrum, green, settings, monitor)
         else:
             cross = sampled_patch_pairs(points, patches, features, spectrum, settings, monitor)
+    body = ElasticBody(surface, points, triangles, struts_through(points, triangles, to_features))
     start = points
     if settings.start == "intrinsic":
         with monitor.stage("Landmarks", 0.65):
@@ -174,7 +177,7 @@ def canonical_form(
             if settings.smoothing > 0:
                 distances = landmark_distances(to_landmarks, landmarks, spectrum)
         with monitor.stage("Start", 0.7):
-            start = inflated(surface, points, laid_out(distances, landmarks, points, triangles), monitor)
+            start = inflated(body, laid_out(distances, landmarks, points, triangles), monitor)
     from scipy.spatial.distance import pdist, squareform
 
     with monitor.stage("Factorisation", 0.72):
@@ -205,14 +208,14 @@ def canonical_form(
                 f"The stress was still falling after {settings.iterations} steps. More iterations will change the form "
                 "a little further."
             )
-        if not keeps_outside_out(surface, points, form):
+        if not keeps_outside_out(body, form):
             form = form * [1.0, 1.0, -1.0]
     if settings.preserve_detail > 0 and not settings.as_published:
         with monitor.stage("Detail", 0.97):
-            form = detailed(surface, points, form, triangles, settings.preserve_detail, monitor)
+            form = detailed(body, form, settings.preserve_detail, monitor)
     with monitor.stage("Alignment", 1.0):
         if coarse is not None:
-            form = carried_by_frames(coarse, surface, points, form, whole_points)
+            form = carried_by_frames(coarse, body, form, whole_points)
             monitor.check()
             adf = coarse.carried_back(adf)
             features = coarse.kept[features]

@@ -3,231 +3,228 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .laplacian import factored, mass, stiffness
 from .monitor import Monitor
-from .surface import FloatArray, IntArray, Triangulation, signed_volume
+from .surface import FloatArray, IntArray, Triangulation, area_vectors, is_closed, signed_volume
 
-if TYPE_CHECKING:
-    from scipy.sparse import csr_matrix
-
+_STRUT = 1.0  # stiffness of a strut, in areas of its end over its length squared; also the most that it may be
 _PRESSURE_STEPS = 3  # Newton steps of the pressure in each deformation step
 _MOST_PRESSURE = 0.05  # farthest a vertex may be pushed in one step, in units of sqrt(area)
-_POCKET = 40.0  # this many times the inverted share of the surroundings is not trusted
-_LEAST_TRUST = 1e-3  # keeps the system regular
-_NEAR = 0.0005  # diffusion time of the rotations that carry detail, as a share of the area
-_SPREAD = 0.01  # diffusion time of the first rotations, as a share of the area: wide enough to see a limb as a body
+_WIDE = 0.01  # diffusion time of the first rotations, as a share of the area: wide enough to see a limb as a body
+_NEAR = 0.0005  # diffusion time of the rotations that carry detail: an edge of the coarse mesh, squared
 
 
-def diffused_covariances(
-    surface: Triangulation,
-    before: FloatArray,
-    after: FloatArray,
-    trust: FloatArray | None = None,
-    spread: float = _SPREAD,
-) -> FloatArray:
-    """Compare the surroundings of every vertex before and after, over an area as wide as a limb.
-
-    Parameters
-    ----------
-    surface : Triangulation
-        The surface, Delaunay.
-    before, after : (n, 3) ndarray of float
-        Positions of the vertices.
-    trust : (n,) ndarray of float, optional
-        Weight of each vertex; 1 when left out.
-    spread : float
-        Diffusion time, as a share of the area.
-
-    Returns
-    -------
-    (n, 3, 3) ndarray of float
-        Covariances of edge vectors, those before by row and those after by column, smoothed by the heat flow.
-    """
-    from scipy.sparse import diags
-
-    L, M = stiffness(surface), mass(surface)
-    local = _Edges(L, before).covariances(after).reshape(-1, 9)
-    if trust is not None:
-        local *= np.maximum(trust, _LEAST_TRUST)[:, None]
-    return factored(diags(M) + spread * M.sum() * L).solve(local).reshape(-1, 3, 3)
-
-
-def local_rotations(surface: Triangulation, before: FloatArray, after: FloatArray) -> FloatArray:
-    """Find the rotation of the surroundings of every vertex: of the edges near it.
-
-    One ring alone would not do: a few edges that lie almost in one plane have a second rotation that fits as well.
-
-    Parameters
-    ----------
-    surface : Triangulation
-        The surface, Delaunay.
-    before, after : (n, 3) ndarray of float
-        Positions of the vertices.
-
-    Returns
-    -------
-    (n, 3, 3) ndarray of float
-        Proper rotations, applied from the right: ``x ↦ x R``.
-    """
-    return _rotations(diffused_covariances(surface, before, after, spread=_NEAR))
-
-
-def deformed_towards(
-    surface: Triangulation,
-    before: FloatArray,
-    target: FloatArray,
-    pull: float,
-    steps: int,
-    memory: float = 1.0,
-    closed_faces: IntArray | None = None,
-    monitor: Monitor | None = None,
-    trust: FloatArray | None = None,
-    done: float = 0.0,
-    share: float = 1.0,
-) -> FloatArray:
-    """Deform a mesh as rigidly as possible while its vertices are pulled to given places.
+class ElasticBody:
+    """The input as a body to be deformed: its surface is a shell, with struts through the flesh.
 
     Parameters
     ----------
     surface : Triangulation
         The surface, Delaunay, so that no weight is negative.
-    before : (n, 3) ndarray of float
+    points : (n, 3) ndarray of float
         Positions of the undeformed vertices.
-    target : (n, 3) ndarray of float
-        Where the vertices are pulled to.
-    pull : float
-        Strength of the pull, in 1/area.
-    steps : int
-        Number of alternations between rotations and positions.
-    memory : float
-        Share of the energy that remembers how the surface was bent, 0 to 1. The rest asks for the lengths of the
-        edges only, whichever way they point: creases of the pose may open.
-    closed_faces : (m, 3) ndarray of int, optional
-        Triangles of the mesh, if it is closed: the compactness ``V² / A³`` is then kept, by an even pressure.
-    monitor : Monitor, optional
-        Told the progress and asked whether to stop.
-    trust : (n,) ndarray of float, optional
-        How far the target is to be trusted, 0 to 1 by vertex; where it is not, there is no pull and full memory.
-    done, share : float
-        The fraction of the present stage that is done before, and that this call is worth.
-
-    Returns
-    -------
-    (n, 3) ndarray of float
-        The deformed vertices.
-
-    Raises
-    ------
-    CancelledError
-        If the monitor says so.
-
-    References
-    ----------
-    Sorkine and Alexa, "As-Rigid-As-Possible Surface Modeling", 2007. The first rotations come from covariances
-    diffused over the surface, so that a limb that the target squashes or turns inside out comes out right.
-    """
-    from scipy.sparse import diags
-
-    monitor = monitor or Monitor()
-    L, M = stiffness(surface), mass(surface)
-    edges = _Edges(L, before)
-    trust = np.ones(len(before)) if trust is None else trust
-    anchor = pull * np.maximum(trust, _LEAST_TRUST) * M
-    memory_at = edges.means(1 - (1 - memory) * trust)[:, None]
-    solve = factored(L + diags(anchor)).solve
-    monitor.check()
-    positions, rotation = target, _rotations(diffused_covariances(surface, before, target, trust))
-    for step in range(steps):
-        force = edges.rotated(rotation, memory_at)
-        if memory < 1:
-            force += edges.with_lengths_kept(positions, 1 - memory_at)
-        positions = solve(force + anchor[:, None] * target)
-        if closed_faces is not None:
-            positions = _under_pressure(positions, before, closed_faces, solve)
-        monitor.tick(done + share * (step + 1) / steps)
-        if step + 1 < steps:
-            rotation = _rotations(edges.covariances(positions))
-    return positions
-
-
-def right_side_out(
-    surface: Triangulation, before: FloatArray, after: FloatArray, faces: IntArray, spread: float
-) -> FloatArray:
-    """Tell where an embedding is right side out, seen against its wider surroundings.
-
-    Parameters
-    ----------
-    surface : Triangulation
-        The surface, Delaunay.
-    before, after : (n, 3) ndarray of float
-        Positions of the vertices.
     faces : (m, 3) ndarray of int
         Triangles of the mesh.
-    spread : float
-        How far around an inverted triangle it is told, as a diffusion time and share of the area.
+    struts : (s, 2) ndarray of int, optional
+        Pairs of vertices that face each other through the flesh.
 
-    Returns
-    -------
-    (n,) ndarray of float
-        1 where all is well, 0 in the middle of a pocket that is inside out.
+    Attributes
+    ----------
+    points : (n, 3) ndarray of float
+        As given.
+    mass : (n,) ndarray of float
+        Areas of the vertices.
     """
-    from scipy.sparse import diags
 
-    rotation = _rotations(diffused_covariances(surface, before, after))
-    normals = []
-    for positions in (before, after):
-        a, b, c = positions[faces].transpose(1, 0, 2)
-        normals.append(np.cross(b - a, c - a))
-    turned = np.einsum("ij,ijk->ik", normals[0], rotation[faces[:, 0]])
-    size = np.linalg.norm(turned, axis=1)
-    with_it = np.einsum("ij,ij->i", turned, normals[1]) / np.maximum(size * np.linalg.norm(normals[1], axis=1), 1e-30)
-    inverted = np.repeat(np.clip(-2 * with_it, 0.0, 1.0) * size / 6, 3)
-    area = np.bincount(faces.ravel(), inverted, minlength=len(before))
-    L, M = stiffness(surface), mass(surface)
-    share = factored(diags(M) + spread * M.sum() * L).solve(area)
-    return np.clip(1 - _POCKET * share, 0.0, 1.0)
+    def __init__(
+        self, surface: Triangulation, points: FloatArray, faces: IntArray, struts: IntArray | None = None
+    ) -> None:
+        from scipy.sparse import csr_matrix, diags, triu
 
-
-class _Edges:
-    """The edges of the undeformed mesh with their weights, and sums over the edges at each vertex."""
-
-    def __init__(self, stiffness_matrix: csr_matrix, before: FloatArray) -> None:
-        from scipy.sparse import csr_matrix, triu
-
-        upper = triu(stiffness_matrix, 1).tocoo()
-        self._i, self._j, weight = upper.row, upper.col, -upper.data
+        self.points, self.mass = points, mass(surface)
+        self._faces, self._closed = faces, is_closed(faces)
+        self._stiffness = stiffness(surface)
+        shell = triu(self._stiffness, 1).tocoo()
+        struts = np.empty((0, 2), dtype=np.int64) if struts is None else struts
+        self._i, self._j = np.concatenate([np.column_stack([shell.row, shell.col]), struts]).T
+        vectors = points[self._i] - points[self._j]  # (e, 3)
+        length = np.linalg.norm(vectors, axis=1)
+        self._is_shell = np.arange(len(length)) < shell.nnz
+        thickness = np.maximum(length[~self._is_shell], np.finfo(float).tiny)
+        area = self.mass[struts].mean(axis=1)
+        weight = np.concatenate([-shell.data, _STRUT * np.minimum(area / thickness**2, 1.0)])
+        self._weighted, self._stretch = weight[:, None] * vectors, weight * length
         count = len(weight)
-        self._vectors = before[self._i] - before[self._j]  # (e, 3)
-        self._weighted = weight[:, None] * self._vectors
-        self._stretch = weight * np.linalg.norm(self._vectors, axis=1)
-        ends = np.column_stack([self._i, self._j]).ravel()
-        shape = (2 * count, len(before))
-        start = np.arange(2 * count + 1)
-        self._ends = csr_matrix((np.ones(2 * count), ends, start), shape=shape).T.tocsr()
-        signs = np.tile([1.0, -1.0], count)
-        self._signed = csr_matrix((signs, ends, start), shape=shape).T.tocsr()
+        ends, start = np.column_stack([self._i, self._j]).ravel(), 2 * np.arange(count + 1)
+        differences = csr_matrix((np.tile([1.0, -1.0], count), ends, start), shape=(count, len(points)))
+        self._to_ends = differences.T.tocsr()
+        self._sums = abs(self._to_ends)
+        self._firmness = self._to_ends @ diags(weight) @ differences
+        self._smoothers: dict[float, Callable[[FloatArray], FloatArray]] = {}
 
-    def covariances(self, after: FloatArray) -> FloatArray:
+    def smoothed(self, integrals: FloatArray, share: float) -> FloatArray:
+        """Let what lies on the surface diffuse by one step of the heat flow.
+
+        Parameters
+        ----------
+        integrals : (n, d) ndarray of float
+            Values times areas.
+        share : float
+            Diffusion time, as a share of the area.
+
+        Returns
+        -------
+        (n, d) ndarray of float
+            Smoothed values.
+        """
+        from scipy.sparse import diags
+
+        if share not in self._smoothers:
+            time = share * float(self.mass.sum())
+            self._smoothers[share] = factored(diags(self.mass) + time * self._stiffness).solve
+        return self._smoothers[share](integrals)
+
+    def covariances(self, after: FloatArray, share: float = _WIDE) -> FloatArray:
+        """Compare the surroundings of every vertex before and after, over an area as wide as a limb.
+
+        Parameters
+        ----------
+        after : (n, 3) ndarray of float
+            Positions of the vertices.
+        share : float
+            Diffusion time, as a share of the area.
+
+        Returns
+        -------
+        (n, 3, 3) ndarray of float
+            Covariances of edge vectors, those before by row and those after by column, smoothed by the heat flow.
+        """
+        return self.smoothed(self._covariances(after).reshape(-1, 9), share).reshape(-1, 3, 3)
+
+    def frames(self, after: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Find the rigid motion of the surroundings of every vertex: of the edges near it.
+
+        One ring alone would not do: a few edges that lie almost in one plane have a second rotation that fits as well.
+
+        Parameters
+        ----------
+        after : (n, 3) ndarray of float
+            Positions of the vertices.
+
+        Returns
+        -------
+        rotation : (n, 3, 3) ndarray of float
+            R, as nearly a rotation as the mean of neighbouring ones is.
+        shift : (n, 3) ndarray of float
+            t; the motion is ``x ↦ x R + t``.
+        """
+        rotation = nearest_rotations(self.covariances(after, _NEAR))
+        shift = after - np.einsum("ij,ijk->ik", self.points, rotation)
+        motion = np.column_stack([rotation.reshape(-1, 9), shift]) * self.mass[:, None]
+        motion = self.smoothed(motion, _NEAR)
+        return motion[:, :9].reshape(-1, 3, 3), motion[:, 9:]
+
+    def deformed_towards(
+        self,
+        target: FloatArray,
+        pull: float,
+        steps: int,
+        memory: float = 1.0,
+        monitor: Monitor | None = None,
+        pressure: bool = False,
+        done: float = 0.0,
+        share: float = 1.0,
+    ) -> FloatArray:
+        """Deform the body as rigidly as possible while its vertices are pulled to given places.
+
+        Parameters
+        ----------
+        target : (n, 3) ndarray of float
+            Where the vertices are pulled to.
+        pull : float
+            Strength of the pull, in 1/area.
+        steps : int
+            Number of alternations between rotations and positions.
+        memory : float
+            Share of the shell's energy that remembers how it was bent, 0 to 1. The rest asks for the lengths of the
+            edges only, whichever way they point: creases of the pose may open. Struts always remember.
+        monitor : Monitor, optional
+            Told the progress and asked whether to stop.
+        pressure : bool
+            Whether the compactness ``V² / A³`` of a closed mesh is kept, by an even pressure.
+        done, share : float
+            The fraction of the present stage that is done before, and that this call is worth.
+
+        Returns
+        -------
+        (n, 3) ndarray of float
+            The deformed vertices.
+
+        Raises
+        ------
+        CancelledError
+            If the monitor says so.
+
+        References
+        ----------
+        Sorkine and Alexa, "As-Rigid-As-Possible Surface Modeling", 2007. The first rotations come from covariances
+        diffused over the surface, so that a limb that the target squashes or turns inside out comes out right.
+        """
+        from scipy.sparse import diags
+
+        monitor = monitor or Monitor()
+        anchor = pull * self.mass
+        solve = factored(self._firmness + diags(anchor)).solve
+        monitor.check()
+        remembered = np.where(self._is_shell, memory, 1.0)
+        positions, rotation = target, nearest_rotations(self.covariances(target))
+        for step in range(steps):
+            force = self._rotated(rotation, remembered)
+            if memory < 1:
+                force += self._with_lengths_kept(positions, 1 - remembered)
+            positions = solve(force + anchor[:, None] * target)
+            if pressure and self._closed:
+                positions = _under_pressure(positions, self.points, self._faces, solve)
+            monitor.tick(done + share * (step + 1) / steps)
+            if step + 1 < steps:
+                rotation = nearest_rotations(self._covariances(positions))
+        return positions
+
+    def _covariances(self, after: FloatArray) -> FloatArray:
         moved = after[self._i] - after[self._j]
         outer = (self._weighted[:, :, None] * moved[:, None, :]).reshape(-1, 9)
-        return (self._ends @ np.repeat(outer, 2, axis=0)).reshape(-1, 3, 3)
+        return (self._sums @ outer).reshape(-1, 3, 3)
 
-    def means(self, values: FloatArray) -> FloatArray:
-        return np.asarray((values[self._i] + values[self._j]) / 2)
+    def _rotated(self, rotation: FloatArray, share: FloatArray) -> FloatArray:
+        turn = rotation[self._i] + rotation[self._j]
+        return self._to_ends @ np.einsum("ij,ijk->ik", share[:, None] * self._weighted / 2, turn)
 
-    def rotated(self, rotation: FloatArray, share: FloatArray) -> FloatArray:
-        turned = np.einsum("ij,ijk->ik", share * self._weighted / 2, rotation[self._i] + rotation[self._j])
-        return self._signed @ np.repeat(turned, 2, axis=0)
-
-    def with_lengths_kept(self, positions: FloatArray, share: FloatArray) -> FloatArray:
+    def _with_lengths_kept(self, positions: FloatArray, share: FloatArray) -> FloatArray:
         moved = positions[self._i] - positions[self._j]
         length = np.linalg.norm(moved, axis=1)
         length[length == 0] = 1.0
-        return self._signed @ np.repeat(share * (self._stretch / length)[:, None] * moved, 2, axis=0)
+        return self._to_ends @ ((share * self._stretch / length)[:, None] * moved)
+
+
+def nearest_rotations(covariances: FloatArray) -> FloatArray:
+    """Find the proper rotation nearest to each covariance.
+
+    Parameters
+    ----------
+    covariances : (n, 3, 3) ndarray of float
+        Covariances of vectors, those before by row and those after by column.
+
+    Returns
+    -------
+    (n, 3, 3) ndarray of float
+        Rotations, applied from the right: ``x ↦ x R``.
+    """
+    left, _, right = np.linalg.svd(covariances)
+    left[:, :, -1] *= np.sign(np.linalg.det(left @ right))[:, None]
+    return left @ right
 
 
 def _under_pressure(
@@ -235,13 +232,8 @@ def _under_pressure(
 ) -> FloatArray:
     """Blow a closed mesh up, or let air out, until its compactness is that of the mesh before."""
     wanted = _signed_compactness(before, faces)
-    corner = positions[faces]
-    push = np.repeat(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]) / 6, 3, axis=0)
-    count = len(positions)
-    normals = np.zeros((count, 3))
-    for axis in range(3):
-        normals[:, axis] = np.bincount(faces.ravel(), push[:, axis], minlength=count)
-    way = solve(normals)
+    push = np.repeat(area_vectors(positions, faces) / 3, 3, axis=0)
+    way = solve(np.column_stack([np.bincount(faces.ravel(), push[:, axis], len(positions)) for axis in range(3)]))
     way *= np.sqrt(_area(before, faces) / (way**2).sum(axis=1).max())  # an amount of 1 moves by sqrt(area)
     side = np.sign(wanted)  # -1 where the triangles face inwards
     way, wanted, amount, step = side * way, abs(wanted), 0.0, 1e-4
@@ -260,12 +252,4 @@ def _signed_compactness(positions: FloatArray, faces: IntArray) -> float:
 
 
 def _area(positions: FloatArray, faces: IntArray) -> float:
-    a, b, c = positions[faces].transpose(1, 0, 2)
-    return float(np.sqrt((np.cross(b - a, c - a) ** 2).sum(axis=1)).sum() / 2)
-
-
-def _rotations(covariances: FloatArray) -> FloatArray:
-    """Find the proper rotation nearest to each covariance; it is applied from the right, ``x ↦ x R``."""
-    left, _, right = np.linalg.svd(covariances)
-    left[:, :, -1] *= np.sign(np.linalg.det(left @ right))[:, None]
-    return left @ right
+    return float(np.linalg.norm(area_vectors(positions, faces), axis=1).sum())

@@ -1,4 +1,4 @@
-"""Classical scaling, on all points or carried from landmarks to the rest (paper section 2, equation 4)."""
+"""Classical scaling on landmarks carried to the rest (section 2, equation 4), and least-squares scaling from there."""
 
 from __future__ import annotations
 
@@ -72,6 +72,57 @@ def landmark_scaling(distances: FloatArray, landmarks: IntArray, dimensions: int
     axes = np.flatnonzero(usable)
     inverse[:, axes] = embedding[:, axes] / values[axes]
     return -((distances**2 - (between**2).mean(axis=0)) @ inverse) / 2
+
+
+def least_squares_scaling(
+    distances: FloatArray, landmarks: IntArray, start: FloatArray, depth: float = 1.0, steps: int = 60
+) -> FloatArray:
+    """Move points until their straight distances from the landmarks come as close to the given ones as they can.
+
+    Classical scaling only projects: every distance comes out too short, and limbs close up. This is SMACOF with unit
+    weights on the landmarks, and then on each other point against all landmarks.
+
+    Parameters
+    ----------
+    distances : (n, l) ndarray of float
+        Distance of every point from each landmark.
+    landmarks : (l,) ndarray of int
+        The landmarks among the points.
+    start : (n, 3) ndarray of float
+        The points, centred, as by classical scaling.
+    depth : float
+        What is kept of the third coordinate in each step, 0 to 1: below 1 it has to earn its place.
+    steps : int
+        Number of steps of the landmarks; the other points take a third of them.
+
+    Returns
+    -------
+    (n, 3) ndarray of float
+        The points, centred.
+
+    References
+    ----------
+    De Leeuw, "Applications of convex analysis to multidimensional scaling", 1977.
+    """
+    kept = np.array([1.0, 1.0, depth])
+    between = (distances[landmarks] + distances[landmarks].T) / 2  # (l, l)
+    fixed = start[landmarks]
+    for _ in range(steps):
+        fixed = _nearer(fixed, fixed, between) * kept
+    nearness = 1 / np.maximum(distances, 1e-3 * distances.max()) ** 2  # the others first move along with the landmarks
+    layout = start + (nearness @ (fixed - start[landmarks])) / nearness.sum(axis=1)[:, None]
+    layout[landmarks] = fixed
+    for _ in range(steps // 3):
+        layout = _nearer(layout, fixed, distances) * kept
+        layout[landmarks] = fixed
+    return np.asarray(layout - layout.mean(axis=0))
+
+
+def _nearer(points: FloatArray, fixed: FloatArray, distances: FloatArray) -> FloatArray:
+    """Take one step of SMACOF of each point against points that are thought fixed, with unit weights."""
+    squared = (points**2).sum(axis=1)[:, None] + (fixed**2).sum(axis=1) - 2 * points @ fixed.T
+    ratio = distances / np.sqrt(np.maximum(squared, 1e-12 * squared.max()))
+    return np.asarray(fixed.mean(axis=0) + (ratio.sum(axis=1)[:, None] * points - ratio @ fixed) / len(fixed))
 
 
 def farthest_points(

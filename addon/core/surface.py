@@ -204,6 +204,25 @@ def corner_cotangents(lengths: FloatArray) -> FloatArray:
     return (squared.sum(axis=1, keepdims=True) - 2 * squared) / (4 * area[:, None])
 
 
+def area_vectors(vertices: FloatArray, faces: IntArray) -> FloatArray:
+    """Give every triangle its normal, as long as its area is large.
+
+    Parameters
+    ----------
+    vertices : (n, 3) ndarray of float
+        Vertex positions.
+    faces : (m, 3) ndarray of int
+        Triangles.
+
+    Returns
+    -------
+    (m, 3) ndarray of float
+        Vectors on the side from which a triangle is counter-clockwise.
+    """
+    a, b, c = vertices[faces].transpose(1, 0, 2)
+    return np.asarray(np.cross(b - a, c - a) / 2)
+
+
 def vertex_areas(vertices: FloatArray, faces: IntArray) -> FloatArray:
     """Give every vertex a third of the area of its triangles in space.
 
@@ -219,8 +238,7 @@ def vertex_areas(vertices: FloatArray, faces: IntArray) -> FloatArray:
     (n,) ndarray of float
         Areas.
     """
-    a, b, c = vertices[faces].transpose(1, 0, 2)
-    thirds = np.sqrt((np.cross(b - a, c - a) ** 2).sum(axis=1)) / 6
+    thirds = np.linalg.norm(area_vectors(vertices, faces), axis=1) / 3
     return np.bincount(faces.ravel(), weights=np.repeat(thirds, 3), minlength=len(vertices)).astype(np.float64)
 
 

@@ -7,7 +7,7 @@ from addon.core import Settings, canonical_form
 from addon.core.alignment import rigid_fit
 from addon.core.arrangement import handedness, laid_out, landmark_distances
 from addon.core.coarsening import coarsened
-from addon.core.deformation import deformed_towards, right_side_out
+from addon.core.deformation import ElasticBody
 from addon.core.delaunay import intrinsic_delaunay
 from addon.core.detail import carried_by_frames
 from addon.core.heat import HeatMethod
@@ -17,6 +17,7 @@ from addon.core.memory import memory_estimate
 from addon.core.monitor import Monitor
 from addon.core.scaling import farthest_points
 from addon.core.spectrum import compute_spectrum
+from addon.core.struts import struts_through
 from addon.core.surface import is_closed, signed_volume, triangulated
 from tests.sample import shapes
 
@@ -72,29 +73,77 @@ def test_a_mirrored_mesh_has_the_mirrored_layout(figure):
 def test_a_rigid_motion_of_the_target_is_followed_exactly(figure, rotation, memory):
     points, surface = prepared(*figure)
     target = points @ rotation + 0.3
-    moved = deformed_towards(surface, points, target, 10.0, 3, memory, figure[1])
+    body = ElasticBody(surface, points, figure[1], np.array([[0, 1000], [7, 2000]]))
+    moved = body.deformed_towards(target, 10.0, 3, memory, pressure=True)
     np.testing.assert_allclose(moved, target, atol=1e-9)
 
 
 def test_pressure_keeps_the_compactness(figure):
     points, surface = prepared(*figure)
     squashed = points * [1.0, 1.0, 0.4]
-    bare = deformed_towards(surface, points, squashed, 30.0, 5)
-    kept = deformed_towards(surface, points, squashed, 30.0, 5, closed_faces=figure[1])
+    body = ElasticBody(surface, points, figure[1])
+    bare = body.deformed_towards(squashed, 30.0, 5)
+    kept = body.deformed_towards(squashed, 30.0, 5, pressure=True)
     assert compactness_error(points, kept, figure[1]) < 0.1 * compactness_error(points, bare, figure[1])
 
 
-def test_a_pocket_that_is_inside_out_is_found():
-    vertices, faces = shapes.sphere(4)
+def test_struts_join_the_two_sides_of_a_thin_body():
+    vertices, faces = shapes.sphere(5)
+    points, surface = prepared(vertices * [1.0, 1.0, 0.1], faces)
+    struts = struts_through(points, faces, np.zeros((len(points), 1)))
+    assert len(struts) > 0.2 * len(points)
+    one, two = points[struts[:, 0]], points[struts[:, 1]]
+    assert (one[:, 2] * two[:, 2] < 0).all()
+    inward = struts_through(points, faces[:, ::-1], np.zeros((len(points), 1)))
+    np.testing.assert_array_equal(inward, struts)
+
+
+def flask(around=40):
+    """A ball with a pouch inside, open to the outside through a narrow neck."""
+    outside = np.linspace(np.pi, 0.12, 40)  # from the south pole
+    profile = np.column_stack([np.sin(outside), np.cos(outside)])
+    inside = np.linspace(0.3, np.pi, 20)
+    profile = np.concatenate([profile, np.column_stack([0.4 * np.sin(inside), 0.5 + 0.4 * np.cos(inside)])])
+    turn = np.linspace(0, 2 * np.pi, around, endpoint=False)
+    rings = profile[1:-1]
+    ring = np.stack([rings[:, :1] * np.cos(turn), rings[:, :1] * np.sin(turn), np.tile(rings[:, 1:], around)], axis=-1)
+    vertices = np.concatenate([ring.reshape(-1, 3), [[0, 0, -1], [0, 0, profile[-1, 1]]]])
+    row, column = np.meshgrid(np.arange(len(rings) - 1), np.arange(around), indexing="ij")
+    here, beside = row * around + column, row * around + (column + 1) % around
+    last, i, j = (len(rings) - 1) * around, np.arange(around), (np.arange(around) + 1) % around
+    faces = np.concatenate(
+        [
+            np.stack([here, beside, beside + around], axis=-1).reshape(-1, 3),
+            np.stack([here, beside + around, here + around], axis=-1).reshape(-1, 3),
+            np.column_stack([np.full(around, len(vertices) - 2), j, i]),
+            np.column_stack([last + i, last + j, np.full(around, len(vertices) - 1)]),
+        ]
+    )
+    return vertices, faces, np.arange(len(vertices)) >= 39 * around
+
+
+def test_struts_bring_a_pouch_back_inside():
+    vertices, faces, pouch = flask()
+    assert is_closed(faces)
+    assert signed_volume(vertices, faces) > 0
     points, surface = prepared(vertices, faces)
-    dented = points.copy()
-    cap = points[:, 2] > 0
-    dented[cap, 2] *= -0.9  # one half pushed into the other
-    trust = right_side_out(surface, points, dented, faces, 0.001)
-    rim = cap & (points[:, 2] < 0.3 * points[:, 2].max())
-    assert trust[rim].mean() < 0.5
-    assert trust[points[:, 2] < -0.7 * points[:, 2].max()].min() > 0.9
-    np.testing.assert_array_equal(right_side_out(surface, points, points, faces, 0.001), 1.0)
+    pouch[-2] = False
+    top = points[~pouch, 2].max()
+    deep = pouch & (vertices[:, 2] < 0.6)
+    target = points.copy()
+    target[pouch, 2] = 2 * top - target[pouch, 2]  # distances on the surface don't know inside from outside
+    left_out = {}
+    for struts in (None, struts_through(points, faces, np.zeros((len(points), 1)))):
+        moved = ElasticBody(surface, points, faces, struts).deformed_towards(target, 10.0, 20, memory=0.1)
+        left_out[struts is not None] = (moved[deep, 2] > top).mean()
+    assert left_out == {False: 1.0, True: 0.0}
+
+
+def test_no_strut_joins_what_is_far_apart_on_the_surface():
+    vertices, faces = shapes.sphere(5)
+    points, surface = prepared(vertices * [1.0, 1.0, 0.1], faces)
+    sides = np.where(points[:, 2] > 0, 10.0, 0.0)[:, None]  # as if the other side were another limb
+    assert not len(struts_through(points, faces, sides))
 
 
 def test_preserve_detail_goes_from_the_bare_form_to_the_rigid_one(figure):
@@ -113,9 +162,9 @@ def test_frames_carry_a_rigid_motion_exactly(figure, rotation):
     points, _ = prepared(*figure)
     coarse = coarsened(points, figure[1], 500)
     small = points[coarse.kept]
-    surface = intrinsic_delaunay(triangulated(small, coarse.faces))
+    body = ElasticBody(intrinsic_delaunay(triangulated(small, coarse.faces)), small, coarse.faces)
     np.testing.assert_allclose(
-        carried_by_frames(coarse, surface, small, small @ rotation + 1.0, points), points @ rotation + 1.0, atol=1e-9
+        carried_by_frames(coarse, body, small @ rotation + 1.0, points), points @ rotation + 1.0, atol=1e-9
     )
 
 

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from addon.core.alignment import closest_point_fit, keeps_outside_out, rigid_fit
-from addon.core.deformation import deformed_towards
+from addon.core.deformation import ElasticBody
 from addon.core.delaunay import intrinsic_delaunay
 from addon.core.measures import (
     compactness,
@@ -75,18 +75,20 @@ def test_closest_points_find_a_half_turn():
 def test_a_mirror_image_is_told_apart(figure, rotation):
     vertices, faces = figure
     surface = intrinsic_delaunay(triangulated(vertices, faces))
-    assert keeps_outside_out(surface, vertices, vertices @ rotation)
-    assert not keeps_outside_out(surface, vertices, vertices * [1, -1, 1])
+    body = ElasticBody(surface, vertices, faces)
+    assert keeps_outside_out(body, vertices @ rotation)
+    assert not keeps_outside_out(body, vertices * [1, -1, 1])
 
 
 def test_deformation_follows_rigid_targets_and_rounds_squashed_ones(figure, rotation):
     vertices, faces = figure
     surface = intrinsic_delaunay(triangulated(vertices, faces))
-    moved = deformed_towards(surface, vertices, vertices @ rotation, pull=1.0, steps=3)
+    body = ElasticBody(surface, vertices, faces)
+    moved = body.deformed_towards(vertices @ rotation, pull=1.0, steps=3)
     np.testing.assert_allclose(moved, vertices @ rotation, atol=1e-9)
     squashed = vertices.copy()
     thin = vertices[:, 1] > 0.7
     squashed[thin, 0] *= 0.3
-    rounded = deformed_towards(surface, vertices, squashed, pull=0.05, steps=30)
+    rounded = body.deformed_towards(squashed, pull=0.05, steps=30)
     before, after = (np.abs(edge_stretch(vertices, x, faces) - 1).mean() for x in (squashed, rounded))
     assert after < 0.5 * before

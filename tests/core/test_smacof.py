@@ -4,7 +4,7 @@ from sklearn.manifold import smacof as sklearn_smacof
 
 from addon.core import CancelledError
 from addon.core.monitor import Monitor
-from addon.core.scaling import classical_scaling, landmark_scaling
+from addon.core.scaling import classical_scaling, landmark_scaling, least_squares_scaling
 from addon.core.smacof import WeightInverse, minimise_stress, smacof
 from addon.core.stress import Stress, pair_set
 
@@ -140,3 +140,42 @@ def test_landmark_scaling_of_a_plane_is_flat():
     embedding = landmark_scaling(wanted[:, :8], np.arange(8))
     assert np.abs(embedding[:, 2]).max() < 1e-5
     np.testing.assert_allclose(np.linalg.norm(embedding[:, None] - embedding, axis=2), wanted, atol=1e-5)
+
+
+def squared_misfit(distances, points, landmarks):
+    return ((np.linalg.norm(points[:, None] - points[landmarks], axis=2) - distances) ** 2).sum()
+
+
+def test_least_squares_scaling_improves_on_classical_scaling(figure):
+    from addon.core.delaunay import intrinsic_delaunay
+    from addon.core.heat import HeatMethod
+    from addon.core.monitor import Monitor
+    from addon.core.scaling import farthest_points
+    from addon.core.surface import triangulated
+
+    heat = HeatMethod(intrinsic_delaunay(triangulated(*figure)), refine=False)
+    landmarks, distances = farthest_points(heat, np.array([0]), heat.distances([0]), 60, Monitor())
+    start = landmark_scaling(distances, landmarks)
+    start -= start.mean(axis=0)
+    between = (distances[landmarks] + distances[landmarks].T) / 2
+    misfits = []
+    for steps in (0, 3, 15, 60):
+        layout = least_squares_scaling(distances, landmarks, start, steps=steps)
+        misfits.append(squared_misfit(between, layout[landmarks], np.arange(60)))
+    assert misfits == sorted(misfits, reverse=True)
+    assert misfits[-1] < 0.5 * misfits[0]
+    assert squared_misfit(distances, layout, landmarks) < 0.5 * squared_misfit(distances, start, landmarks)
+
+
+def test_least_squares_scaling_stays_where_the_distances_hold():
+    points = np.random.default_rng(0).normal(size=(80, 3)) * [3.0, 2.0, 1.0]
+    points -= points.mean(axis=0)
+    wanted = np.linalg.norm(points[:, None] - points[:9], axis=2)
+    np.testing.assert_allclose(least_squares_scaling(wanted, np.arange(9), points), points, atol=1e-9)
+
+
+def test_a_flat_start_stays_flat():
+    points = np.random.default_rng(0).normal(size=(80, 3)) * [3.0, 2.0, 0.0]
+    wanted = 1.3 * np.linalg.norm(points[:, None] - points[:9], axis=2)
+    layout = least_squares_scaling(wanted, np.arange(9), points - points.mean(axis=0), depth=0.0)
+    assert not layout[:, 2].any()

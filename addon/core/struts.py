@@ -1,0 +1,69 @@
+"""Struts: pairs of vertices that face each other through the flesh, so that a deformation keeps what is inside inside."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .surface import FloatArray, IntArray, area_vectors, signed_volume
+
+_REACH = 0.3  # radius of the widest ball, in units of sqrt(area)
+_WAY, _DETOUR = 0.1, 2.0  # longest way on the surface: this, and so many times the strut
+_FACING = 0.5  # least cosine between a strut and the normals at its ends
+_ROUNDS = 12  # balls settle in about 6
+
+
+def struts_through(points: FloatArray, faces: IntArray, to_features: FloatArray) -> IntArray:
+    """Pair vertices with those that face them through the body, where the body is thin.
+
+    From each vertex a ball is let into the body, as wide as it can be without another vertex inside. The vertex that it
+    rests on is the other end. What a surface alone does not know, that a mouth is a hole in a head and no pouch on
+    it, is in these pairs; and they change little with the pose. Pairs that are far from each other on the surface are
+    left out: they join limbs that the pose pushed into each other.
+
+    Parameters
+    ----------
+    points : (n, 3) ndarray of float
+        Vertices, of unit area.
+    faces : (m, 3) ndarray of int
+        Triangles, all outwards or all inwards.
+    to_features : (n, k) ndarray of float
+        Geodesic distance of every vertex from each feature point.
+
+    Returns
+    -------
+    (s, 2) ndarray of int
+        Pairs of vertices.
+
+    References
+    ----------
+    The balls: Ma, Bae and Choi, "3D medial axis point approximation using nearest neighbors and the normal field",
+    2012.
+    """
+    from scipy.spatial import KDTree
+
+    normals = np.zeros_like(points)
+    outward = np.repeat(np.sign(signed_volume(points, faces)) * area_vectors(points, faces), 3, axis=0)
+    for axis in range(3):
+        normals[:, axis] = np.bincount(faces.ravel(), outward[:, axis], minlength=len(points))
+    normals /= np.maximum(np.linalg.norm(normals, axis=1), np.finfo(float).tiny)[:, None]
+    tree = KDTree(points)
+    here = np.arange(len(points))
+    radius, other = np.full(len(points), _REACH), here.copy()
+    for _ in range(_ROUNDS):
+        _, nearest = tree.query(points - radius[:, None] * normals)
+        away = points - points[nearest]
+        depth = 2 * np.einsum("ij,ij->i", normals, away)
+        smaller = np.einsum("ij,ij->i", away, away) / np.maximum(depth, 1e-12)  # the ball through both
+        shrinks = (nearest != here) & (smaller < radius * (1 - 1e-3))
+        if not shrinks.any():
+            break
+        radius[shrinks], other[shrinks] = smaller[shrinks], nearest[shrinks]
+    here, other = here[other != here], other[other != here]
+    away = points[here] - points[other]
+    length = np.linalg.norm(away, axis=1)
+    away /= np.maximum(length, np.finfo(float).tiny)[:, None]
+    faces_it = np.einsum("ij,ij->i", away, normals[here]) > _FACING
+    faces_it &= np.einsum("ij,ij->i", away, normals[other]) < -_FACING
+    faces_it &= np.abs(to_features[here] - to_features[other]).max(axis=1) < _WAY + _DETOUR * length
+    pairs = np.sort(np.column_stack([here, other])[faces_it], axis=1)
+    return np.unique(pairs, axis=0)
