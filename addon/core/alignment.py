@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from .deformation import ElasticBody
-from .laplacian import mass
-from .surface import FloatArray, Triangulation
+from .surface import FloatArray
 
 
 def rigid_fit(

@@ -9,7 +9,7 @@ from .distances import biharmonic_squared
 from .monitor import Monitor
 from .scaling import landmark_scaling, least_squares_scaling
 from .spectrum import Spectrum
-from .surface import FloatArray, IntArray, Triangulation, signed_volume
+from .surface import FloatArray, IntArray, signed_volume
 
 _BIHARMONIC_SHARE = 0.4  # of the squared distances; the rest is geodesic
 _TIE, _SURE = 0.6, 1.2  # handedness below which the third axis is dropped, and above which it is kept whole

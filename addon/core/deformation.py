@@ -10,7 +10,7 @@ from .laplacian import factored, mass, stiffness
 from .monitor import Monitor
 from .surface import FloatArray, IntArray, Triangulation, area_vectors, is_closed, signed_volume
 
-_STRUT = 1.0  # stiffness of a strut, in areas of its end over its length squared; also the most that it may be
+_STRUT = 3.0  # stiffness of a strut, in areas of its end over its length squared; also the most that it may be
 _PRESSURE_STEPS = 3  # Newton steps of the pressure in each deformation step
 _MOST_PRESSURE = 0.05  # farthest a vertex may be pushed in one step, in units of sqrt(area)
 _WIDE = 0.01  # diffusion time of the first rotations, as a share of the area: wide enough to see a limb as a body
@@ -179,12 +179,12 @@ class ElasticBody:
         anchor = pull * self.mass
         solve = factored(self._firmness + diags(anchor)).solve
         monitor.check()
-        remembered = np.where(self._is_shell, memory, 1.0)
+        remembered: FloatArray = np.where(self._is_shell, float(memory), 1.0)
         positions, rotation = target, nearest_rotations(self.covariances(target))
         for step in range(steps):
             force = self._rotated(rotation, remembered)
             if memory < 1:
-                force += self._with_lengths_kept(positions, 1 - remembered)
+                force += self._with_lengths_kept(positions, 1.0 - remembered)
             positions = solve(force + anchor[:, None] * target)
             if pressure and self._closed:
                 positions = _under_pressure(positions, self.points, self._faces, solve)

@@ -1,4 +1,4 @@
-"""Struts: pairs of vertices that face each other through the flesh, so that a deformation keeps what is inside inside."""
+"""Struts: pairs of vertices that face each other through the flesh, so that what is inside stays inside."""
 
 from __future__ import annotations
 
