@@ -12,7 +12,7 @@ from .spectrum import Spectrum
 from .surface import FloatArray, IntArray, signed_volume
 
 _BIHARMONIC_SHARE = 0.4  # of the squared distances; the rest is geodesic
-_TIE, _SURE = 0.6, 1.2  # handedness below which the third axis is dropped, and above which it is kept whole
+_TIE, _SURE = 0.8, 1.6  # handedness below which the third axis is dropped, and above which it is kept whole
 _PULL = 30.0  # 1/area: the layout shapes what is larger than a limb, the surface what is smaller
 _MEMORY = 0.1  # of the bends of the pose
 _STEPS = 18

@@ -234,7 +234,7 @@ class Stress:
         cdist(rows, columns, out=distance)
         np.subtract(target, distance, out=missing)
         np.multiply(weight, missing, out=force)
-        value = float(np.vdot(force, missing))
+        value = float(np.einsum("ij,ij->", force, missing))
         distance[distance == 0] = 1.0  # the diagonal, and points that coincide: no direction, no pull
         force /= distance
         right = force @ np.column_stack([columns, np.ones(len(columns))])  # sums come with the products
