@@ -21,16 +21,16 @@ from .laplacian import mass, stiffness
 from .measures import surface_area
 from .memory import require_memory, require_pair_memory
 from .monitor import Cancelled, Monitor, Progress
-from .pairs import all_patch_pairs, arrangement_pairs, balanced, feature_pairs, sampled_patch_pairs
+from .pairs import arrangement_pairs, balanced, feature_pairs, patch_pairs
 from .patches import closed_cell_faces, voronoi_cells
 from .scaling import farthest_points
 from .settings import Settings
 from .smacof import minimise_stress
 from .spectrum import auto_diffusion, compute_spectrum
-from .stress import CrossPairs, PairSet, Stress
+from .stress import PairSet, Stress
 from .struts import struts_through
 from .surface import FloatArray, IntArray, Triangulation, checked_mesh, triangulated, vertex_areas
-from .weight_inverse import SampledWeightInverse, WeightInverse
+from .weight_inverse import WeightInverse
 
 _WORTH_COARSENING = 1.2  # times as many vertices as are worked on
 _STUCK = 2.0  # times as many vertices as asked for are left: the coarse mesh is not one
@@ -161,13 +161,8 @@ def canonical_form(
         if settings.whole:
             require_pair_memory(len(points), [len(np.unique(patch)) for patch in patches], settings.memory_limit)
     with monitor.stage("Distances", 0.6):
-        green = GreensFunction(L, M) if settings.whole else None
-        sets: list[PairSet] = []
-        cross: list[CrossPairs] = []
-        if green is not None:
-            sets = all_patch_pairs(points, patches, cells, spectrum, green, settings, monitor)
-        else:
-            cross = sampled_patch_pairs(points, patches, features, spectrum, settings, monitor)
+        green = None if settings.as_published else GreensFunction(L, M)
+        sets = patch_pairs(points, patches, cells, spectrum, green, settings, monitor)
     body = ElasticBody(surface, points, triangles, struts_through(points, triangles, to_features))
     start = points
     if settings.start == "intrinsic":
@@ -189,16 +184,12 @@ def canonical_form(
         if between is not None:
             if not settings.as_published:
                 share = settings.arrangement_share if settings.start == "intrinsic" else _FEATURE_SHARE
-                between = balanced(between, sets or cross, len(points), share)
+                between = balanced(between, sets, len(points), share)
             sets = [*sets, between]
-        pair_count = sum(len(pairs.vertices) ** 2 for pairs in sets) + sum(pairs.targets.size for pairs in cross)
-        inverse: WeightInverse | SampledWeightInverse
-        if cross:
-            inverse = SampledWeightInverse(len(points), cross, sets, monitor)
-        else:
-            inverse = WeightInverse(len(points), sets, monitor)
+        pair_count = sum(len(pairs.vertices) ** 2 for pairs in sets)
+        inverse = WeightInverse(len(points), sets, monitor)
     with monitor.stage("Embedding", 0.9):
-        stress = Stress(len(points), sets, monitor, cross)
+        stress = Stress(len(points), sets, monitor)
         extrapolation = 0 if settings.as_published else settings.extrapolation
         form, history = minimise_stress(
             stress, inverse, start, settings.iterations, settings.tolerance, extrapolation, monitor

@@ -167,7 +167,9 @@ def biharmonic_squared(spectrum: Spectrum, first: IntArray, second: IntArray) ->
     return _spectral_squared(spectrum, first, second, 2)
 
 
-def all_geodesics(surface: Triangulation, monitor: Monitor, done: float = 0.0, share: float = 1.0) -> FloatArray:
+def all_geodesics(
+    surface: Triangulation, monitor: Monitor, smooth: float | None = None, done: float = 0.0, share: float = 1.0
+) -> FloatArray:
     """Measure geodesic distances between all vertices of a patch by the heat method (paper section 3.3).
 
     Parameters
@@ -176,6 +178,8 @@ def all_geodesics(surface: Triangulation, monitor: Monitor, done: float = 0.0, s
         The patch, connected, with its natural (Neumann) border.
     monitor : Monitor
         Asked between blocks of sources whether to stop, and told the progress.
+    smooth : float, optional
+        Diffusion time of smoothed distances; see `HeatMethod`. Without, the triangles are refined for accuracy.
     done, share : float
         The fraction of the present stage that is done before, and that this call is worth.
 
@@ -190,7 +194,7 @@ def all_geodesics(surface: Triangulation, monitor: Monitor, done: float = 0.0, s
         If the monitor says so.
     """
     count = surface.vertex_count
-    heat = HeatMethod(surface, monitor=monitor)
+    heat = HeatMethod(surface, smooth, refine=smooth is None, monitor=monitor)
     distance = np.empty((count, count))
     chunk = int(np.clip(_CHUNK_VALUES // count, 4, _CHUNK))
     for start in range(0, count, chunk):

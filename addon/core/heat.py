@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
 
 _FAINTEST = 1e-280  # heat that must reach one end of the surface from the other; a double ends at 1e-308
+_TAKES_OVER = 2.0  # diffusion lengths of the first time from the source
 _LONGER = 40  # most doublings of the time for that
 
 
@@ -31,9 +32,10 @@ class HeatMethod:
     ----------
     surface : Triangulation
         The surface, connected.
-    time : float, optional
-        Diffusion time, a squared length. Default: half the mean squared edge of the refined triangles, more where
-        the heat would fall below what a double can hold.
+    smooth : float, optional
+        A second diffusion time, a squared length, whose heat takes over two diffusion lengths away from the source:
+        distances become smooth and hardly feel how the surface is bent there. The first time is half the mean squared
+        edge of the refined triangles, more where the heat would fall below what a double can hold.
     refine : bool
         Split every triangle in four (error about a third lower, cost about three times as high).
     monitor : Monitor, optional
@@ -50,9 +52,10 @@ class HeatMethod:
     """
 
     def __init__(
-        self, surface: Triangulation, time: float | None = None, refine: bool = True, monitor: Monitor | None = None
+        self, surface: Triangulation, smooth: float | None = None, refine: bool = True, monitor: Monitor | None = None
     ) -> None:
         from scipy.sparse import csr_matrix, diags
+        from scipy.special import k0  # the heat of a point source in the plane after one backward step: K₀(d / √t) / 2πt
 
         monitor = monitor or Monitor()
         self._vertex_count = surface.vertex_count
@@ -84,9 +87,7 @@ class HeatMethod:
         self._poisson = factored(L + 1e-9 / mass(fine).sum() * M)
         monitor.check()
         L = _without_negative_weights(L)
-        if time is not None:
-            self._heat = factored(M + time * L)
-            return
+        self._smooth = None
         time = 0.5 * float((fine.lengths**2).mean())
         probe = np.zeros(n)
         probe[_far_end(fine)] = 1.0
@@ -95,9 +96,15 @@ class HeatMethod:
             self._heat = factored(M + time * L)
             heat = self._heat.solve(probe)
             if heat.min() > _FAINTEST * heat.max():
-                return
+                break
             time *= 2.0
-        raise SolverError("Heat does not reach all of the surface: it falls into loose parts. Separate or merge them.")
+        else:
+            raise SolverError(
+                "Heat does not reach all of the surface: it falls into loose parts. Separate or merge them."
+            )
+        if smooth is not None and smooth > time:
+            self._smooth = factored(M + smooth * L)
+            self._share = (smooth / time) * k0(_TAKES_OVER) / k0(_TAKES_OVER * np.sqrt(time / smooth))
 
     def distances(self, sources: ArrayLike) -> FloatArray:
         """Measure the distance of every vertex from each of the sources.
@@ -114,9 +121,11 @@ class HeatMethod:
         """
         source = np.atleast_1d(np.asarray(sources, dtype=np.int64))
         column = np.arange(len(source))
-        heat = np.zeros((self._divergence.shape[0], len(source)))  # (n', s)
-        heat[source, column] = 1.0
-        heat = self._heat.solve(heat)
+        spark = np.zeros((self._divergence.shape[0], len(source)))  # (n', s)
+        spark[source, column] = 1.0
+        heat = self._heat.solve(spark)
+        if self._smooth is not None:
+            heat += self._share * self._smooth.solve(spark)
         np.maximum(heat, np.finfo(np.float64).tiny, out=heat)
         np.log(heat, out=heat)
         origin = heat[self._faces[:, 0]]

@@ -9,8 +9,7 @@ from .errors import InvalidSettingsError
 
 STARTS = ("intrinsic", "input")
 QUALITIES = ("draft", "normal", "full")
-_COARSE = {"draft": 1000, "normal": 2200}  # vertices of the mesh that is worked on
-_SAMPLES = {"draft": 40, "normal": 80}  # a patch
+_COARSE = {"draft": 1000, "normal": 1600}  # vertices of the mesh that is worked on
 
 
 @dataclass(frozen=True)
@@ -20,9 +19,9 @@ class Settings:
     Attributes
     ----------
     quality : {'draft', 'normal', 'full'}
-        How much of the mesh is worked on. Draft: 1,000 vertices, 40 samples a patch. Normal: 2,200 vertices, 80
-        samples a patch; the result is carried back to all vertices, at a cost that grows like their number. Full: all
-        vertices and all pairs inside each patch, at a cost and memory that grow like the square of their number.
+        How much of the mesh is worked on. Draft: 1,000 vertices; normal: 2,200; the result is carried back to all
+        vertices, at a cost that grows like their number. Full: all vertices and exact commute times, at a cost and
+        memory that grow like the square of their number.
     preserve_detail : float
         From 0, the bare form of multidimensional scaling, to 1, the surface kept as rigid as possible.
     diffusion_time : float
@@ -109,11 +108,6 @@ class Settings:
     def coarse_vertices(self) -> int | None:
         """Number of vertices to work on; None for all."""
         return None if self.whole else _COARSE[self.quality]
-
-    @property
-    def samples(self) -> int:
-        """Number of samples a patch, where not all pairs are used."""
-        return _SAMPLES.get(self.quality, 0)
 
     @property
     def heat_time(self) -> float | None:

@@ -87,28 +87,6 @@ class PairSet:
         return matrix
 
 
-@dataclass(frozen=True, eq=False)
-class CrossPairs:
-    """Pairs of some vertices, the samples, with many, each with a wanted distance and a weight.
-
-    Attributes
-    ----------
-    rows : (s,) ndarray of int
-        The samples, each once.
-    columns : (p,) ndarray of int
-        The vertices they are paired with, each once; the samples may be among them.
-    targets : (s, p) ndarray of float
-        Wanted distances.
-    weights : (s, p) ndarray of float
-        Weights, 0 between a vertex and itself. A pair of two samples is there twice.
-    """
-
-    rows: IntArray
-    columns: IntArray
-    targets: FloatArray
-    weights: FloatArray
-
-
 def pair_set(
     vertices: IntArray, distances: FloatArray, weights: Callable[[slice, slice, FloatArray], FloatArray]
 ) -> PairSet:
@@ -148,25 +126,15 @@ class Stress:
         Patches and feature points.
     monitor : Monitor, optional
         Asked between tiles whether to stop.
-    cross : list of CrossPairs, optional
-        Samples of the patches with all vertices of them.
     """
 
-    def __init__(
-        self,
-        vertex_count: int,
-        pair_sets: list[PairSet],
-        monitor: Monitor | None = None,
-        cross: list[CrossPairs] | None = None,
-    ) -> None:
+    def __init__(self, vertex_count: int, pair_sets: list[PairSet], monitor: Monitor | None = None) -> None:
         self.vertex_count = vertex_count
         self.pair_sets = pair_sets
-        self.cross = cross or []
         self._monitor = monitor or Monitor()
         largest = max((len(pairs.vertices) for pairs in pair_sets), default=0)
-        sampled = max((pairs.targets.size for pairs in self.cross), default=0)
         # working memory of every tile in turn: fresh pages cost more than the sums
-        self._room = np.empty((3, max(min(_ROWS, largest) * largest, sampled)))
+        self._room = np.empty((3, min(_ROWS, largest) * largest))
 
     def value(self, embedding: FloatArray) -> float:
         """Evaluate the stress.
@@ -215,12 +183,6 @@ class Stress:
                 local[start:stop] += at_rows
                 local[start:] += at_columns
             pull[pairs.vertices] += local
-        for each in self.cross:
-            rows, columns = (np.ascontiguousarray(embedding[part]) for part in (each.rows, each.columns))
-            value, at_rows, at_columns = self._tile(rows, columns, each.targets, each.weights)
-            total += value
-            pull[each.rows] += at_rows
-            pull[each.columns] += at_columns
         return total, pull
 
     def _tile(
@@ -237,6 +199,7 @@ class Stress:
         value = float(np.einsum("ij,ij->", force, missing))
         distance[distance == 0] = 1.0  # the diagonal, and points that coincide: no direction, no pull
         force /= distance
-        right = force @ np.column_stack([columns, np.ones(len(columns))])  # sums come with the products
-        left = force.T @ np.column_stack([rows, np.ones(len(rows))])
-        return value, right[:, -1:] * rows - right[:, :-1], left[:, -1:] * columns - left[:, :-1]
+        # sums come with the products; threads of a matrix product would wait for each other longer than this takes
+        at_rows = np.einsum("ij,kj->ki", force, np.vstack([columns.T, np.ones(len(columns))]))
+        at_columns = np.einsum("ij,ki->kj", force, np.vstack([rows.T, np.ones(len(rows))]))
+        return value, (at_rows[-1] * rows.T - at_rows[:-1]).T, (at_columns[-1] * columns.T - at_columns[:-1]).T

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from .monitor import Monitor
-from .stress import CrossPairs, PairSet
+from .stress import PairSet
 from .surface import FloatArray, IntArray
 
-_BLOCK = 256
+_BLOCK = 128
 
 
 class WeightInverse:
@@ -40,7 +40,7 @@ class WeightInverse:
         position[self._shared] = np.arange(len(self._shared))
         remaining = np.zeros((len(self._shared), len(self._shared)))
         scale = 0.0
-        self._blocks: list[tuple[IntArray, IntArray, FloatArray, FloatArray]] = []
+        self._blocks: list[tuple[IntArray, IntArray, _Cholesky, FloatArray]] = []
         for done, pairs in enumerate(pair_sets):
             matrix = pairs.laplacian(monitor)
             border = np.flatnonzero(shared[pairs.vertices])
@@ -50,14 +50,14 @@ class WeightInverse:
             scale = max(scale, float(np.diag(matrix).max()))
             if len(inner):
                 coupling = matrix[np.ix_(inner, border)]
-                factor = _cholesky(_submatrix(matrix, inner, monitor), monitor)
-                half = _solve_lower(factor, coupling)
-                remaining[np.ix_(place, place)] -= half.T @ half
+                factor = _Cholesky(_submatrix(matrix, inner, monitor), monitor)
+                half = factor.forward(coupling.T)  # (shared, inner)
+                remaining[np.ix_(place, place)] -= half @ half.T
                 self._blocks.append((pairs.vertices[inner], place, factor, half))
             monitor.tick((done + 1) / len(pair_sets))
         # what remains has constants as its null space; adding them makes it regular and leaves the rest alone
         remaining += scale / len(remaining)
-        self._remaining = _cholesky(remaining, monitor)
+        self._remaining = _Cholesky(remaining, monitor)
 
     def __call__(self, right: FloatArray) -> FloatArray:
         """Solve ``V Y = R`` for R whose columns sum to 0.
@@ -72,87 +72,16 @@ class WeightInverse:
         (n, d) ndarray of float
             Y = V⁺ R, columns centred.
         """
-        shared = right[self._shared].copy()
+        shared = right[self._shared].T.copy()  # (d, shared)
         halves = []
         for inner, place, factor, half in self._blocks:
-            halves.append(_solve_lower(factor, right[inner]))
-            shared[place] -= half.T @ halves[-1]
+            halves.append(factor.forward(right[inner].T))
+            shared[:, place] -= np.einsum("ij,kj->ki", half, halves[-1])
+        at_shared = self._remaining.backward(self._remaining.forward(shared))
         solved = np.empty_like(right)
-        at_shared = _solve_lower(self._remaining, _solve_lower(self._remaining, shared), transposed=True)
-        solved[self._shared] = at_shared
+        solved[self._shared] = at_shared.T
         for (inner, place, factor, half), forward in zip(self._blocks, halves, strict=True):
-            solved[inner] = _solve_lower(factor, forward - half @ at_shared[place], transposed=True)
-        return solved - solved.mean(axis=0)
-
-
-class SampledWeightInverse:
-    """V⁺ where only some vertices, the samples, are paired with all others.
-
-    The others are paired with samples only, so they are eliminated by a division; what remains is a dense system on
-    the samples.
-
-    Parameters
-    ----------
-    vertex_count : int
-        Number of vertices n.
-    cross : list of CrossPairs
-        The samples of each patch with all its vertices; together they must reach every vertex.
-    pair_sets : list of PairSet
-        Pairs among samples.
-    monitor : Monitor, optional
-        Asked between blocks whether to stop.
-    """
-
-    def __init__(
-        self, vertex_count: int, cross: list[CrossPairs], pair_sets: list[PairSet], monitor: Monitor | None = None
-    ) -> None:
-        from scipy.sparse import csr_matrix
-
-        monitor = monitor or Monitor()
-        some = [pairs.rows for pairs in cross] + [pairs.vertices for pairs in pair_sets]
-        self._samples = np.unique(np.concatenate(some))
-        count = len(self._samples)
-        position = np.full(vertex_count, -1, dtype=np.int64)
-        position[self._samples] = np.arange(count)
-        self._others = np.flatnonzero(position < 0)
-        total = np.zeros(vertex_count)
-        weights = np.zeros((count, vertex_count))
-        for pairs in cross:
-            monitor.check()
-            total[pairs.rows] += pairs.weights.sum(axis=1)
-            total[pairs.columns] += pairs.weights.sum(axis=0)
-            weights[np.ix_(position[pairs.rows], pairs.columns)] += pairs.weights
-        among = weights[:, self._samples]
-        matrix = np.diag(total[self._samples]) - among - among.T
-        for each in pair_sets:
-            place = position[each.vertices]
-            matrix[np.ix_(place, place)] += each.laplacian(monitor)
-        share = weights[:, self._others] / total[self._others]  # (s, n - s)
-        self._total = total[self._others]
-        monitor.check()
-        matrix -= share @ weights[:, self._others].T
-        self._share = csr_matrix(share)  # a sample has weights in its own patches only
-        matrix += float(np.diag(matrix).max()) / count  # constants are the null space
-        self._factor = _cholesky(matrix, monitor)
-
-    def __call__(self, right: FloatArray) -> FloatArray:
-        """Solve ``V Y = R`` for R whose columns sum to 0.
-
-        Parameters
-        ----------
-        right : (n, d) ndarray of float
-            R.
-
-        Returns
-        -------
-        (n, d) ndarray of float
-            Y = V⁺ R, columns centred.
-        """
-        reduced = right[self._samples] + self._share @ right[self._others]
-        at_samples = _solve_lower(self._factor, _solve_lower(self._factor, reduced), transposed=True)
-        solved = np.empty_like(right)
-        solved[self._samples] = at_samples
-        solved[self._others] = right[self._others] / self._total[:, None] + self._share.T @ at_samples
+            solved[inner] = factor.backward(forward - np.einsum("ij,ki->kj", half, at_shared[:, place])).T
         return solved - solved.mean(axis=0)
 
 
@@ -166,21 +95,39 @@ def _submatrix(matrix: FloatArray, chosen: IntArray, monitor: Monitor) -> FloatA
     return part
 
 
-def _cholesky(matrix: FloatArray, monitor: Monitor) -> FloatArray:
-    """Factor in place, block by block so that a cancel is heard; what lies above the diagonal is not meaningful."""
-    for start in range(0, len(matrix), _BLOCK):
-        monitor.check()
-        stop = start + _BLOCK
-        if start:
-            matrix[start:, start:stop] -= matrix[start:, :start] @ matrix[start:stop, :start].T
-        corner = np.linalg.cholesky(matrix[start:stop, start:stop])
-        matrix[start:stop, start:stop] = corner
-        if stop < len(matrix):
-            matrix[stop:, start:stop] = _solve_lower(corner, matrix[stop:, start:stop].T).T
-    return matrix
+class _Cholesky:
+    """L with L Lᵀ = A, made in place of A block by block so that a cancel is heard; solves for a few right-hand sides.
 
+    A solve is a chain of products too small for the threads of a linear algebra library, which would wait for each
+    other longer than they compute: these sums run on one.
+    """
 
-def _solve_lower(factor: FloatArray, right: FloatArray, transposed: bool = False) -> FloatArray:
-    from scipy.linalg import solve_triangular
+    def __init__(self, matrix: FloatArray, monitor: Monitor) -> None:
+        self._lower = matrix
+        self._corners: list[tuple[slice, FloatArray]] = []  # inverses of the diagonal blocks
+        for start in range(0, len(matrix), _BLOCK):
+            monitor.check()
+            here, below = slice(start, start + _BLOCK), slice(start + _BLOCK, None)
+            if start:
+                matrix[start:, here] -= matrix[start:, :start] @ matrix[here, :start].T
+            corner = np.linalg.inv(np.linalg.cholesky(matrix[here, here]))
+            matrix[below, here] = matrix[below, here] @ corner.T
+            self._corners.append((here, corner))
 
-    return solve_triangular(factor, right, lower=True, trans=int(transposed), check_finite=False)
+    def forward(self, right: FloatArray) -> FloatArray:
+        """Solve L Y = R for R given, and Y wanted, with a row for each right-hand side."""
+        solved = np.empty_like(right)
+        for here, corner in self._corners:
+            known = slice(0, here.start)
+            rest = right[:, here] - np.einsum("ij,kj->ki", self._lower[here, known], solved[:, known])
+            solved[:, here] = np.einsum("ij,kj->ki", corner, rest)
+        return solved
+
+    def backward(self, right: FloatArray) -> FloatArray:
+        """Solve Lᵀ Y = R, as `forward` does."""
+        solved = right.copy()
+        for here, corner in reversed(self._corners):
+            open_ = slice(0, here.start)
+            solved[:, here] = np.einsum("ij,ki->kj", corner, solved[:, here])
+            solved[:, open_] -= np.einsum("ij,ki->kj", self._lower[here, open_], solved[:, here])
+        return solved
