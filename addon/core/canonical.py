@@ -35,7 +35,7 @@ from .weight_inverse import WeightInverse
 _WORTH_COARSENING = 1.2  # times as many vertices as are worked on
 _STUCK = 2.0  # times as many vertices as asked for are left: the coarse mesh is not one
 _FEATURE_SHARE = 0.03  # of the feature points alone, from the input; far more would pull spikes out of the surface
-_LAYOUT_SMOOTHING = 0.03  # diffusion time of the landmarks' geodesics over that of the patches
+_LAYOUT_SMOOTHING = 0.02  # diffusion time of the landmarks' geodesics over that of the patches
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,7 @@ _STRUT = 3.0  # stiffness of a strut, in areas of its end over its length square
 _PRESSURE_STEPS = 3  # Newton steps of the pressure in each deformation step
 _MOST_PRESSURE = 0.05  # farthest a vertex may be pushed in one step, in units of sqrt(area)
 _WIDE = 0.01  # diffusion time of the first rotations, as a share of the area: wide enough to see a limb as a body
-_NEAR = 0.0005  # diffusion time of the rotations that carry detail: an edge of the coarse mesh, squared
+_NEAR = 0.0015  # diffusion time of the frames that carry detail, as a share of the area: two edges of the coarse mesh
 
 
 class ElasticBody:

@@ -9,7 +9,7 @@ from .deformation import ElasticBody
 from .monitor import Monitor
 from .surface import FloatArray
 
-_PULL = 14.0  # 1/area, where detail and form weigh the same
+_PULL = 17.0  # 1/area, where detail and form weigh the same
 _LEAST_PULL = 0.3
 _STEPS = 8
 _FIRST = 12.0  # times the pull of the first pass, which only smooths what the stress crumpled

@@ -55,7 +55,9 @@ class HeatMethod:
         self, surface: Triangulation, smooth: float | None = None, refine: bool = True, monitor: Monitor | None = None
     ) -> None:
         from scipy.sparse import csr_matrix, diags
-        from scipy.special import k0  # the heat of a point source in the plane after one backward step: K₀(d / √t) / 2πt
+        from scipy.special import (
+            k0,
+        )  # the heat of a point source in the plane after one backward step: K₀(d / √t) / 2πt
 
         monitor = monitor or Monitor()
         self._vertex_count = surface.vertex_count

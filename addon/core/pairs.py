@@ -60,9 +60,7 @@ def patch_pairs(
     for index, patch in enumerate(patches):
         vertices, corners = np.unique(patch, return_inverse=True)
         surface = triangulated(points[vertices], corners.reshape(-1, 3))
-        distance = all_geodesics(
-            surface, monitor, settings.heat_time, effort[index], effort[index + 1] - effort[index]
-        )
+        distance = all_geodesics(surface, monitor, settings.heat_time, effort[index], effort[index + 1] - effort[index])
         if settings.as_published:  # open cells: the pairs of the cell's own vertices only
             own = np.flatnonzero(cells[vertices] == index)
             vertices, distance = vertices[own], distance[np.ix_(own, own)]

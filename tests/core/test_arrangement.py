@@ -155,7 +155,7 @@ def test_preserve_detail_goes_from_the_bare_form_to_the_rigid_one(figure):
         for much in (0.0, 0.3, 0.5, 0.8, 1.0)
     ]
     assert stretch == sorted(stretch, reverse=True)
-    assert stretch[-1] < 0.2 * stretch[0]
+    assert stretch[-1] < 0.3 * stretch[0]
 
 
 def test_frames_carry_a_rigid_motion_exactly(figure, rotation):

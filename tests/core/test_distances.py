@@ -78,6 +78,29 @@ def test_all_geodesics_are_symmetric_positive_and_nearly_a_metric(figure):
     assert violation.max() < 0.05 * d.max()
 
 
+def test_smoothed_geodesics_are_plain_near_and_positive():
+    vertices, faces = shapes.grid(41, 41, 1.0, 1.0)
+    plain, smooth = (all_geodesics(triangulated(vertices, faces), Monitor(), time)[[0, 840]] for time in (None, 0.1))
+    true = np.linalg.norm(vertices[[0, 840]][:, None] - vertices[None], axis=2)
+    assert (np.abs(plain - true)[true > 0] / true[true > 0]).mean() < 0.03
+    assert (smooth[true > 0] > 0).all()
+    near = (true > 0) & (true < 0.05)
+    assert (np.abs(smooth - true)[near] / true[near]).mean() < 0.15
+    assert np.corrcoef(smooth.ravel(), true.ravel())[0, 1] > 0.97
+
+
+def test_smoothed_geodesics_feel_a_bend_less():
+    vertices, faces = shapes.cylinder(24, 81, 0.15, 3.0)
+    x, y, z = vertices.T
+    bent = np.column_stack([(x + 1) * np.cos(z), y, (x + 1) * np.sin(z)])  # a tube around a circle of radius 1
+    change = []
+    for time in (None, 0.4):
+        one, two = (all_geodesics(triangulated(points, faces), Monitor(), time) for points in (vertices, bent))
+        far = one > 1.0
+        change.append(np.abs(two[far] / one[far] - 1).mean())
+    assert change[1] < 0.7 * change[0]
+
+
 def test_all_geodesics_hear_a_cancel(sphere):
     with pytest.raises(CancelledError):
         all_geodesics(triangulated(*sphere), Monitor(cancelled=lambda: True))
