@@ -93,7 +93,7 @@ def _extrapolated(past: list[tuple[FloatArray, FloatArray, FloatArray]]) -> Floa
         np.stack([(later[part] - earlier[part]).ravel() for earlier, later in pairwise(past)]) for part in range(3)
     )
     embedding, step, pull = past[-1]
-    normal = np.einsum("in,jn->ij", bends, forces)  # bends V bendsᵀ, with the sign of V⁺ (B - V)
+    normal = bends @ forces.T  # bends V bendsᵀ, with the sign of V⁺ (B - V)
     normal = (normal + normal.T) / 2 + 1e-10 * np.trace(normal) * np.eye(len(normal))
     share = np.linalg.lstsq(normal, np.einsum("in,n->i", bends, pull.ravel()), rcond=None)[0]
     return embedding + step - np.einsum("i,in->n", share, moves + bends).reshape(embedding.shape)

@@ -10,15 +10,18 @@ import numpy as np
 from .monitor import Monitor
 from .surface import FloatArray, IntArray
 
-_ROWS = 128  # rows of a tile: bounds working memory and the time between two questions whether to stop
+# Pairs in a tile, and rows at most: they fit the cache, a cancel is heard between them, and their products are small
+# enough that a linear algebra library runs them on one thread; more would wait for each other longer than this takes.
+_TILE = 60_000
+_ROWS = 128
 
 
 @dataclass(frozen=True, eq=False)
 class PairSet:
     """All pairs among some vertices, each with a wanted distance and a weight, stored once, in tiles.
 
-    Tile number b holds the rows from ``128 b`` on and the columns from there to the end; what lies on or below the
-    diagonal has weight 0.
+    A tile holds some rows and the columns from the first of them to the end; what lies on or below the diagonal has
+    weight 0.
 
     Attributes
     ----------
@@ -43,7 +46,7 @@ class PairSet:
             Total weight by vertex: the diagonal of V.
         """
         total = np.zeros(len(self.vertices))
-        for start, weight in zip(range(0, len(total), _ROWS), self.weights, strict=True):
+        for start, weight in zip(_tiles(len(total)), self.weights, strict=True):
             total[start : start + len(weight)] += weight.sum(axis=1)
             total[start:] += weight.sum(axis=0)
         return total
@@ -78,7 +81,7 @@ class PairSet:
         """
         count = len(self.vertices)
         matrix = np.zeros((count, count))
-        for start, weight in zip(range(0, count, _ROWS), self.weights, strict=True):
+        for start, weight in zip(_tiles(count), self.weights, strict=True):
             if monitor is not None:
                 monitor.check()
             matrix[start : start + len(weight), start:] -= weight
@@ -107,8 +110,9 @@ def pair_set(
         The pairs.
     """
     targets, heavy = [], []
-    for start in range(0, len(vertices), _ROWS):
-        rows, columns = slice(start, min(start + _ROWS, len(vertices))), slice(start, len(vertices))
+    tiles = _tiles(len(vertices))
+    for start in tiles:
+        rows, columns = slice(start, min(start + tiles.step, len(vertices))), slice(start, len(vertices))
         target = np.ascontiguousarray(distances[rows, columns])
         targets.append(target)
         heavy.append(np.triu(weights(rows, columns, target), 1))
@@ -132,9 +136,9 @@ class Stress:
         self.vertex_count = vertex_count
         self.pair_sets = pair_sets
         self._monitor = monitor or Monitor()
-        largest = max((len(pairs.vertices) for pairs in pair_sets), default=0)
+        largest = max((_tiles(count).step * count for count in (len(pairs.vertices) for pairs in pair_sets)), default=0)
         # working memory of every tile in turn: fresh pages cost more than the sums
-        self._room = np.empty((3, min(_ROWS, largest) * largest))
+        self._room = np.empty((3, largest))
 
     def value(self, embedding: FloatArray) -> float:
         """Evaluate the stress.
@@ -176,7 +180,7 @@ class Stress:
         for pairs in self.pair_sets:
             points = np.ascontiguousarray(embedding[pairs.vertices])  # (p, d)
             local = np.zeros_like(points)
-            for start, target, weight in zip(range(0, len(points), _ROWS), pairs.targets, pairs.weights, strict=True):
+            for start, target, weight in zip(_tiles(len(points)), pairs.targets, pairs.weights, strict=True):
                 stop = start + len(target)
                 value, at_rows, at_columns = self._tile(points[start:stop], points[start:], target, weight)
                 total += value
@@ -199,7 +203,11 @@ class Stress:
         value = float(np.einsum("ij,ij->", force, missing))
         distance[distance == 0] = 1.0  # the diagonal, and points that coincide: no direction, no pull
         force /= distance
-        # sums come with the products; threads of a matrix product would wait for each other longer than this takes
-        at_rows = np.einsum("ij,kj->ki", force, np.vstack([columns.T, np.ones(len(columns))]))
-        at_columns = np.einsum("ij,ki->kj", force, np.vstack([rows.T, np.ones(len(rows))]))
-        return value, (at_rows[-1] * rows.T - at_rows[:-1]).T, (at_columns[-1] * columns.T - at_columns[:-1]).T
+        right = force @ np.column_stack([columns, np.ones(len(columns))])  # sums come with the products
+        left = force.T @ np.column_stack([rows, np.ones(len(rows))])
+        return value, right[:, -1:] * rows - right[:, :-1], left[:, -1:] * columns - left[:, :-1]
+
+
+def _tiles(count: int) -> range:
+    """List the first rows of the tiles of a set of so many vertices."""
+    return range(0, count, int(np.clip(_TILE // max(count, 1), 8, _ROWS)))

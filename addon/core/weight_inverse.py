@@ -8,7 +8,7 @@ from .monitor import Monitor
 from .stress import PairSet
 from .surface import FloatArray, IntArray
 
-_BLOCK = 128
+_BLOCK = 64  # so that products with a few columns run on one thread, see the tiles of the stress
 
 
 class WeightInverse:
@@ -51,8 +51,8 @@ class WeightInverse:
             if len(inner):
                 coupling = matrix[np.ix_(inner, border)]
                 factor = _Cholesky(_submatrix(matrix, inner, monitor), monitor)
-                half = factor.forward(coupling.T)  # (shared, inner)
-                remaining[np.ix_(place, place)] -= half @ half.T
+                half = factor.forward(coupling)
+                remaining[np.ix_(place, place)] -= half.T @ half
                 self._blocks.append((pairs.vertices[inner], place, factor, half))
             monitor.tick((done + 1) / len(pair_sets))
         # what remains has constants as its null space; adding them makes it regular and leaves the rest alone
@@ -72,16 +72,16 @@ class WeightInverse:
         (n, d) ndarray of float
             Y = V⁺ R, columns centred.
         """
-        shared = right[self._shared].T.copy()  # (d, shared)
+        shared = right[self._shared]
         halves = []
         for inner, place, factor, half in self._blocks:
-            halves.append(factor.forward(right[inner].T))
-            shared[:, place] -= np.einsum("ij,kj->ki", half, halves[-1])
+            halves.append(factor.forward(right[inner]))
+            shared[place] -= np.einsum("ij,ik->jk", half, halves[-1])
         at_shared = self._remaining.backward(self._remaining.forward(shared))
         solved = np.empty_like(right)
-        solved[self._shared] = at_shared.T
+        solved[self._shared] = at_shared
         for (inner, place, factor, half), forward in zip(self._blocks, halves, strict=True):
-            solved[inner] = factor.backward(forward - np.einsum("ij,ki->kj", half, at_shared[:, place])).T
+            solved[inner] = factor.backward(forward - np.einsum("ij,jk->ik", half, at_shared[place]))
         return solved - solved.mean(axis=0)
 
 
@@ -98,8 +98,8 @@ def _submatrix(matrix: FloatArray, chosen: IntArray, monitor: Monitor) -> FloatA
 class _Cholesky:
     """L with L Lᵀ = A, made in place of A block by block so that a cancel is heard; solves for a few right-hand sides.
 
-    A solve is a chain of products too small for the threads of a linear algebra library, which would wait for each
-    other longer than they compute: these sums run on one.
+    A triangular solve of a linear algebra library runs on all threads, which wait for each other longer than they
+    compute; this chain of small products does not.
     """
 
     def __init__(self, matrix: FloatArray, monitor: Monitor) -> None:
@@ -115,19 +115,16 @@ class _Cholesky:
             self._corners.append((here, corner))
 
     def forward(self, right: FloatArray) -> FloatArray:
-        """Solve L Y = R for R given, and Y wanted, with a row for each right-hand side."""
+        """Solve L Y = R."""
         solved = np.empty_like(right)
         for here, corner in self._corners:
-            known = slice(0, here.start)
-            rest = right[:, here] - np.einsum("ij,kj->ki", self._lower[here, known], solved[:, known])
-            solved[:, here] = np.einsum("ij,kj->ki", corner, rest)
+            solved[here] = corner @ (right[here] - self._lower[here, : here.start] @ solved[: here.start])
         return solved
 
     def backward(self, right: FloatArray) -> FloatArray:
-        """Solve Lᵀ Y = R, as `forward` does."""
+        """Solve Lᵀ Y = R."""
         solved = right.copy()
         for here, corner in reversed(self._corners):
-            open_ = slice(0, here.start)
-            solved[:, here] = np.einsum("ij,ki->kj", corner, solved[:, here])
-            solved[:, open_] -= np.einsum("ij,ki->kj", self._lower[here, open_], solved[:, here])
+            solved[here] = corner.T @ solved[here]
+            solved[: here.start] -= self._lower[here, : here.start].T @ solved[here]
         return solved
