@@ -28,7 +28,7 @@ from .settings import Settings
 from .smacof import minimise_stress
 from .spectrum import auto_diffusion, compute_spectrum
 from .stress import PairSet, Stress
-from .struts import struts_through
+from .struts import braced, struts_through
 from .surface import FloatArray, IntArray, Triangulation, checked_mesh, triangulated, vertex_areas
 from .weight_inverse import WeightInverse
 
@@ -163,7 +163,12 @@ def canonical_form(
     with monitor.stage("Distances", 0.6):
         green = None if settings.as_published else GreensFunction(L, M)
         sets = patch_pairs(points, patches, cells, spectrum, green, settings, monitor)
-    body = ElasticBody(surface, points, triangles, struts_through(points, triangles, to_features))
+    with monitor.stage("Struts", 0.61):
+        struts = None
+        if settings.heat_time is not None:
+            struts = struts_through(points, triangles, to_features, monitor)
+            sets = braced(sets, points, struts)
+        body = ElasticBody(surface, points, triangles, struts)
     start = points
     if settings.start == "intrinsic":
         with monitor.stage("Landmarks", 0.65):
@@ -173,12 +178,10 @@ def canonical_form(
                 distances = landmark_distances(to_landmarks, landmarks, spectrum)
         with monitor.stage("Start", 0.7):
             start = inflated(body, laid_out(distances, landmarks, points, triangles), monitor)
-    from scipy.spatial.distance import pdist, squareform
-
     with monitor.stage("Factorisation", 0.72):
         between = None
         if settings.start == "intrinsic" and not settings.as_published:
-            between = arrangement_pairs(landmarks, squareform(pdist(start[landmarks])))
+            between = arrangement_pairs(landmarks, start)
         elif len(features) > 1:
             between = _feature_pairs(features, to_features, green or GreensFunction(L, M), adf, settings)
         if between is not None:

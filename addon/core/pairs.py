@@ -115,22 +115,25 @@ def feature_pairs(features: IntArray, biharmonic: FloatArray, adf: FloatArray) -
     return pair_set(features, biharmonic, lambda rows, columns, _: (heat[rows, None] + heat[None, columns]) / 2)
 
 
-def arrangement_pairs(landmarks: IntArray, distances: FloatArray) -> PairSet:
+def arrangement_pairs(landmarks: IntArray, start: FloatArray) -> PairSet:
     """Pair all landmarks, among them the feature points, evenly: the second sum of equation 10, made wider.
 
     Parameters
     ----------
     landmarks : (l,) ndarray of int
         The landmarks.
-    distances : (l, l) ndarray of float
-        Wanted distances between them.
+    start : (n, 3) ndarray of float
+        The arrangement, whose distances are wanted.
 
     Returns
     -------
     PairSet
         The pairs.
     """
-    return pair_set(landmarks, distances, lambda rows, columns, target: np.ones_like(target))
+    from scipy.spatial.distance import pdist, squareform
+
+    wanted = squareform(pdist(start[landmarks]))
+    return pair_set(landmarks, wanted, lambda rows, columns, target: np.ones_like(target))
 
 
 def balanced(pairs: PairSet, patches: list[PairSet], vertex_count: int, share: float) -> PairSet:

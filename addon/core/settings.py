@@ -71,7 +71,7 @@ class Settings:
     smoothing: float = 0.1
     arrangement_share: float = 10.0
     iterations: int = 300
-    tolerance: float = 1e-2
+    tolerance: float = 1e-3
     extrapolation: int = 6
     as_published: bool = False
     memory_limit: float = 8.0

@@ -13,6 +13,9 @@ from .stress import Stress, pair_set
 from .surface import FloatArray
 from .weight_inverse import WeightInverse
 
+_RELAXATION = 2.0  # how many times as far as its target a step goes: more may raise the stress
+_WORTH = 1.0  # times the sure decrease of a plain step: what an extrapolated one has to be worth
+
 
 def minimise_stress(
     stress: Stress,
@@ -26,8 +29,8 @@ def minimise_stress(
     """Lower the stress by majorisation steps ``X ← V⁺ B(X) X`` until it hardly changes.
 
     The plain steps shrink towards the end like a geometric series. Extrapolating from the last few (Anderson mixing in
-    the norm of V) reaches in 66 steps what takes 1000 plain ones on real meshes. An extrapolated step is taken only if
-    it does not raise the stress, otherwise the plain one, which cannot.
+    the norm of V), with steps of double length, reaches in about 60 steps what takes 1000 plain ones on real meshes. An
+    extrapolated step is taken only if it lowers the stress as much as the plain one is sure to, otherwise that.
 
     Parameters
     ----------
@@ -60,6 +63,7 @@ def minimise_stress(
 
     References
     ----------
+    De Leeuw and Heiser, "Multidimensional Scaling with Restrictions on the Configuration", 1980 (doubled steps);
     Rosman, Bronstein, Bronstein, Sidi and Kimmel, "Fast Multidimensional Scaling Using Vector Extrapolation", 2008;
     Walker and Ni, "Anderson Acceleration for Fixed-Point Iterations", 2011.
     """
@@ -71,9 +75,12 @@ def minimise_stress(
     for number in range(iterations):
         step = inverse(pull)  # V⁺ B(X) X - X = V⁺ (B(X) - V) X
         past = [*past[-extrapolation:], (embedding, step, pull)] if extrapolation else []
-        trial = _extrapolated(past) if len(past) > 1 else embedding + step
+        trial = _extrapolated(past) if past else embedding + step
         trial_value, trial_pull = stress.value_and_pull(trial)
-        if trial_value > value and len(past) > 1:
+        sure = float(
+            np.vdot(step, pull)
+        )  # the least by which a plain step lowers the stress: its square in the norm of V
+        if past and value - trial_value < _WORTH * sure:
             past = past[-1:]
             trial = embedding + step
             trial_value, trial_pull = stress.value_and_pull(trial)
@@ -88,15 +95,18 @@ def minimise_stress(
 
 
 def _extrapolated(past: list[tuple[FloatArray, FloatArray, FloatArray]]) -> FloatArray:
-    """Combine past embeddings so that the step from there would be shortest in the norm of V."""
+    """Combine past embeddings so that the step from there would be shortest in the norm of V, and go twice as far."""
+    embedding, step, pull = past[-1]
+    far = embedding + _RELAXATION * step
+    if len(past) == 1:
+        return far
     moves, bends, forces = (
         np.stack([(later[part] - earlier[part]).ravel() for earlier, later in pairwise(past)]) for part in range(3)
     )
-    embedding, step, pull = past[-1]
     normal = bends @ forces.T  # bends V bendsᵀ, with the sign of V⁺ (B - V)
     normal = (normal + normal.T) / 2 + 1e-10 * np.trace(normal) * np.eye(len(normal))
     share = np.linalg.lstsq(normal, np.einsum("in,n->i", bends, pull.ravel()), rcond=None)[0]
-    return embedding + step - np.einsum("i,in->n", share, moves + bends).reshape(embedding.shape)
+    return far - np.einsum("i,in->n", share, moves + _RELAXATION * bends).reshape(embedding.shape)
 
 
 def smacof(

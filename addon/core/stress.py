@@ -66,6 +66,33 @@ class PairSet:
         """
         return PairSet(self.vertices, self.targets, [factor * weight for weight in self.weights])
 
+    def replaced(self, pairs: IntArray, targets: FloatArray, weights: FloatArray) -> PairSet:
+        """Ask for other distances between some of the vertices, and weight them otherwise.
+
+        Parameters
+        ----------
+        pairs : (s, 2) ndarray of int
+            Pairs of positions in `vertices`, the smaller first.
+        targets : (s,) ndarray of float
+            Wanted distances.
+        weights : (s,) ndarray of float
+            Weights.
+
+        Returns
+        -------
+        PairSet
+            The pairs; tiles without a change are shared with this set.
+        """
+        tiles = _tiles(len(self.vertices))
+        all_targets, all_weights = list(self.targets), list(self.weights)
+        tile, row = np.divmod(pairs[:, 0], tiles.step)
+        for index in np.unique(tile):
+            here = tile == index
+            at = row[here], pairs[here, 1] - tiles[index]
+            all_targets[index], all_weights[index] = self.targets[index].copy(), self.weights[index].copy()
+            all_targets[index][at], all_weights[index][at] = targets[here], weights[here]
+        return PairSet(self.vertices, all_targets, all_weights)
+
     def laplacian(self, monitor: Monitor | None = None) -> FloatArray:
         """Assemble V of these pairs: ``-w_ij`` off the diagonal, row sums 0.
 

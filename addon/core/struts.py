@@ -4,15 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 
+from .monitor import Monitor
+from .stress import PairSet
 from .surface import FloatArray, IntArray, area_vectors, signed_volume
 
 _REACH = 0.3  # radius of the widest ball, in units of sqrt(area)
-_WAY, _DETOUR = 0.1, 2.0  # longest way on the surface: this, and so many times the strut
+_WAY, _DETOUR = 0.13, 2.0  # longest way on the surface: this, and so many times the strut
 _FACING = 0.5  # least cosine between a strut and the normals at its ends
 _ROUNDS = 12  # balls settle in about 6
+_SHARE = 0.5  # weight of a strut in the stress, over all the weight of one of its ends
 
 
-def struts_through(points: FloatArray, faces: IntArray, to_features: FloatArray) -> IntArray:
+def struts_through(
+    points: FloatArray, faces: IntArray, to_features: FloatArray, monitor: Monitor | None = None
+) -> IntArray:
     """Pair vertices with those that face them through the body, where the body is thin.
 
     From each vertex a ball is let into the body, as wide as it can be without another vertex inside. The vertex that it
@@ -28,11 +33,18 @@ def struts_through(points: FloatArray, faces: IntArray, to_features: FloatArray)
         Triangles, all outwards or all inwards.
     to_features : (n, k) ndarray of float
         Geodesic distance of every vertex from each feature point.
+    monitor : Monitor, optional
+        Asked whether to stop.
 
     Returns
     -------
     (s, 2) ndarray of int
         Pairs of vertices.
+
+    Raises
+    ------
+    CancelledError
+        If the monitor says so.
 
     References
     ----------
@@ -50,6 +62,8 @@ def struts_through(points: FloatArray, faces: IntArray, to_features: FloatArray)
     here = np.arange(len(points))
     radius, other = np.full(len(points), _REACH), here.copy()
     for _ in range(_ROUNDS):
+        if monitor is not None:
+            monitor.check()
         _, nearest = tree.query(points - radius[:, None] * normals)
         away = points - points[nearest]
         depth = 2 * np.einsum("ij,ij->i", normals, away)
@@ -67,3 +81,36 @@ def struts_through(points: FloatArray, faces: IntArray, to_features: FloatArray)
     faces_it &= np.abs(to_features[here] - to_features[other]).max(axis=1) < _WAY + _DETOUR * length
     pairs = np.sort(np.column_stack([here, other])[faces_it], axis=1)
     return np.unique(pairs, axis=0)
+
+
+def braced(patches: list[PairSet], points: FloatArray, struts: IntArray) -> list[PairSet]:
+    """Ask the stress for the lengths of struts instead of the way round on the surface.
+
+    Geodesics alone would rather have a mouth outside its head, where straight distances come nearer to the way over
+    the lips.
+
+    Parameters
+    ----------
+    patches : list of PairSet
+        Pairs inside the patches.
+    points : (n, 3) ndarray of float
+        Vertices.
+    struts : (s, 2) ndarray of int
+        Pairs of vertices; those between two patches are left out.
+
+    Returns
+    -------
+    list of PairSet
+        The pairs, with those of the struts at their lengths and of half the weight of everything else at their ends.
+    """
+    length = np.linalg.norm(points[struts[:, 0]] - points[struts[:, 1]], axis=1)
+    result = []
+    for patch in patches:
+        place = np.full(len(points), -1)
+        place[patch.vertices] = np.arange(len(patch.vertices))
+        pairs = np.sort(place[struts], axis=1)
+        inside = pairs[:, 0] >= 0
+        pairs = pairs[inside]
+        weights = _SHARE * patch.total_weights()[pairs].mean(axis=1)
+        result.append(patch.replaced(pairs, length[inside], weights))
+    return result
