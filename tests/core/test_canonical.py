@@ -52,6 +52,12 @@ def test_the_contract(figure, form):
     assert sum(form.timings.values()) > 0
 
 
+def test_the_default_is_as_good_as_converged(figure, form):
+    long = canonical_form(*figure, Settings(tolerance=1e-8, iterations=2000))
+    assert len(long.stress) > len(form.stress)
+    assert form.stress[-1] < 1.03 * long.stress[-1]
+
+
 def test_it_lies_where_the_input_lies(figure, form):
     vertices, faces = figure
     weights = vertex_areas(vertices, faces)

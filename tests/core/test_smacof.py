@@ -1,3 +1,5 @@
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from sklearn.manifold import smacof as sklearn_smacof
@@ -57,6 +59,22 @@ def test_pull_is_minus_half_the_gradient(sets):
     assert -2 * np.vdot(stress.value_and_pull(points)[1], direction) == pytest.approx(slope, rel=1e-6)
 
 
+@pytest.mark.parametrize("counts", [(700, 420), (420, 700), (3,)])
+def test_sets_of_any_size_share_the_working_memory(counts):
+    """Tiles of a smaller set may be larger than those of a larger one."""
+    rng = np.random.default_rng(1)
+    points = rng.normal(size=(max(counts), 3))
+    sets = []
+    for count in counts:
+        one = np.ones((count, 1))
+        sets.append(pair_set(np.arange(count), one * one.T, lambda rows, columns, target: np.ones_like(target)))
+    expected = 0.0
+    for count in counts:
+        for row in range(count):
+            expected += ((1 - np.linalg.norm(points[row + 1 : count] - points[row], axis=1)) ** 2).sum()
+    assert Stress(max(counts), sets).value(points) == pytest.approx(expected, rel=1e-11)
+
+
 def test_coinciding_points_do_not_divide_by_zero(sets):
     value, pull = Stress(400, pair_sets(sets)).value_and_pull(np.zeros((400, 3)))
     assert np.isfinite(value)
@@ -85,6 +103,17 @@ def test_stress_never_rises(sets, extrapolation):
     _, history = minimise_stress(Stress(400, made), WeightInverse(400, made), start, 300, 0.0, extrapolation)
     assert len(history) > 100
     assert (np.diff(history) <= 1e-12 * history[:-1]).all()
+
+
+@pytest.mark.parametrize("extrapolation", [0, 6])
+def test_every_step_lowers_the_stress_by_what_majorisation_promises(sets, extrapolation):
+    made = pair_sets(sets)
+    stress, inverse = Stress(400, made), WeightInverse(400, made)
+    here = np.random.default_rng(4).normal(size=(400, 3))
+    points = [minimise_stress(stress, inverse, here, steps, 0.0, extrapolation)[0] for steps in range(12)]
+    for before, after in pairwise(points):
+        value, pull = stress.value_and_pull(before)
+        assert value - stress.value(after) >= (1 - 1e-9) * np.vdot(inverse(pull), pull)
 
 
 def test_extrapolation_gets_further_than_plain_steps():

@@ -140,6 +140,16 @@ def permuted(vertices, faces, seed: int = 0):
     return vertices[old], new[faces][rng.permutation(len(faces))], old
 
 
+def prepared(vertices, faces):
+    """Scale a mesh to unit area; also its Delaunay triangulation."""
+    from addon.core.delaunay import intrinsic_delaunay
+    from addon.core.measures import surface_area
+    from addon.core.surface import triangulated
+
+    points = (vertices - vertices.mean(axis=0)) / np.sqrt(surface_area(vertices, faces))
+    return points, intrinsic_delaunay(triangulated(points, faces))
+
+
 def read_obj(path: Path):
     """Positions and triangles of a Wavefront file."""
     vertices, faces = [], []

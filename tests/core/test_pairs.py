@@ -1,0 +1,32 @@
+"""The pairs between the patches."""
+
+import numpy as np
+import pytest
+
+from addon.core.pairs import arrangement_pairs, balanced
+from addon.core.stress import pair_set
+
+
+def test_the_arrangement_weighs_its_share_of_what_the_patches_weigh():
+    rng = np.random.default_rng(0)
+    points = rng.normal(size=(300, 3))
+    weights = rng.uniform(0, 1, (200, 200))
+    patches = [
+        pair_set(members, np.ones((200, 200)), lambda rows, columns, _: weights[rows, columns])
+        for members in (np.arange(200), np.arange(100, 300))
+    ]
+    landmarks = np.array([3, 250, 150, 120])
+    pairs = balanced(arrangement_pairs(landmarks, points), patches, 300, 0.7)
+    held = np.zeros(300)
+    for patch in patches:
+        held[patch.vertices] += patch.total_weights()
+    assert pairs.total_weights().sum() == pytest.approx(0.7 * held[landmarks].sum())
+    apart = np.linalg.norm(points[landmarks][:, None] - points[landmarks], axis=2)
+    np.testing.assert_allclose(np.triu(pairs.targets[0]), np.triu(apart))
+    assert np.ptp(pairs.weights[0][np.triu_indices(4, 1)]) == 0
+
+
+def test_patches_without_weight_leave_the_arrangement_as_it_is():
+    patch = pair_set(np.arange(3), np.ones((3, 3)), lambda rows, columns, target: np.ones_like(target))
+    nothing = arrangement_pairs(np.array([1]), np.zeros((3, 3)))
+    assert balanced(nothing, [patch], 3, 0.5) is nothing

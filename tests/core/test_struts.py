@@ -1,0 +1,96 @@
+"""Struts through the flesh, in the elastic body and in the stress."""
+
+import numpy as np
+import pytest
+
+from addon.core.deformation import ElasticBody
+from addon.core.stress import Stress, pair_set
+from addon.core.struts import braced, struts_through
+from addon.core.surface import is_closed, signed_volume
+from tests.sample import shapes
+from tests.sample.shapes import prepared
+
+
+def test_struts_join_the_two_sides_of_a_thin_body():
+    vertices, faces = shapes.sphere(5)
+    points, _surface = prepared(vertices * [1.0, 1.0, 0.1], faces)
+    struts = struts_through(points, faces, np.zeros((len(points), 1)))
+    assert len(struts) > 0.2 * len(points)
+    one, two = points[struts[:, 0]], points[struts[:, 1]]
+    assert (one[:, 2] * two[:, 2] < 0).all()
+    inward = struts_through(points, faces[:, ::-1], np.zeros((len(points), 1)))
+    np.testing.assert_array_equal(inward, struts)
+
+
+def flask(around=40):
+    """A ball with a pouch inside, open to the outside through a narrow neck."""
+    outside = np.linspace(np.pi, 0.12, 40)  # from the south pole
+    profile = np.column_stack([np.sin(outside), np.cos(outside)])
+    inside = np.linspace(0.3, np.pi, 20)
+    profile = np.concatenate([profile, np.column_stack([0.4 * np.sin(inside), 0.5 + 0.4 * np.cos(inside)])])
+    turn = np.linspace(0, 2 * np.pi, around, endpoint=False)
+    rings = profile[1:-1]
+    ring = np.stack([rings[:, :1] * np.cos(turn), rings[:, :1] * np.sin(turn), np.tile(rings[:, 1:], around)], axis=-1)
+    vertices = np.concatenate([ring.reshape(-1, 3), [[0, 0, -1], [0, 0, profile[-1, 1]]]])
+    row, column = np.meshgrid(np.arange(len(rings) - 1), np.arange(around), indexing="ij")
+    here, beside = row * around + column, row * around + (column + 1) % around
+    last, i, j = (len(rings) - 1) * around, np.arange(around), (np.arange(around) + 1) % around
+    faces = np.concatenate(
+        [
+            np.stack([here, beside, beside + around], axis=-1).reshape(-1, 3),
+            np.stack([here, beside + around, here + around], axis=-1).reshape(-1, 3),
+            np.column_stack([np.full(around, len(vertices) - 2), j, i]),
+            np.column_stack([last + i, last + j, np.full(around, len(vertices) - 1)]),
+        ]
+    )
+    return vertices, faces, np.arange(len(vertices)) >= 39 * around
+
+
+def test_struts_bring_a_pouch_back_inside():
+    vertices, faces, pouch = flask()
+    assert is_closed(faces)
+    assert signed_volume(vertices, faces) > 0
+    points, surface = prepared(vertices, faces)
+    pouch[-2] = False
+    top = points[~pouch, 2].max()
+    deep = pouch & (vertices[:, 2] < 0.6)
+    target = points.copy()
+    target[pouch, 2] = 2 * top - target[pouch, 2]  # distances on the surface don't know inside from outside
+    left_out = {}
+    for struts in (None, struts_through(points, faces, np.zeros((len(points), 1)))):
+        moved = ElasticBody(surface, points, faces, struts).deformed_towards(target, 10.0, 20, memory=0.1)
+        left_out[struts is not None] = (moved[deep, 2] > top).mean()
+    assert left_out == {False: 1.0, True: 0.0}
+
+
+def test_no_strut_joins_what_is_far_apart_on_the_surface():
+    vertices, faces = shapes.sphere(5)
+    points, _surface = prepared(vertices * [1.0, 1.0, 0.1], faces)
+    sides = np.where(points[:, 2] > 0, 10.0, 0.0)[:, None]  # as if the other side were another limb
+    assert not len(struts_through(points, faces, sides))
+
+
+def test_the_stress_asks_for_the_lengths_of_struts():
+    rng = np.random.default_rng(5)
+    points = rng.normal(size=(900, 3))
+    wanted = rng.uniform(1, 2, (900, 900))
+    first, second = np.arange(0, 700), np.arange(650, 900)[::-1]
+    struts = np.array([[3, 690], [10, 11], [680, 651], [20, 800], [899, 660]])  # one of them between two patches
+    before = [pair_set(v, wanted[np.ix_(v, v)], lambda rows, columns, t: np.ones_like(t)) for v in (first, second)]
+    after = braced(before, points, struts)
+    for vertices, was, now in zip((first, second), before, after, strict=True):
+        change = was.laplacian() - now.laplacian()  # w_ij off the diagonal
+        place = {vertex: at for at, vertex in enumerate(vertices)}
+        expected = np.zeros_like(change)
+        for one, two in struts:
+            if one in place and two in place:
+                i, j = place[one], place[two]
+                expected[i, j] = expected[j, i] = 0.5 * (len(vertices) - 1) - 1
+        np.fill_diagonal(expected, -expected.sum(axis=1))
+        np.testing.assert_allclose(change, expected, atol=1e-9)
+        apart = np.linalg.norm(points[vertices][:, None] - points[vertices], axis=2)
+        misfit = np.triu((wanted[np.ix_(vertices, vertices)] - apart) ** 2, 1)
+        for one, two in struts:
+            if one in place and two in place:
+                misfit[min(place[one], place[two]), max(place[one], place[two])] = 0  # a strut has its length
+        assert Stress(900, [now]).value(points) == pytest.approx(misfit.sum())
