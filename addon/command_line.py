@@ -17,6 +17,7 @@ from .blender.computing import compute_on
 from .blender.files import open_meshes, save_blend, save_form
 from .blender.mesh_reading import refusal
 from .core import CanonicalFormError, Settings
+from .core.memory import memory_estimate
 from .core.settings import QUALITIES, STARTS
 from .result_lines import claim_output
 
@@ -141,14 +142,15 @@ def _compute_file(
                 raise CanonicalFormError(reason)
             if obj.name in bpy.context.view_layer.objects:
                 bpy.context.view_layer.objects.active = obj
-            with _progress_line(f"{path.name} {obj.name}") as progress:
+            memory = memory_estimate(len(obj.data.vertices), settings)
+            with _progress_line(f"{path.name} {obj.name} (about {memory:.1f} GB)") as progress:
                 form, report = compute_on(obj, settings, options.value, progress)
             if options.format != "blend":
                 stem = name if len(objects) == 1 else f"{name}-{bpy.path.clean_name(obj.name)}"
                 target = options.output / f"{_unused(stem, written)}.{options.format}"
                 _require_new(target, path)
                 save_form(target, form.vertices, obj.data)
-            lines.append({**line, "output": str(target), **report})
+            lines.append({**line, "output": str(target), "memory_estimate": memory, **report})
         except (CanonicalFormError, OSError, RuntimeError) as error:  # RuntimeError: Blender itself refuses
             lines.append(_failure(line, error))
     if options.format == "blend" and any("error" not in line for line in lines):

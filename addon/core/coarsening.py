@@ -118,17 +118,18 @@ def coarsened(
         chosen = _independent(leaving, cost, links, count)
         monitor.check()
         leaving, onto, cost = leaving[chosen], onto[chosen], cost[chosen]
-        good = _harmless(points, faces, links, leaving, onto, cost)
+        corners = _corners(faces, leaving, count)
+        good = _harmless(points, corners, links, leaving, onto, cost)
         patience[leaving[~good]] += 1
-        leaving, onto, cost = leaving[good], onto[good], cost[good]
-        stuck = stuck + 1 if len(leaving) < 0.005 * left else 0
-        if len(leaving) > left - target:
-            first = np.sort(np.argsort(cost, kind="stable")[: left - target])
-            leaving, onto = leaving[first], onto[first]
-        if not len(leaving):
+        stuck = stuck + 1 if np.count_nonzero(good) < 0.005 * left else 0
+        going = np.flatnonzero(good)
+        if len(going) > left - target:
+            going = np.sort(going[np.argsort(cost[going], kind="stable")[: left - target]])
+        if not len(going):
             continue
         monitor.check()
-        rounds.append((leaving, _mean_value_weights(points, faces, leaving, count)))
+        rounds.append((leaving[going], _mean_value_weights(points, corners, leaving, count)[going]))
+        leaving, onto = leaving[going], onto[going]
         np.add.at(quadrics, onto, quadrics[leaving])
         np.add.at(areas, onto, areas[leaving])
         alive[leaving] = False
@@ -149,15 +150,13 @@ class _Links:
 
     def __init__(self, faces: IntArray, count: int) -> None:
         tail, head = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
-        one_way = np.minimum(tail, head) * count + np.maximum(tail, head)
-        keys, triangles = np.unique(one_way, return_counts=True)
-        low, high = keys // count, keys % count
-        order = np.argsort(np.concatenate([keys, high * count + low]), kind="stable")
-        self.tail = np.concatenate([low, high])[order]
-        self.head = np.concatenate([high, low])[order]
-        self.key = self.tail * count + self.head
-        self.triangles = np.concatenate([triangles, triangles])[order]
-        self.first = np.searchsorted(self.tail, np.arange(count + 1))
+        keys, triangles = np.unique(np.minimum(tail, head) * count + np.maximum(tail, head), return_counts=True)
+        low, high = np.divmod(keys, count)
+        marked = np.concatenate([keys, high * count + low]) * 4 + np.tile(np.minimum(triangles, 3), 2)
+        marked.sort()  # sorting is faster than ordering
+        self.key, self.triangles = marked >> 2, marked & 3
+        self.tail, self.head = np.divmod(self.key, count)
+        self.first = np.concatenate([[0], np.cumsum(np.bincount(self.tail, minlength=count))])
         self.count = count
 
     def out_of(self, vertices: IntArray) -> tuple[IntArray, IntArray]:
@@ -192,24 +191,32 @@ def _wishes(
 ) -> tuple[IntArray, IntArray, FloatArray]:
     """Find for every vertex that may go the neighbour where it harms least, and the harm; the cheaper share of them."""
     u, v = links.tail, links.head
-    rim = links.triangles != 2
-    rims = np.bincount(u[rim], minlength=links.count)
-    wild = np.bincount(u[links.triangles > 2], minlength=links.count) > 0
-    may = (patience[u] < np.inf) & np.where(
-        rims[u] == 0, True, (rims[u] == 2) & ~wild[u] & rim
-    )  # along a border, or off the inside
-    u, v = u[may], v[may]
-    x, y, z = points[v].T
-    q = quadrics[u].T
+    degree = np.diff(links.first)
+    x, y, z = (coordinate[v] for coordinate in points.T)
+    # the edges are sorted by their tail, so what belongs to it is repeated
+    q = [np.repeat(coefficient, degree) for coefficient in np.ascontiguousarray(quadrics.T)]
     harm = q[0] * x * x + q[4] * y * y + q[7] * z * z + q[9]
     harm += 2 * (q[1] * x * y + q[2] * x * z + q[5] * y * z + q[3] * x + q[6] * y + q[8] * z)
-    length = ((points[u] - points[v]) ** 2).sum(axis=1)
-    cost = np.maximum(harm, 0.0) + _EVENNESS * length * areas[u]
-    order = np.lexsort((cost, u))
-    start = np.flatnonzero(np.concatenate([[True], u[order][1:] != u[order][:-1]]))
-    size = np.diff(np.append(start, len(u)))
-    turn = patience[u[order][start]].astype(np.int64)
-    pick = order[start + turn % np.maximum(size, 1)]  # those that could not go try the next best
+    length = sum((np.repeat(coordinate, degree) - coordinate[v]) ** 2 for coordinate in points.T)
+    cost = np.maximum(harm, 0.0) + _EVENNESS * length * np.repeat(areas, degree)
+    cost[np.repeat(patience == np.inf, degree)] = np.inf
+    rim = links.triangles != 2
+    if rim.any():  # along a border, or off the inside
+        rims = np.bincount(u[rim], minlength=links.count)
+        wild = np.bincount(u[links.triangles > 2], minlength=links.count) > 0
+        cost[~np.where(rims[u] == 0, True, (rims[u] == 2) & ~wild[u] & rim)] = np.inf
+    alive = np.flatnonzero(degree)
+    least = np.minimum.reduceat(cost, links.first[alive]) if len(alive) else np.zeros(0)
+    pick = np.flatnonzero((cost == np.repeat(least, degree[alive])) & (cost < np.inf))
+    pick = pick[np.concatenate([[True], u[pick][1:] != u[pick][:-1]])] if len(pick) else pick
+    turn = patience[u[pick]].astype(np.int64)
+    again = np.flatnonzero(turn)  # those that could not go try the next best
+    owner, edge = links.out_of(u[pick[again]])
+    finite = cost[edge] < np.inf
+    owner, edge = owner[finite], edge[finite]
+    order = np.lexsort((cost[edge], owner))
+    start = np.searchsorted(owner, np.arange(len(again) + 1))
+    pick[again] = edge[order[start[:-1] + turn[again] % np.diff(start)]]
     cost = cost[pick] * 2.0**turn
     cheap = cost <= np.quantile(cost, _SHARE) if len(cost) else np.zeros(0, bool)
     pick, cost = pick[cheap], cost[cheap]
@@ -218,10 +225,11 @@ def _wishes(
 
 def _independent(leaving: IntArray, cost: FloatArray, links: _Links, count: int) -> IntArray:
     """Choose vertices of which no two share an edge, cheap ones first, and none onto which another goes."""
-    order = np.argsort(cost, kind="stable")
-    jump = np.concatenate([[0], np.cumsum(np.diff(cost[order]) > _TIE * cost[order][1:])])
+    order = np.argsort(cost)
+    sorted_cost = cost[order]
+    level = np.concatenate([[0], np.cumsum(np.diff(sorted_cost) > _TIE * sorted_cost[1:])])
     rank = np.full(count, count + 1, dtype=np.int64)
-    rank[leaving[order[np.lexsort((leaving[order], jump))]]] = np.arange(len(order))
+    rank[np.sort(level * count + leaving[order]) % count] = np.arange(len(order))
     free = rank <= count
     chosen = np.zeros(count, dtype=bool)
     for _ in range(2):
@@ -236,13 +244,26 @@ def _independent(leaving: IntArray, cost: FloatArray, links: _Links, count: int)
     return np.flatnonzero(chosen[leaving])
 
 
+def _corners(faces: IntArray, leaving: IntArray, count: int) -> tuple[IntArray, IntArray, IntArray]:
+    """List the triangles around some vertices: whose, by place in the list, and the other two corners in order."""
+    place = np.full(count, -1, dtype=np.int64)
+    place[leaving] = np.arange(len(leaving))
+    owner = place[faces].ravel()
+    corner = np.flatnonzero(owner >= 0)
+    face, at = corner // 3, corner % 3
+    return owner[corner], faces[face, (at + 1) % 3], faces[face, (at + 2) % 3]
+
+
 def _harmless(
-    points: FloatArray, faces: IntArray, links: _Links, leaving: IntArray, onto: IntArray, cost: FloatArray
+    points: FloatArray,
+    corners: tuple[IntArray, IntArray, IntArray],
+    links: _Links,
+    leaving: IntArray,
+    onto: IntArray,
+    cost: FloatArray,
 ) -> np.ndarray:
     """Tell which removals leave a surface a surface and turn no triangle over."""
     count = links.count
-    place = np.full(count, -1, dtype=np.int64)
-    place[leaving] = np.arange(len(leaving))
     good = np.ones(len(leaving), dtype=bool)
     # the edges that a removal makes must be new, apart from those beside the edge that closes
     owner, edge = links.out_of(leaving)
@@ -254,16 +275,16 @@ def _harmless(
     good &= np.bincount(owner[old], minlength=len(leaving)) == closing
     # and no two removals may make the same one: the cheaper stays
     owner, made = owner[~old], made[~old]
+    sorted_made = np.sort(made)
+    twice = np.isin(made, sorted_made[1:][sorted_made[1:] == sorted_made[:-1]])
+    owner, made = owner[twice], made[twice]
     order = np.lexsort((cost[owner], made))
     again = np.flatnonzero(made[order][1:] == made[order][:-1]) + 1
     good[owner[order[again]]] = False
-    corner = np.flatnonzero(place[faces].ravel() >= 0)
-    face, at = corner // 3, corner % 3
-    u = faces[face, at]
-    one, two = faces[face, (at + 1) % 3], faces[face, (at + 2) % 3]
-    v = onto[place[u]]
-    stays = (one != v) & (two != v)
-    face, u, v, one, two = face[stays], u[stays], v[stays], one[stays], two[stays]
+    owner, one, two = corners
+    stays = (one != onto[owner]) & (two != onto[owner])
+    owner, one, two = owner[stays], one[stays], two[stays]
+    u, v = leaving[owner], onto[owner]
     before = np.cross(points[one] - points[u], points[two] - points[u])
     after = np.cross(points[one] - points[v], points[two] - points[v])
     size_before, size_after = np.linalg.norm(before, axis=1), np.linalg.norm(after, axis=1)
@@ -272,26 +293,25 @@ def _harmless(
         [((points[a] - points[b]) ** 2).sum(axis=1) for a, b in ((one, two), (one, v), (two, v))]
     )
     thin = (size_after < _THINNEST * longest) & (size_after < size_before)
-    good[place[u[turned | thin]]] = False
+    good[owner[turned | thin]] = False
     return good
 
 
-def _mean_value_weights(points: FloatArray, faces: IntArray, leaving: IntArray, count: int) -> csr_matrix:
+def _mean_value_weights(
+    points: FloatArray, corners: tuple[IntArray, IntArray, IntArray], leaving: IntArray, count: int
+) -> csr_matrix:
     """Weigh the neighbours of each vertex so that it is their mean, seen along the surface."""
-    from scipy.sparse import coo_matrix, diags
+    from scipy.sparse import coo_matrix
 
-    place = np.full(count, -1, dtype=np.int64)
-    place[leaving] = np.arange(len(leaving))
-    corner = np.flatnonzero(place[faces].ravel() >= 0)
-    face, at = corner // 3, corner % 3
-    u, one, two = faces[face, at], faces[face, (at + 1) % 3], faces[face, (at + 2) % 3]
+    owner, one, two = corners
+    u = leaving[owner]
     to_one, to_two = points[one] - points[u], points[two] - points[u]
     tiny = np.finfo(float).tiny
     length_one = np.maximum(np.linalg.norm(to_one, axis=1), 1e-12)
     length_two = np.maximum(np.linalg.norm(to_two, axis=1), 1e-12)
     cosine = np.einsum("ij,ij->i", to_one, to_two) / (length_one * length_two)
     tangent = np.sqrt(np.maximum(1 - cosine, 0) / np.maximum(1 + cosine, 1e-6))  # of half the corner's angle
-    row = np.tile(place[u], 2)
+    row = np.tile(owner, 2)
     weight = np.concatenate([tangent / length_one, tangent / length_two]) + tiny
-    matrix = coo_matrix((weight, (row, np.concatenate([one, two]))), shape=(len(leaving), count)).tocsr()
-    return diags(1 / np.asarray(matrix.sum(axis=1)).ravel()) @ matrix
+    weight /= np.bincount(row, weight, minlength=len(leaving))[row]
+    return coo_matrix((weight, (row, np.concatenate([one, two]))), shape=(len(leaving), count)).tocsr()

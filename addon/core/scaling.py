@@ -33,10 +33,12 @@ def classical_scaling(distances: ArrayLike, dimensions: int = 3) -> tuple[FloatA
     ----------
     Torgerson, "Multidimensional scaling: I. Theory and method", 1952.
     """
+    from scipy.linalg import eigh
+
     squared = np.asarray(distances, dtype=np.float64) ** 2
     row_mean = squared.mean(axis=1, keepdims=True)
     gram = -(squared - row_mean - row_mean.T + squared.mean()) / 2
-    values, vectors = np.linalg.eigh((gram + gram.T) / 2)
+    values, vectors = eigh((gram + gram.T) / 2)
     values, vectors = values[::-1], vectors[:, ::-1]
     leading = np.maximum(values[:dimensions], 0.0)
     embedding = np.zeros((len(squared), dimensions))

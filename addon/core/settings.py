@@ -9,7 +9,7 @@ from .errors import InvalidSettingsError
 
 STARTS = ("intrinsic", "input")
 QUALITIES = ("draft", "normal", "full")
-_COARSE = {"draft": 1000, "normal": 1600}  # vertices of the mesh that is worked on
+_COARSE = {"draft": 700, "normal": 1600}  # vertices of the mesh that is worked on
 
 
 @dataclass(frozen=True)
@@ -19,9 +19,9 @@ class Settings:
     Attributes
     ----------
     quality : {'draft', 'normal', 'full'}
-        How much of the mesh is worked on. Draft: 1,000 vertices; normal: 2,200; the result is carried back to all
-        vertices, at a cost that grows like their number. Full: all vertices and exact commute times, at a cost and
-        memory that grow like the square of their number.
+        How much of the mesh is worked on. Draft: 700 vertices; normal: 1,600; the result is carried back to all
+        vertices, at a cost that grows like their number. Full: all vertices, at a cost and memory that grow like the
+        square of their number.
     preserve_detail : float
         From 0, the bare form of multidimensional scaling, to 1, the surface kept as rigid as possible.
     diffusion_time : float
@@ -42,8 +42,9 @@ class Settings:
         Number of landmarks of the intrinsic start.
     smoothing : float
         Diffusion time of the geodesics inside patches, as a share of the area; those between landmarks have a
-        twentieth of it and are averaged with biharmonic ones. Such distances hardly shorten where a joint bends.
-        0: geodesics alone, as accurate as the heat method is, for sheets that are to be unrolled.
+        fiftieth of it and are averaged with biharmonic ones. Such distances hardly shorten where a joint bends.
+        0: geodesics alone, as accurate as the heat method is, and no struts through the flesh: for sheets that are
+        to be unrolled.
     arrangement_share : float
         How much the other landmarks pull at a landmark, as a share of the weight with which its patch holds it.
     iterations : int

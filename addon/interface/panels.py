@@ -3,6 +3,8 @@
 import bpy
 
 from ..blender.result_writing import record_of
+from ..core import Settings
+from ..core.memory import memory_estimate
 from .operators import OBJECT_OT_canonical_form, OBJECT_OT_canonical_form_clear
 from .properties import METHOD_NAMES
 
@@ -30,6 +32,10 @@ class VIEW3D_PT_canonical_form(bpy.types.Panel):
         for name in METHOD_NAMES:
             setattr(button, name, getattr(chosen, name))
         obj = context.object
+        if obj is not None and obj.type == "MESH":
+            count = len(obj.data.vertices)
+            memory = memory_estimate(count, Settings(quality=chosen.quality, as_published=chosen.as_published))
+            layout.label(text=f"{count:,} vertices, about {memory:.1f} GB of memory", icon="MEMORY")
         record = record_of(obj.data) if obj is not None and obj.type == "MESH" else None
         if record is None:
             return

@@ -25,8 +25,8 @@ class MethodProperties:
         name="Quality",
         description="How much of the mesh is worked on",
         items=(
-            ("draft", "Draft", "1,000 vertices, few samples: a quick look"),
-            ("normal", "Normal", "2,200 vertices, carried back to all: a second or two, also on large meshes"),
+            ("draft", "Draft", "700 vertices are worked on: a quick look"),
+            ("normal", "Normal", "1,600 vertices, carried back to all: about a second, a few on large meshes"),
             ("full", "Full", "All vertices and all pairs: minutes above 10,000 vertices, for reference"),
         ),
         default=_DEFAULT.quality,

@@ -3,7 +3,7 @@
 import numpy as np
 
 from addon.core.coarsening import coarsened
-from addon.core.surface import vertex_pairs
+from addon.core.surface import corner_lengths, triangulated, vertex_pairs
 
 
 def subdivided(vertices, faces):
@@ -30,10 +30,9 @@ def resized(vertices, faces, count):
     return vertices[coarse.kept], coarse.faces
 
 
-def noisy(vertices, faces, amount, seed=0):
-    """Move every vertex at random; by default by 1 % of sqrt(area) over ten, as far as edges allow."""
+def noisy(vertices, faces, amount=0.01, seed=0):
+    """Move every vertex at random, by an amount in the unit of the vertices but at most a fifth of the mean edge."""
     edge = np.linalg.norm(vertices[faces[:, 0]] - vertices[faces[:, 1]], axis=1).mean()
-    amount = 0.01 if amount is None else amount
     move = np.random.default_rng(seed).normal(size=vertices.shape) * min(amount, 0.2 * edge)
     return vertices + move, faces
 
@@ -44,7 +43,7 @@ def uniform(vertices, faces):
 
 
 def adaptive(vertices, faces):
-    """Fine on one side, coarse on the other, edge lengths about 1:30."""
+    """Fine on one side, coarse on the other: edges above are eight times as short as below."""
     for level in range(3):
         height = vertices[:, 1]
         low, high = height.min(), height.max()
@@ -83,11 +82,11 @@ def _split_some(vertices, faces, chosen):
 
 def quad_dominant(vertices, faces):
     """Triangles of quads: pair triangles over their longest edges, and cut each quad the other way."""
-    from addon.core.delaunay import _twins
-    from addon.core.surface import corner_lengths, triangulated
-
-    surface = triangulated(vertices, faces)
-    twin = _twins(faces, surface.edges)
+    edge = triangulated(vertices, faces).edges.ravel()
+    order = np.argsort(edge, kind="stable")
+    beside = np.flatnonzero(edge[order][1:] == edge[order][:-1])
+    twin = np.full(len(edge), -1)
+    twin[order[beside]], twin[order[beside + 1]] = order[beside + 1], order[beside]
     longest = np.argmax(corner_lengths(vertices, faces), axis=1) + 3 * np.arange(len(faces))
     used = np.zeros(len(faces), dtype=bool)
     out = []
@@ -101,6 +100,3 @@ def quad_dominant(vertices, faces):
         d = faces[two][other % 3]
         out += [(c, a, d), (c, d, b)]
     return vertices, np.concatenate([np.array(out).reshape(-1, 3), faces[~used]])
-
-
-__all__ = ["adaptive", "noisy", "quad_dominant", "resized", "subdivided", "uniform"]
