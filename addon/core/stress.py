@@ -205,34 +205,40 @@ class Stress:
         total = 0.0
         pull = np.zeros_like(embedding)
         for pairs in self.pair_sets:
-            points = np.ascontiguousarray(embedding[pairs.vertices])  # (p, d)
+            points = embedding[pairs.vertices]  # (p, d)
+            square = (points**2).sum(axis=1)
+            one = np.ones(len(points))
+            right = np.column_stack([points, one, square])  # |x - y|² = (-2 x, |x|², 1) · (y, 1, |y|²)
+            left = np.column_stack([-2 * points, square, one])
             local = np.zeros_like(points)
             for start, target, weight in zip(_tiles(len(points)), pairs.targets, pairs.weights, strict=True):
-                stop = start + len(target)
-                value, at_rows, at_columns = self._tile(points[start:stop], points[start:], target, weight)
+                rows, columns = slice(start, start + len(target)), slice(start, None)
+                value, at_rows, at_columns = self._tile(left[rows], right[rows], right[columns], target, weight)
                 total += value
-                local[start:stop] += at_rows
-                local[start:] += at_columns
+                local[rows] += at_rows
+                local[columns] += at_columns
             pull[pairs.vertices] += local
         return total, pull
 
     def _tile(
-        self, rows: FloatArray, columns: FloatArray, target: FloatArray, weight: FloatArray
+        self, left: FloatArray, rows: FloatArray, columns: FloatArray, target: FloatArray, weight: FloatArray
     ) -> tuple[float, FloatArray, FloatArray]:
         """Sum one tile: its stress, and what it pulls at the points of its rows and of its columns."""
-        from scipy.spatial.distance import cdist
-
         self._monitor.check()
         distance, missing, force = (room[: target.size].reshape(target.shape) for room in self._room)
-        cdist(rows, columns, out=distance)
+        np.matmul(left, columns.T, out=distance)
+        np.abs(distance, out=distance)  # rounding may leave less than 0
+        np.sqrt(distance, out=distance)
         np.subtract(target, distance, out=missing)
         np.multiply(weight, missing, out=force)
         value = float(np.einsum("ij,ij->", force, missing))
         distance[distance == 0] = 1.0  # the diagonal, and points that coincide: no direction, no pull
         force /= distance
-        right = force @ np.column_stack([columns, np.ones(len(columns))])  # sums come with the products
-        left = force.T @ np.column_stack([rows, np.ones(len(rows))])
-        return value, right[:, -1:] * rows - right[:, :-1], left[:, -1:] * columns - left[:, :-1]
+        pull_right = force @ columns[:, :-1]  # sums come with the products
+        pull_left = force.T @ rows[:, :-1]
+        at_rows = pull_right[:, -1:] * rows[:, :-2] - pull_right[:, :-1]
+        at_columns = pull_left[:, -1:] * columns[:, :-2] - pull_left[:, :-1]
+        return value, at_rows, at_columns
 
 
 def _tiles(count: int) -> range:

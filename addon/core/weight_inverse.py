@@ -76,12 +76,12 @@ class WeightInverse:
         halves = []
         for inner, place, factor, half in self._blocks:
             halves.append(factor.forward(right[inner]))
-            shared[place] -= np.einsum("ij,ik->jk", half, halves[-1])
+            shared[place] -= _product(half.T, halves[-1])
         at_shared = self._remaining.backward(self._remaining.forward(shared))
         solved = np.empty_like(right)
         solved[self._shared] = at_shared
         for (inner, place, factor, half), forward in zip(self._blocks, halves, strict=True):
-            solved[inner] = factor.backward(forward - np.einsum("ij,jk->ik", half, at_shared[place]))
+            solved[inner] = factor.backward(forward - _product(half, at_shared[place]))
         return solved - solved.mean(axis=0)
 
 
@@ -93,6 +93,11 @@ def _submatrix(matrix: FloatArray, chosen: IntArray, monitor: Monitor) -> FloatA
         rows = chosen[start : start + _BLOCK]
         np.take(matrix[rows], chosen, axis=1, out=part[start : start + _BLOCK])
     return part
+
+
+def _product(matrix: FloatArray, right: FloatArray) -> FloatArray:
+    """Multiply by a few columns, some rows at a time, so that a linear algebra library stays on one thread."""
+    return np.concatenate([matrix[at : at + _BLOCK] @ right for at in range(0, max(len(matrix), 1), _BLOCK)])
 
 
 class _Cholesky:
