@@ -17,7 +17,7 @@ _EVENNESS = 0.05  # weight of evenly spread vertices against the fit to the surf
 _SHARE = 0.6  # of the vertices, the cheapest, may go in one round
 _TURN = 0.2  # least cosine between the normals of a triangle before and after
 _THINNEST = 0.02  # least area of a triangle that a removal makes, in squares of its longest edge
-_TIE = 1e-9  # costs as close as this count as equal, lower vertex first, so that rounding decides nothing
+_TIE = 1e-8  # costs as close as this count as equal, lower vertex first, so that rounding decides nothing
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,18 +113,18 @@ def coarsened(
         monitor.tick(np.log(count / left) / np.log(count / target))
         links = _Links(faces, count)
         monitor.check()
-        leaving, onto, cost = _wishes(points, links, quadrics, areas, patience)
+        leaving, onto, rank = _wishes(points, links, quadrics, areas, patience)
         monitor.check()
-        chosen = _independent(leaving, cost, links, count)
+        chosen = _independent(leaving, rank, links, count)
         monitor.check()
-        leaving, onto, cost = leaving[chosen], onto[chosen], cost[chosen]
+        leaving, onto, rank = leaving[chosen], onto[chosen], rank[chosen]
         corners = _corners(faces, leaving, count)
-        good = _harmless(points, corners, links, leaving, onto, cost)
+        good = _harmless(points, corners, links, leaving, onto, rank)
         patience[leaving[~good]] += 1
         stuck = stuck + 1 if np.count_nonzero(good) < 0.005 * left else 0
         going = np.flatnonzero(good)
         if len(going) > left - target:
-            going = np.sort(going[np.argsort(cost[going], kind="stable")[: left - target]])
+            going = np.sort(going[np.argsort(rank[going], kind="stable")[: left - target]])
         if not len(going):
             continue
         monitor.check()
@@ -188,8 +188,8 @@ def _quadrics(points: FloatArray, faces: IntArray) -> FloatArray:
 
 def _wishes(
     points: FloatArray, links: _Links, quadrics: FloatArray, areas: FloatArray, patience: FloatArray
-) -> tuple[IntArray, IntArray, FloatArray]:
-    """Find for every vertex that may go the neighbour where it harms least, and the harm; the cheaper share of them."""
+) -> tuple[IntArray, IntArray, IntArray]:
+    """Find for every vertex that may go the neighbour where it harms least; the cheaper share, and their rank."""
     u, v = links.tail, links.head
     degree = np.diff(links.first)
     x, y, z = (coordinate[v] for coordinate in points.T)
@@ -207,36 +207,41 @@ def _wishes(
         cost[~np.where(rims[u] == 0, True, (rims[u] == 2) & ~wild[u] & rim)] = np.inf
     alive = np.flatnonzero(degree)
     least = np.minimum.reduceat(cost, links.first[alive]) if len(alive) else np.zeros(0)
-    pick = np.flatnonzero((cost == np.repeat(least, degree[alive])) & (cost < np.inf))
+    pick = np.flatnonzero((cost <= np.repeat((1 + _TIE) * least, degree[alive])) & (cost < np.inf))
     pick = pick[np.concatenate([[True], u[pick][1:] != u[pick][:-1]])] if len(pick) else pick
     turn = patience[u[pick]].astype(np.int64)
     again = np.flatnonzero(turn)  # those that could not go try the next best
     owner, edge = links.out_of(u[pick[again]])
     finite = cost[edge] < np.inf
     owner, edge = owner[finite], edge[finite]
-    order = np.lexsort((cost[edge], owner))
+    order = np.lexsort((_ranks(cost[edge]), owner))
     start = np.searchsorted(owner, np.arange(len(again) + 1))
     pick[again] = edge[order[start[:-1] + turn[again] % np.diff(start)]]
     cost = cost[pick] * 2.0**turn
-    cheap = cost <= np.quantile(cost, _SHARE) if len(cost) else np.zeros(0, bool)
-    pick, cost = pick[cheap], cost[cheap]
-    return u[pick], v[pick], cost
+    cheap = cost <= (1 + _TIE) * np.quantile(cost, _SHARE) if len(cost) else np.zeros(0, bool)
+    return u[pick[cheap]], v[pick[cheap]], _ranks(cost[cheap])
 
 
-def _independent(leaving: IntArray, cost: FloatArray, links: _Links, count: int) -> IntArray:
-    """Choose vertices of which no two share an edge, cheap ones first, and none onto which another goes."""
+def _ranks(cost: FloatArray) -> IntArray:
+    """Rank costs from the lowest; those that only rounding tells apart get one rank."""
     order = np.argsort(cost)
-    sorted_cost = cost[order]
-    level = np.concatenate([[0], np.cumsum(np.diff(sorted_cost) > _TIE * sorted_cost[1:])])
-    rank = np.full(count, count + 1, dtype=np.int64)
-    rank[np.sort(level * count + leaving[order]) % count] = np.arange(len(order))
-    free = rank <= count
+    rising = cost[order]
+    rank = np.empty(len(cost), dtype=np.int64)
+    rank[order] = np.concatenate([[0], np.cumsum(np.diff(rising) > _TIE * rising[1:])])[: len(cost)]
+    return rank
+
+
+def _independent(leaving: IntArray, rank: IntArray, links: _Links, count: int) -> IntArray:
+    """Choose vertices of which no two share an edge, cheap ones first, and none onto which another goes."""
+    place = np.full(count, count + 1, dtype=np.int64)  # in the order of going, the lower vertex first in a tie
+    place[np.sort(rank * count + leaving) % count] = np.arange(len(leaving))
+    free = place <= count
     chosen = np.zeros(count, dtype=bool)
     for _ in range(2):
         between = free[links.tail] & free[links.head]
         tail, head = links.tail[between], links.head[between]
         beaten = np.zeros(count, dtype=bool)
-        beaten[tail[rank[tail] > rank[head]]] = True
+        beaten[tail[place[tail] > place[head]]] = True
         new = free & ~beaten
         chosen |= new
         free &= ~new
@@ -260,7 +265,7 @@ def _harmless(
     links: _Links,
     leaving: IntArray,
     onto: IntArray,
-    cost: FloatArray,
+    rank: IntArray,
 ) -> np.ndarray:
     """Tell which removals leave a surface a surface and turn no triangle over."""
     count = links.count
@@ -278,7 +283,7 @@ def _harmless(
     sorted_made = np.sort(made)
     twice = np.isin(made, sorted_made[1:][sorted_made[1:] == sorted_made[:-1]])
     owner, made = owner[twice], made[twice]
-    order = np.lexsort((cost[owner], made))
+    order = np.lexsort((leaving[owner], rank[owner], made))
     again = np.flatnonzero(made[order][1:] == made[order][:-1]) + 1
     good[owner[order[again]]] = False
     owner, one, two = corners

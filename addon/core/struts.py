@@ -12,6 +12,7 @@ _REACH = 0.3  # radius of the widest ball, in units of sqrt(area)
 _WAY, _DETOUR = 0.13, 2.0  # longest way on the surface: this, and so many times the strut
 _FACING = 0.5  # least cosine between a strut and the normals at its ends
 _ROUNDS = 12  # balls settle in about 6
+_CONTACTS, _TOUCH = 4, 1e-6  # most vertices that a ball rests on, and how nearly
 _SHARE = 0.5  # weight of a strut in the stress, over all the weight of one of its ends
 
 
@@ -20,10 +21,10 @@ def struts_through(
 ) -> IntArray:
     """Pair vertices with those that face them through the body, where the body is thin.
 
-    From each vertex a ball is let into the body, as wide as it can be without another vertex inside. The vertex that it
-    rests on is the other end. What a surface alone does not know, that a mouth is a hole in a head and no pouch on
-    it, is in these pairs; and they change little with the pose. Pairs that are far from each other on the surface are
-    left out: they join limbs that the pose pushed into each other.
+    From each vertex a ball is let into the body, as wide as it can be without another vertex inside. The vertices that
+    it rests on, more than one where the body is symmetric, are the other ends. What a surface alone does not know, that
+    a mouth is a hole in a head and no pouch on it, is in these pairs; and they change little with the pose. Pairs that
+    are far from each other on the surface are left out: they join limbs that the pose pushed into each other.
 
     Parameters
     ----------
@@ -60,7 +61,7 @@ def struts_through(
     normals /= np.maximum(np.linalg.norm(normals, axis=1), np.finfo(float).tiny)[:, None]
     tree = KDTree(points)
     here = np.arange(len(points))
-    radius, other = np.full(len(points), _REACH), here.copy()
+    radius = np.full(len(points), _REACH)
     for _ in range(_ROUNDS):
         if monitor is not None:
             monitor.check()
@@ -71,8 +72,11 @@ def struts_through(
         shrinks = (nearest != here) & (smaller < radius * (1 - 1e-3))
         if not shrinks.any():
             break
-        radius[shrinks], other[shrinks] = smaller[shrinks], nearest[shrinks]
-    here, other = here[other != here], other[other != here]
+        radius[shrinks] = smaller[shrinks]
+    rests = tree.query(points - radius[:, None] * normals, k=min(_CONTACTS, len(points)))
+    distance, other = (np.reshape(part, (len(points), -1)) for part in rests)
+    touches = (distance <= radius[:, None] * (1 + _TOUCH)) & (other != here[:, None]) & (radius[:, None] < _REACH)
+    here, other = np.nonzero(touches)[0], other[touches]
     away = points[here] - points[other]
     length = np.linalg.norm(away, axis=1)
     away /= np.maximum(length, np.finfo(float).tiny)[:, None]

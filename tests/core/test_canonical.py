@@ -136,6 +136,12 @@ def test_rigid_motion_and_scale_do_not_change_the_form(figure, form, rotation, s
     assert differs(moved.vertices, form.vertices, scale) < 1e-6
 
 
+def test_rounding_does_not_change_the_form_of_a_symmetric_mesh(real_mesh, rotation):
+    vertices, faces = real_mesh("man/rest.obj")
+    form = canonical_form(vertices, faces)
+    assert differs(canonical_form(7.3 * (vertices @ rotation), faces).vertices, form.vertices, 7.3) < 1e-6
+
+
 def test_renumbering_does_not_change_the_form(figure, form):
     vertices, faces, old = shapes.permuted(*figure)
     renumbered = canonical_form(vertices, faces)

@@ -57,11 +57,20 @@ def test_fixed_vertices_stay(figure):
 
 
 def test_a_mesh_that_cannot_shrink_comes_back_whole():
-    fan = np.array([[0, 1, k] for k in range(2, 12)])  # an edge of ten triangles
+    fan = np.array([[0, 1, k] for k in range(2, 12)])  # an edge of ten triangles,
+    fan = np.concatenate([fan, fan[:, [1, 0, 2]]])  # each there twice, so that no vertex is inside or on a border
     points = np.random.default_rng(0).normal(size=(12, 3))
     coarse = coarsened(points, fan, 4)
-    assert len(coarse.kept) >= 4
-    assert (coarse.carried_back(np.ones(len(coarse.kept))) > 0.999).all()
+    np.testing.assert_array_equal(coarse.kept, np.arange(12))
+    np.testing.assert_array_equal(coarse.faces, fan)
+    assert not coarse.rounds
+
+
+def test_what_hangs_on_an_edge_of_ten_triangles_is_carried_back():
+    fan = np.array([[0, 1, k] for k in range(2, 12)])
+    coarse = coarsened(np.random.default_rng(0).normal(size=(12, 3)), fan, 4)
+    assert {0, 1} <= set(coarse.kept)
+    np.testing.assert_allclose(coarse.carried_back(np.ones(len(coarse.kept))), 1.0)
 
 
 def test_numbers_of_vertices_do_not_matter(figure):
@@ -69,6 +78,14 @@ def test_numbers_of_vertices_do_not_matter(figure):
     one, two = coarsened(*figure, 600), coarsened(vertices, faces, 600)
     share = len(np.intersect1d(one.kept, old[two.kept])) / 600
     assert share > 0.9  # all but exact ties
+
+
+@pytest.mark.parametrize("scale", [1.0, 7.3, 1e-3])
+def test_rounding_decides_nothing_on_a_symmetric_mesh(rotation, scale):
+    vertices, faces = shapes.sphere(4)
+    vertices = vertices * [1.0, 1.7, 0.6]
+    kept = coarsened(vertices, faces, 600).kept
+    np.testing.assert_array_equal(coarsened(scale * (vertices @ rotation), faces, 600).kept, kept)
 
 
 def test_it_stops_when_asked(figure):

@@ -22,6 +22,20 @@ def test_struts_join_the_two_sides_of_a_thin_body():
     np.testing.assert_array_equal(inward, struts)
 
 
+def test_rounding_decides_nothing_on_a_symmetric_body(rotation):
+    vertices, faces = shapes.sphere(4)
+    roof = np.where(vertices[:, 2] > 0, 2 * (1 - np.abs(vertices[:, 0])), 0.2)
+    house = np.column_stack([0.3 * vertices[:, 0], vertices[:, 1], roof * vertices[:, 2]])
+    points, _surface = prepared(house, faces)
+    none = np.zeros((len(points), 1))
+    struts = struts_through(points, faces, none)
+    assert len(struts) > 100
+    np.testing.assert_array_equal(struts_through(points @ rotation, faces, none), struts)
+    place = {tuple(point): at for at, point in enumerate((points + 0.0).round(9).tolist())}
+    mirror = np.array([place[tuple(point)] for point in (points * [-1.0, 1.0, 1.0] + 0.0).round(9).tolist()])
+    np.testing.assert_array_equal(np.unique(np.sort(mirror[struts], axis=1), axis=0), struts)
+
+
 def flask(around=40):
     """A ball with a pouch inside, open to the outside through a narrow neck."""
     outside = np.linspace(np.pi, 0.12, 40)  # from the south pole
