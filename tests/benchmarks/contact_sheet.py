@@ -1,8 +1,8 @@
 """Draws a contact sheet of poses and forms: ``contact_sheet.py gallery.npz sheet.png``.
 
 Points are drawn at random on the surface and the nearest one to the eye is kept for each pixel; the inside of the
-surface is red, so that nothing that is inside out can hide. Three rows a shape: the poses, the forms seen from the
-same side, and the forms seen from another.
+surface is red, so that nothing that is inside out can hide. Three rows a shape: the poses, the forms turned onto the
+first of them, and the same seen from another side.
 """
 
 import struct
@@ -12,8 +12,12 @@ from pathlib import Path
 
 import numpy as np
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+
+from addon.core.alignment import rigid_fit
+
 SIZE = 190
-POINTS = 200_000
+POINTS = 600_000
 SIDE = np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])
 
 
@@ -43,6 +47,12 @@ def drawn(vertices, faces, turn):
     return image
 
 
+def turned_onto(form, first):
+    """Turn a form so that it lies on another."""
+    turn, shift = rigid_fit(form, first)
+    return form @ turn + shift
+
+
 def write_png(path, image):
     height, width, _ = image.shape
     raw = b"".join(b"\0" + row.tobytes() for row in image)
@@ -66,8 +76,9 @@ def main(gallery, target):
         stands = shape < 2  # the animals of the shared data look along the third axis: see them from the side
         first, second = (SIDE, np.eye(3)) if stands else (np.eye(3), SIDE)
         rows.append(np.hstack([drawn(v, f, first) for v, f, _ in meshes]))
-        rows.append(np.hstack([drawn(x, f, first) for _, f, x in meshes]))
-        rows.append(np.hstack([drawn(x, f, second) for _, f, x in meshes]))
+        forms = [(turned_onto(x, meshes[0][2]), f) for _, f, x in meshes]
+        rows.append(np.hstack([drawn(x, f, first) for x, f in forms]))
+        rows.append(np.hstack([drawn(x, f, second) for x, f in forms]))
     width = max(row.shape[1] for row in rows)
     write_png(
         target,
