@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike
 
 from .heat import HeatMethod
 from .monitor import Monitor
+from .products import product
 from .surface import FloatArray, IntArray
 
 
@@ -112,7 +113,7 @@ def least_squares_scaling(
     for _ in range(steps):
         fixed = _nearer(fixed, fixed, between) * kept
     nearness = 1 / np.maximum(distances, 1e-3 * distances.max()) ** 2  # the others first move along with the landmarks
-    layout = start + (nearness @ (fixed - start[landmarks])) / nearness.sum(axis=1)[:, None]
+    layout = start + product(nearness, fixed - start[landmarks]) / nearness.sum(axis=1)[:, None]
     layout[landmarks] = fixed
     for _ in range(steps // 3):
         layout = _nearer(layout, fixed, distances) * kept
@@ -122,9 +123,9 @@ def least_squares_scaling(
 
 def _nearer(points: FloatArray, fixed: FloatArray, distances: FloatArray) -> FloatArray:
     """Take one step of SMACOF of each point against points that are thought fixed, with unit weights."""
-    squared = (points**2).sum(axis=1)[:, None] + (fixed**2).sum(axis=1) - 2 * points @ fixed.T
+    squared = (points**2).sum(axis=1)[:, None] + (fixed**2).sum(axis=1) - 2 * product(points, fixed.T)
     ratio = distances / np.sqrt(np.maximum(squared, 1e-12 * squared.max()))
-    return np.asarray(fixed.mean(axis=0) + (ratio.sum(axis=1)[:, None] * points - ratio @ fixed) / len(fixed))
+    return np.asarray(fixed.mean(axis=0) + (ratio.sum(axis=1)[:, None] * points - product(ratio, fixed)) / len(fixed))
 
 
 def farthest_points(

@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from .monitor import Monitor
+from .products import inverse_of_lower, product
 from .stress import PairSet
 from .surface import FloatArray, IntArray
 
-_BLOCK = 64  # so that products with a few columns run on one thread, see the tiles of the stress
+_BLOCK = 64
 
 
 class WeightInverse:
@@ -52,7 +53,7 @@ class WeightInverse:
                 coupling = matrix[np.ix_(inner, border)]
                 factor = _Cholesky(_submatrix(matrix, inner, monitor), monitor)
                 half = factor.forward(coupling)
-                remaining[np.ix_(place, place)] -= half.T @ half
+                remaining[np.ix_(place, place)] -= product(half.T, half)
                 self._blocks.append((pairs.vertices[inner], place, factor, half))
             monitor.tick((done + 1) / len(pair_sets))
         # what remains has constants as its null space; adding them makes it regular and leaves the rest alone
@@ -76,12 +77,12 @@ class WeightInverse:
         halves = []
         for inner, place, factor, half in self._blocks:
             halves.append(factor.forward(right[inner]))
-            shared[place] -= _product(half.T, halves[-1])
+            shared[place] -= product(half.T, halves[-1])
         at_shared = self._remaining.backward(self._remaining.forward(shared))
         solved = np.empty_like(right)
         solved[self._shared] = at_shared
         for (inner, place, factor, half), forward in zip(self._blocks, halves, strict=True):
-            solved[inner] = factor.backward(forward - _product(half, at_shared[place]))
+            solved[inner] = factor.backward(forward - product(half, at_shared[place]))
         return solved - solved.mean(axis=0)
 
 
@@ -95,16 +96,10 @@ def _submatrix(matrix: FloatArray, chosen: IntArray, monitor: Monitor) -> FloatA
     return part
 
 
-def _product(matrix: FloatArray, right: FloatArray) -> FloatArray:
-    """Multiply by a few columns, some rows at a time, so that a linear algebra library stays on one thread."""
-    return np.concatenate([matrix[at : at + _BLOCK] @ right for at in range(0, max(len(matrix), 1), _BLOCK)])
-
-
 class _Cholesky:
     """L with L Lᵀ = A, made in place of A block by block so that a cancel is heard; solves for a few right-hand sides.
 
-    A triangular solve of a linear algebra library runs on all threads, which wait for each other longer than they
-    compute; this chain of small products does not.
+    A triangular solve of a linear algebra library would run on all threads; this chain of small products does not.
     """
 
     def __init__(self, matrix: FloatArray, monitor: Monitor) -> None:
@@ -114,22 +109,23 @@ class _Cholesky:
             monitor.check()
             here, below = slice(start, start + _BLOCK), slice(start + _BLOCK, None)
             if start:
-                matrix[start:, here] -= matrix[start:, :start] @ matrix[here, :start].T
-            corner = np.linalg.inv(np.linalg.cholesky(matrix[here, here]))
-            matrix[below, here] = matrix[below, here] @ corner.T
+                matrix[start:, here] -= product(matrix[start:, :start], matrix[here, :start].T)
+            corner = inverse_of_lower(np.linalg.cholesky(matrix[here, here]))
+            matrix[below, here] = product(matrix[below, here], corner.T)
             self._corners.append((here, corner))
 
     def forward(self, right: FloatArray) -> FloatArray:
         """Solve L Y = R."""
         solved = np.empty_like(right)
         for here, corner in self._corners:
-            solved[here] = corner @ (right[here] - self._lower[here, : here.start] @ solved[: here.start])
+            known = product(self._lower[here, : here.start], solved[: here.start])
+            solved[here] = product(corner, right[here] - known)
         return solved
 
     def backward(self, right: FloatArray) -> FloatArray:
         """Solve Lᵀ Y = R."""
         solved = right.copy()
         for here, corner in reversed(self._corners):
-            solved[here] = corner.T @ solved[here]
-            solved[: here.start] -= self._lower[here, : here.start].T @ solved[here]
+            solved[here] = product(corner.T, solved[here])
+            solved[: here.start] -= product(self._lower[here, : here.start].T, solved[here])
         return solved
