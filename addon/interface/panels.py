@@ -35,7 +35,7 @@ class VIEW3D_PT_canonical_form(bpy.types.Panel):
         if obj is not None and obj.type == "MESH":
             count = len(obj.data.vertices)
             memory = memory_estimate(count, Settings(quality=chosen.quality, as_published=chosen.as_published))
-            layout.label(text=f"{count:,} vertices, about {memory:.1f} GB of memory", icon="MEMORY")
+            layout.label(text=f"{count:,} vertices, about {memory:.1f} GB", icon="MEMORY")
         record = record_of(obj.data) if obj is not None and obj.type == "MESH" else None
         if record is None:
             return
