@@ -28,7 +28,7 @@ from .settings import Settings
 from .smacof import minimise_stress
 from .spectrum import auto_diffusion, compute_spectrum
 from .stress import PairSet, Stress
-from .struts import braced, struts_through
+from .struts import struts_through
 from .surface import FloatArray, IntArray, Triangulation, checked_mesh, triangulated, vertex_areas
 from .weight_inverse import WeightInverse
 
@@ -160,15 +160,14 @@ def canonical_form(
         patches = [triangles[closed_cell_faces(cells, triangles, index)] for index in range(len(features))]
         if settings.whole:
             require_pair_memory(len(points), [len(np.unique(patch)) for patch in patches], settings.memory_limit)
-    with monitor.stage("Distances", 0.6):
-        green = None if settings.as_published else GreensFunction(L, M)
-        sets = patch_pairs(points, patches, cells, spectrum, green, settings, monitor)
-    with monitor.stage("Struts", 0.61):
+    with monitor.stage("Struts", 0.44):
         struts = None
         if settings.heat_time is not None:
             struts = struts_through(points, triangles, to_features, monitor)
-            sets = braced(sets, points, struts)
         body = ElasticBody(surface, points, triangles, struts)
+    with monitor.stage("Distances", 0.61):
+        green = None if settings.as_published else GreensFunction(L, M)
+        sets = patch_pairs(points, patches, cells, spectrum, green, struts, settings, monitor)
     start = points
     if settings.start == "intrinsic":
         with monitor.stage("Landmarks", 0.65):
@@ -177,7 +176,9 @@ def canonical_form(
             if settings.smoothing > 0:
                 distances = landmark_distances(to_landmarks, landmarks, spectrum)
         with monitor.stage("Start", 0.7):
-            start = inflated(body, laid_out(distances, landmarks, points, triangles), monitor)
+            layout = laid_out(distances, landmarks, points, triangles)
+            monitor.check()
+            start = inflated(body, layout, monitor)
     with monitor.stage("Factorisation", 0.72):
         between = None
         if settings.start == "intrinsic" and not settings.as_published:

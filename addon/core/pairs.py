@@ -9,6 +9,7 @@ from .monitor import Monitor
 from .settings import Settings
 from .spectrum import Spectrum
 from .stress import PairSet, pair_set
+from .struts import braced
 from .surface import FloatArray, IntArray, triangulated
 
 _NO_DISTANCE = 1e-6  # share of the mean distance in a patch below which the heat method has failed for a pair,
@@ -21,6 +22,7 @@ def patch_pairs(
     cells: IntArray,
     spectrum: Spectrum,
     green: GreensFunction | None,
+    struts: IntArray | None,
     settings: Settings,
     monitor: Monitor,
 ) -> list[PairSet]:
@@ -38,6 +40,8 @@ def patch_pairs(
         The eigenpairs.
     green : GreensFunction or None
         For exact commute times. Without it they are summed over the eigenpairs at hand, as published.
+    struts : (s, 2) ndarray of int or None
+        Pairs of vertices that are to keep their straight distance.
     settings : Settings
         Smoothing of the geodesics, and whether to do as published.
     monitor : Monitor
@@ -85,7 +89,9 @@ def patch_pairs(
                 commute = whole[rows, columns]
             return np.divide(commute, target**2, out=np.zeros_like(target), where=target > 0)
 
-        sets.append(pair_set(vertices, distance, weights))
+        pairs = pair_set(vertices, distance, weights)
+        monitor.check()
+        sets.append(pairs if struts is None else braced(pairs, points, struts, monitor))
     if short:
         monitor.warn(
             f"{short} pairs of points came out with no distance between them, because of very thin triangles, and were "

@@ -66,7 +66,9 @@ class PairSet:
         """
         return PairSet(self.vertices, self.targets, [factor * weight for weight in self.weights])
 
-    def replaced(self, pairs: IntArray, targets: FloatArray, weights: FloatArray) -> PairSet:
+    def replaced(
+        self, pairs: IntArray, targets: FloatArray, weights: FloatArray, monitor: Monitor | None = None
+    ) -> PairSet:
         """Ask for other distances between some of the vertices, and weight them otherwise.
 
         Parameters
@@ -77,6 +79,8 @@ class PairSet:
             Wanted distances.
         weights : (s,) ndarray of float
             Weights.
+        monitor : Monitor, optional
+            Asked between tiles whether to stop.
 
         Returns
         -------
@@ -87,6 +91,8 @@ class PairSet:
         all_targets, all_weights = list(self.targets), list(self.weights)
         tile, row = np.divmod(pairs[:, 0], tiles.step)
         for index in np.unique(tile):
+            if monitor is not None:
+                monitor.check()
             here = tile == index
             at = row[here], pairs[here, 1] - tiles[index]
             all_targets[index], all_weights[index] = self.targets[index].copy(), self.weights[index].copy()

@@ -87,7 +87,7 @@ def struts_through(
     return np.unique(pairs, axis=0)
 
 
-def braced(patches: list[PairSet], points: FloatArray, struts: IntArray) -> list[PairSet]:
+def braced(patch: PairSet, points: FloatArray, struts: IntArray, monitor: Monitor | None = None) -> PairSet:
     """Ask the stress for the lengths of struts instead of the way round on the surface.
 
     Geodesics alone would rather have a mouth outside its head, where straight distances come nearer to the way over
@@ -95,26 +95,24 @@ def braced(patches: list[PairSet], points: FloatArray, struts: IntArray) -> list
 
     Parameters
     ----------
-    patches : list of PairSet
-        Pairs inside the patches.
+    patch : PairSet
+        Pairs inside a patch.
     points : (n, 3) ndarray of float
         Vertices.
     struts : (s, 2) ndarray of int
-        Pairs of vertices; those between two patches are left out.
+        Pairs of vertices; those that leave the patch are left out.
+    monitor : Monitor, optional
+        Asked whether to stop.
 
     Returns
     -------
-    list of PairSet
+    PairSet
         The pairs, with those of the struts at their lengths and of half the weight of everything else at their ends.
     """
-    length = np.linalg.norm(points[struts[:, 0]] - points[struts[:, 1]], axis=1)
-    result = []
-    for patch in patches:
-        place = np.full(len(points), -1)
-        place[patch.vertices] = np.arange(len(patch.vertices))
-        pairs = np.sort(place[struts], axis=1)
-        inside = pairs[:, 0] >= 0
-        pairs = pairs[inside]
-        weights = _SHARE * patch.total_weights()[pairs].mean(axis=1)
-        result.append(patch.replaced(pairs, length[inside], weights))
-    return result
+    place = np.full(len(points), -1)
+    place[patch.vertices] = np.arange(len(patch.vertices))
+    pairs = np.sort(place[struts], axis=1)
+    inside = pairs[:, 0] >= 0
+    length = np.linalg.norm(points[struts[inside, 0]] - points[struts[inside, 1]], axis=1)
+    weights = _SHARE * patch.total_weights()[pairs[inside]].mean(axis=1)
+    return patch.replaced(pairs[inside], length, weights, monitor)

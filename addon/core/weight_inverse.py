@@ -52,7 +52,7 @@ class WeightInverse:
             if len(inner):
                 coupling = matrix[np.ix_(inner, border)]
                 factor = _Cholesky(_submatrix(matrix, inner, monitor), monitor)
-                half = factor.forward(coupling)
+                half = factor.forward(coupling, monitor)
                 remaining[np.ix_(place, place)] -= product(half.T, half)
                 self._blocks.append((pairs.vertices[inner], place, factor, half))
             monitor.tick((done + 1) / len(pair_sets))
@@ -114,10 +114,12 @@ class _Cholesky:
             matrix[below, here] = product(matrix[below, here], corner.T)
             self._corners.append((here, corner))
 
-    def forward(self, right: FloatArray) -> FloatArray:
+    def forward(self, right: FloatArray, monitor: Monitor | None = None) -> FloatArray:
         """Solve L Y = R."""
         solved = np.empty_like(right)
         for here, corner in self._corners:
+            if monitor is not None:
+                monitor.check()
             known = product(self._lower[here, : here.start], solved[: here.start])
             solved[here] = product(corner, right[here] - known)
         return solved

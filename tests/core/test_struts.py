@@ -91,7 +91,7 @@ def test_the_stress_asks_for_the_lengths_of_struts():
     first, second = np.arange(0, 700), np.arange(650, 900)[::-1]
     struts = np.array([[3, 690], [10, 11], [680, 651], [20, 800], [899, 660]])  # one of them between two patches
     before = [pair_set(v, wanted[np.ix_(v, v)], lambda rows, columns, t: np.ones_like(t)) for v in (first, second)]
-    after = braced(before, points, struts)
+    after = [braced(pairs, points, struts) for pairs in before]
     for vertices, was, now in zip((first, second), before, after, strict=True):
         change = was.laplacian() - now.laplacian()  # w_ij off the diagonal
         place = {vertex: at for at, vertex in enumerate(vertices)}
