@@ -2,6 +2,7 @@
 
 import importlib
 import inspect
+import pkgutil
 import re
 import sys
 import textwrap
@@ -12,8 +13,8 @@ sys.path.insert(0, str(ROOT))
 TARGET = ROOT / "docs" / "api.md"
 MODULES = (  # in the order of the data
     "canonical", "settings", "errors", "surface", "coarsening", "delaunay", "laplacian", "spectrum", "features", "heat",
-    "patches", "distances", "pairs", "scaling", "arrangement", "stress", "weight_inverse", "smacof", "deformation",
-    "detail", "alignment", "measures", "memory", "monitor",
+    "patches", "distances", "struts", "pairs", "scaling", "arrangement", "stress", "products", "weight_inverse",
+    "smacof", "deformation", "detail", "alignment", "measures", "memory", "monitor",
 )  # fmt: skip
 HEAD = """# API of the core
 
@@ -25,6 +26,9 @@ by `make docs`.
 
 def reference() -> str:
     """Assemble the page."""
+    missing = {found.name for found in pkgutil.iter_modules([str(ROOT / "addon" / "core")])} - set(MODULES)
+    if missing:
+        raise SystemExit(f"not in the list of modules: {', '.join(sorted(missing))}")
     parts = [HEAD]
     for name in MODULES:
         module = importlib.import_module(f"addon.core.{name}")

@@ -12,7 +12,7 @@ from .surface import FloatArray, IntArray, Triangulation, area_vectors, is_close
 
 _STRUT = 3.0  # stiffness of a strut, in areas of its end over its length squared; also the most that it may be
 _NEWTON_STEPS = 20  # of the largest root of a quartic, from above
-_CLEAR = 1e-5  # times the cube of a covariance's size: below, its nearest rotation is not clear enough for this way
+_CLEAR = 1e-3  # times the cube of a covariance's size: below, its nearest rotation is not clear enough for this way
 _PRESSURE_STEPS = 3  # Newton steps of the pressure in each deformation step
 _MOST_PRESSURE = 0.05  # farthest a vertex may be pushed in one step, in units of sqrt(area)
 _WIDE = 0.01  # diffusion time of the first rotations, as a share of the area: wide enough to see a limb as a body
@@ -229,15 +229,16 @@ def nearest_rotations(covariances: FloatArray) -> FloatArray:
     Markley, "Attitude determination using vector observations: a fast optimal matrix algorithm", 1993. Where two
     rotations fit almost as well, singular values decide.
     """
-    size = np.sqrt(np.einsum("ijk,ijk->i", covariances, covariances))
-    scaled = covariances / np.maximum(size, np.finfo(float).tiny)[:, None, None]
+    tiny = np.finfo(float).tiny
+    scaled = covariances / np.maximum(np.abs(covariances).max(axis=(1, 2)), tiny)[:, None, None]
+    scaled /= np.maximum(np.sqrt(np.einsum("ijk,ijk->i", scaled, scaled)), tiny)[:, None, None]
     b = [np.ascontiguousarray(scaled[:, i, j]) for i in range(3) for j in range(3)]  # row by row
     c = [b[4] * b[8] - b[5] * b[7], b[5] * b[6] - b[3] * b[8], b[3] * b[7] - b[4] * b[6],
          b[2] * b[7] - b[1] * b[8], b[0] * b[8] - b[2] * b[6], b[1] * b[6] - b[0] * b[7],
          b[1] * b[5] - b[2] * b[4], b[2] * b[3] - b[0] * b[5], b[0] * b[4] - b[1] * b[3]]  # cofactors  # fmt: skip
     determinant = b[0] * c[0] + b[1] * c[1] + b[2] * c[2]
     minors = 4 * sum(each * each for each in c)
-    best = np.full(len(size), np.sqrt(3.0))  # the sum of the singular values, the least with the determinant's sign
+    best = np.full(len(scaled), np.sqrt(3.0))  # the sum of the singular values, the least with the determinant's sign
     for _ in range(_NEWTON_STEPS):
         over = best * best - 1
         best -= (over * over - 8 * best * determinant - minors) / (4 * best * over - 8 * determinant)

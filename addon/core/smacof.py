@@ -77,9 +77,8 @@ def minimise_stress(
         past = [*past[-extrapolation:], (embedding, step, pull)] if extrapolation else []
         trial = _extrapolated(past) if past else embedding + step
         trial_value, trial_pull = stress.value_and_pull(trial)
-        sure = float(
-            np.vdot(step, pull)
-        )  # the least by which a plain step lowers the stress: its square in the norm of V
+        # the least by which a plain step lowers the stress: its square in the norm of V
+        sure = float(np.einsum("ij,ij->", step, pull))
         if past and value - trial_value < _WORTH * sure:
             past = past[-1:]
             trial = embedding + step

@@ -12,7 +12,7 @@ from .surface import FloatArray, IntArray
 
 # Pairs in a tile, and rows at most: they fit the cache, a cancel is heard between them, and their products are small
 # enough that a linear algebra library runs them on one thread; more would wait for each other longer than this takes.
-_TILE = 60_000
+_TILE = 64**3 // 5  # times 5 columns
 _ROWS = 128
 
 
@@ -212,6 +212,7 @@ class Stress:
         pull = np.zeros_like(embedding)
         for pairs in self.pair_sets:
             points = embedding[pairs.vertices]  # (p, d)
+            points = points - points.mean(axis=0)  # near pairs lose nothing to the distance from the origin
             square = (points**2).sum(axis=1)
             one = np.ones(len(points))
             right = np.column_stack([points, one, square])  # |x - y|² = (-2 x, |x|², 1) · (y, 1, |y|²)
@@ -231,6 +232,7 @@ class Stress:
     ) -> tuple[float, FloatArray, FloatArray]:
         """Sum one tile: its stress, and what it pulls at the points of its rows and of its columns."""
         self._monitor.check()
+        nearest = 1e-7 * float(np.sqrt(columns[:, -1].max()))  # below, rounding is most of a distance
         distance, missing, force = (room[: target.size].reshape(target.shape) for room in self._room)
         np.matmul(left, columns.T, out=distance)
         np.abs(distance, out=distance)  # rounding may leave less than 0
@@ -238,7 +240,7 @@ class Stress:
         np.subtract(target, distance, out=missing)
         np.multiply(weight, missing, out=force)
         value = float(np.einsum("ij,ij->", force, missing))
-        distance[distance == 0] = 1.0  # the diagonal, and points that coincide: no direction, no pull
+        distance[distance <= nearest] = 1.0  # the diagonal, and points that coincide: no direction, no pull
         force /= distance
         pull_right = force @ columns[:, :-1]  # sums come with the products
         pull_left = force.T @ rows[:, :-1]
@@ -249,4 +251,4 @@ class Stress:
 
 def _tiles(count: int) -> range:
     """List the first rows of the tiles of a set of so many vertices."""
-    return range(0, count, int(np.clip(_TILE // max(count, 1), 8, _ROWS)))
+    return range(0, count, int(np.clip(_TILE // max(count, 1), 1, _ROWS)))

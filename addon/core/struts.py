@@ -5,15 +5,18 @@ from __future__ import annotations
 import numpy as np
 
 from .monitor import Monitor
+from .products import product
 from .stress import PairSet
-from .surface import FloatArray, IntArray, area_vectors, signed_volume
+from .surface import FloatArray, IntArray, area_vectors, is_closed, signed_volume
 
 _REACH = 0.3  # radius of the widest ball, in units of sqrt(area)
 _WAY, _DETOUR = 0.13, 2.0  # longest way on the surface: this, and so many times the strut
 _FACING = 0.5  # least cosine between a strut and the normals at its ends
-_ROUNDS = 12  # balls settle in about 6
-_CONTACTS, _TOUCH = 4, 1e-6  # most vertices that a ball rests on, and how nearly
-_SHARE = 0.5  # weight of a strut in the stress, over all the weight of one of its ends
+_TOUCH = 0.02  # share of the radius within which a ball rests on a vertex
+_TIE = 1e-6  # share within which vertices are equally far, the lower first
+_ROWS = 128
+_OPENNESS, _VOLUME = 0.1, 0.002  # an open mesh with more and less than these, over area and area^1.5, has no inside
+_SHARE = 0.5  # weight of the struts of a vertex in the stress, over all its other weight
 
 
 def struts_through(
@@ -21,10 +24,11 @@ def struts_through(
 ) -> IntArray:
     """Pair vertices with those that face them through the body, where the body is thin.
 
-    From each vertex a ball is let into the body, as wide as it can be without another vertex inside. The vertices that
-    it rests on, more than one where the body is symmetric, are the other ends. What a surface alone does not know, that
-    a mouth is a hole in a head and no pouch on it, is in these pairs; and they change little with the pose. Pairs that
-    are far from each other on the surface are left out: they join limbs that the pose pushed into each other.
+    From each vertex a ball is let into the body, as wide as it can be without another vertex inside. The vertex that it
+    rests on, the farthest of them if they are several, is the other end. What a surface alone does not know, that a
+    mouth is a hole in a head and no pouch on it, is in these pairs; and they change little with the pose. Pairs that
+    are far from each other on the surface, as far as their distances from the feature points tell, are left out: they
+    join limbs that the pose pushed into each other. A sheet has no inside and no struts.
 
     Parameters
     ----------
@@ -52,31 +56,30 @@ def struts_through(
     The balls: Ma, Bae and Choi, "3D medial axis point approximation using nearest neighbors and the normal field",
     2012.
     """
-    from scipy.spatial import KDTree
-
+    if not _has_inside(points, faces):
+        return np.empty((0, 2), dtype=np.int64)
     normals = np.zeros_like(points)
     outward = np.repeat(np.sign(signed_volume(points, faces)) * area_vectors(points, faces), 3, axis=0)
     for axis in range(3):
         normals[:, axis] = np.bincount(faces.ravel(), outward[:, axis], minlength=len(points))
     normals /= np.maximum(np.linalg.norm(normals, axis=1), np.finfo(float).tiny)[:, None]
-    tree = KDTree(points)
-    here = np.arange(len(points))
-    radius = np.full(len(points), _REACH)
-    for _ in range(_ROUNDS):
+    other = np.arange(len(points))
+    square = (points**2).sum(axis=1)
+    for start in range(0, len(points), _ROWS):
         if monitor is not None:
             monitor.check()
-        _, nearest = tree.query(points - radius[:, None] * normals)
-        away = points - points[nearest]
-        depth = 2 * np.einsum("ij,ij->i", normals, away)
-        smaller = np.einsum("ij,ij->i", away, away) / np.maximum(depth, 1e-12)  # the ball through both
-        shrinks = (nearest != here) & (smaller < radius * (1 - 1e-3))
-        if not shrinks.any():
-            break
-        radius[shrinks] = smaller[shrinks]
-    rests = tree.query(points - radius[:, None] * normals, k=min(_CONTACTS, len(points)))
-    distance, other = (np.reshape(part, (len(points), -1)) for part in rests)
-    touches = (distance <= radius[:, None] * (1 + _TOUCH)) & (other != here[:, None]) & (radius[:, None] < _REACH)
-    here, other = np.nonzero(touches)[0], other[touches]
+        rows = slice(start, start + _ROWS)
+        apart = np.maximum(square[rows, None] + square - 2 * product(points[rows], points.T), 0.0)  # squared
+        depth = np.einsum("ij,ij->i", points[rows], normals[rows])[:, None] - product(normals[rows], points.T)
+        inside = depth > 1e-9
+        radius = np.divide(apart, 2 * depth, out=np.full_like(apart, np.inf), where=inside)  # of the ball through both
+        widest = radius.min(axis=1, keepdims=True)
+        apart[radius > (1 + _TOUCH) * widest] = -1.0
+        farthest = apart.max(axis=1, keepdims=True)
+        found = np.argmax(apart >= (1 - _TIE) * farthest, axis=1)
+        other[rows] = np.where(widest[:, 0] < _REACH, found, other[rows])
+    here = np.flatnonzero(other != np.arange(len(points)))
+    other = other[here]
     away = points[here] - points[other]
     length = np.linalg.norm(away, axis=1)
     away /= np.maximum(length, np.finfo(float).tiny)[:, None]
@@ -85,6 +88,14 @@ def struts_through(
     faces_it &= np.abs(to_features[here] - to_features[other]).max(axis=1) < _WAY + _DETOUR * length
     pairs = np.sort(np.column_stack([here, other])[faces_it], axis=1)
     return np.unique(pairs, axis=0)
+
+
+def _has_inside(points: FloatArray, faces: IntArray) -> bool:
+    """Tell a body, be it with holes, from a sheet."""
+    if is_closed(faces):
+        return True
+    openness = float(np.linalg.norm(area_vectors(points, faces).sum(axis=0)))
+    return openness < _OPENNESS and abs(signed_volume(points, faces)) > _VOLUME
 
 
 def braced(patch: PairSet, points: FloatArray, struts: IntArray, monitor: Monitor | None = None) -> PairSet:
@@ -107,12 +118,15 @@ def braced(patch: PairSet, points: FloatArray, struts: IntArray, monitor: Monito
     Returns
     -------
     PairSet
-        The pairs, with those of the struts at their lengths and of half the weight of everything else at their ends.
+        The pairs, those of the struts at their lengths. The struts of a vertex weigh half of all else there together;
+        a strut takes the mean of its ends.
     """
     place = np.full(len(points), -1)
     place[patch.vertices] = np.arange(len(patch.vertices))
     pairs = np.sort(place[struts], axis=1)
     inside = pairs[:, 0] >= 0
     length = np.linalg.norm(points[struts[inside, 0]] - points[struts[inside, 1]], axis=1)
-    weights = _SHARE * patch.total_weights()[pairs[inside]].mean(axis=1)
-    return patch.replaced(pairs[inside], length, weights, monitor)
+    pairs = pairs[inside]
+    many = np.bincount(pairs.ravel(), minlength=len(patch.vertices))
+    share = _SHARE * patch.total_weights() / np.maximum(many, 1)
+    return patch.replaced(pairs, length, share[pairs].mean(axis=1), monitor)

@@ -24,10 +24,15 @@ def test_nearest_rotations_are_those_of_the_singular_values(rotation):
     many = rng.normal(size=(3000, 3, 3)) * 10.0 ** rng.uniform(-6, 6, (3000, 1, 1))
     flat = many[:500] * [1.0, 1.0, 0.0]
     nearly_flat = many[:500] * [1.0, 1.0, 1e-4]
-    for given in (many, flat, nearly_flat, rotation[None], -rotation[None]):
+    turns = np.linalg.qr(rng.normal(size=(2, 2000, 3, 3)))[0]
+    values = np.column_stack([np.ones(2000), rng.uniform(0.2, 1, 2000), np.zeros(2000)])
+    values[:, 2] = -values[:, 1] + 10.0 ** rng.uniform(-7, -1, 2000)  # two rotations fit almost as well
+    close = turns[0] * values[:, None] @ turns[1]
+    for given in (many, flat, nearly_flat, close, rotation[None], -rotation[None], 1e-160 * many, 1e150 * many):
         found = nearest_rotations(given)
         np.testing.assert_allclose(found @ found.transpose(0, 2, 1), np.tile(np.eye(3), (len(given), 1, 1)), atol=1e-9)
         fits = [np.einsum("nij,nij->n", turn, given) for turn in (found, by_singular_values(given))]
+        given = given / np.abs(given).max(axis=(1, 2), keepdims=True)
         size = np.linalg.norm(given, axis=(1, 2))
         np.testing.assert_allclose(fits[0] / size, fits[1] / size, atol=1e-9)
         assert (np.linalg.det(found) > 0).all()

@@ -26,7 +26,7 @@ def test_the_arrangement_weighs_its_share_of_what_the_patches_weigh():
     assert np.ptp(pairs.weights[0][np.triu_indices(4, 1)]) == 0
 
 
-def test_patches_without_weight_leave_the_arrangement_as_it_is():
+def test_an_arrangement_of_one_landmark_has_no_weight_to_scale():
     patch = pair_set(np.arange(3), np.ones((3, 3)), lambda rows, columns, target: np.ones_like(target))
     nothing = arrangement_pairs(np.array([1]), np.zeros((3, 3)))
     assert balanced(nothing, [patch], 3, 0.5) is nothing

@@ -81,6 +81,23 @@ def test_coinciding_points_do_not_divide_by_zero(sets):
     assert (pull == 0).all()
 
 
+def test_near_pairs_far_from_the_origin_are_measured_well():
+    rng = np.random.default_rng(2)
+    points = rng.uniform(-1, 1, (300, 3))
+    points[1] = points[0] + [1e-5, 0, 0]
+    wanted = np.full((300, 300), 0.5)
+    pairs = [pair_set(np.arange(300), wanted, lambda rows, columns, _: np.ones_like(wanted[rows, columns]))]
+    away = points - points[:, None]  # x_j - x_i
+    apart = np.linalg.norm(away, axis=2) + np.eye(300)
+    expected = -((0.5 / apart - 1) * (1 - np.eye(300)))[:, :, None] * away
+    for shift in (0.0, 100.0):
+        pull = Stress(300, pairs).value_and_pull(points + shift)[1]
+        np.testing.assert_allclose(pull, expected.sum(axis=1), atol=1e-5)
+    points[1] = points[0]
+    pull = Stress(300, pairs).value_and_pull(points)[1]
+    assert np.abs(pull[0] - pull[1]).max() < 1e-9
+
+
 def test_block_elimination_is_the_pseudo_inverse(sets):
     right = np.random.default_rng(1).normal(size=(400, 3))
     right -= right.mean(axis=0)
