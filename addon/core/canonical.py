@@ -158,8 +158,7 @@ def canonical_form(
     with monitor.stage("Patches", 0.43):
         cells = voronoi_cells(to_features, features, triangles)
         patches = [triangles[closed_cell_faces(cells, triangles, index)] for index in range(len(features))]
-        if settings.whole:
-            require_pair_memory(len(points), [len(np.unique(patch)) for patch in patches], settings.memory_limit)
+        require_pair_memory(len(points), [len(np.unique(patch)) for patch in patches], settings)
     with monitor.stage("Struts", 0.44):
         struts = None
         if settings.heat_time is not None:

@@ -57,7 +57,7 @@ def require_memory(vertex_count: int, settings: Settings) -> None:
         )
 
 
-def require_pair_memory(vertex_count: int, sizes: list[int], limit: float) -> None:
+def require_pair_memory(vertex_count: int, sizes: list[int], settings: Settings) -> None:
     """Refuse before the memory is spent: tiles and factors of every patch, three matrices of the largest.
 
     Parameters
@@ -66,8 +66,8 @@ def require_pair_memory(vertex_count: int, sizes: list[int], limit: float) -> No
         Number of vertices.
     sizes : list of int
         Number of vertices of each patch.
-    limit : float
-        Gigabytes.
+    settings : Settings
+        The options.
 
     Raises
     ------
@@ -75,10 +75,12 @@ def require_pair_memory(vertex_count: int, sizes: list[int], limit: float) -> No
         With the memory needed and what to do.
     """
     needed = _pair_bytes([float(size) for size in sizes]) / 1e9
+    limit = settings.memory_limit
     if needed > limit:
+        advice = "Use quality Normal" if settings.quality == "full" else "Merge vertices by distance"
         raise TooLargeError(
             f"All pairs of points inside the {len(sizes)} patches need about {needed:.1f} GB, more than the limit of "
-            f"{limit:g} GB. Use quality Normal, reduce the mesh to about "
+            f"{limit:g} GB. {advice}, reduce the mesh to about "
             f"{int(vertex_count * np.sqrt(limit / needed)):,} vertices (for instance with a Decimate modifier, "
             "applied), or raise the memory limit."
         )

@@ -310,3 +310,11 @@ def test_every_public_function_is_documented():
                 assert "Returns" in thing.__doc__ or "None" in str(thing.__annotations__.get("return")), name
                 if inspect.signature(thing).parameters:
                     assert "Parameters" in thing.__doc__, name
+
+
+def test_a_mesh_that_stays_too_large_is_refused_before_its_pairs_are_made():
+    fans = [[0, 1, 2, 3, 4 + i] for i in range(1400)]  # what hangs on edges of many triangles cannot be removed
+    faces = np.array([face for a, b, c, d, e in fans for face in ((a, b, e), (b, c, e), (c, d, e), (d, a, e))])
+    vertices = np.random.default_rng(0).normal(size=(1404, 3))
+    with pytest.raises(TooLargeError, match="Merge vertices by distance"):
+        canonical_form(vertices, faces, Settings(quality="draft", memory_limit=0.155))
