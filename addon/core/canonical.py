@@ -18,7 +18,6 @@ from .errors import InvalidSettingsError
 from .features import merged, prominent_maxima
 from .heat import HeatMethod
 from .laplacian import mass, stiffness
-from .measures import surface_area
 from .memory import require_memory, require_pair_memory
 from .monitor import Cancelled, Monitor, Progress
 from .pairs import arrangement_pairs, balanced, feature_pairs, patch_pairs
@@ -29,7 +28,7 @@ from .smacof import minimise_stress
 from .spectrum import auto_diffusion, compute_spectrum
 from .stress import PairSet, Stress
 from .struts import struts_through
-from .surface import FloatArray, IntArray, Triangulation, checked_mesh, triangulated, vertex_areas
+from .surface import FloatArray, IntArray, Triangulation, checked_mesh, surface_area, triangulated, vertex_areas
 from .weight_inverse import WeightInverse
 
 _WORTH_COARSENING = 1.2  # times as many vertices as are worked on

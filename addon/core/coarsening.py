@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .monitor import Monitor
-from .surface import FloatArray, IntArray, vertex_areas
+from .surface import FloatArray, IntArray, area_vectors, vertex_areas
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
@@ -174,13 +174,12 @@ class _Links:
 
 def _quadrics(points: FloatArray, faces: IntArray) -> FloatArray:
     """Sum, over the triangles of each vertex, area times the squared distance from their planes."""
-    a, b, c = (points[faces[:, i]] for i in range(3))
-    normal = np.cross(b - a, c - a)
+    normal = area_vectors(points, faces)
     area = np.linalg.norm(normal, axis=1)
     normal /= np.maximum(area, np.finfo(float).tiny)[:, None]
-    plane = np.column_stack([normal, -np.einsum("ij,ij->i", normal, a)])
+    plane = np.column_stack([normal, -np.einsum("ij,ij->i", normal, points[faces[:, 0]])])
     row, column = np.triu_indices(4)
-    terms = plane[:, row] * plane[:, column] * (area / 6)[:, None]  # (m, 10)
+    terms = plane[:, row] * plane[:, column] * (area / 3)[:, None]  # (m, 10)
     return np.column_stack(
         [np.bincount(faces.ravel(), np.repeat(terms[:, k], 3), minlength=len(points)) for k in range(10)]
     )

@@ -8,7 +8,7 @@ import numpy as np
 
 from .laplacian import factored, mass, stiffness
 from .monitor import Monitor
-from .surface import FloatArray, IntArray, Triangulation, area_vectors, is_closed, signed_volume
+from .surface import FloatArray, IntArray, Triangulation, is_closed, signed_volume, surface_area, vertex_area_vectors
 
 _STRUT = 3.0  # stiffness of a strut, in areas of its end over its length squared; also the most that it may be
 _NEWTON_STEPS = 20  # of the largest root of a quartic, from above
@@ -264,9 +264,8 @@ def _under_pressure(
 ) -> FloatArray:
     """Blow a closed mesh up, or let air out, until its compactness is that of the mesh before."""
     wanted = _signed_compactness(before, faces)
-    push = np.repeat(area_vectors(positions, faces) / 3, 3, axis=0)
-    way = solve(np.column_stack([np.bincount(faces.ravel(), push[:, axis], len(positions)) for axis in range(3)]))
-    way *= np.sqrt(_area(before, faces) / (way**2).sum(axis=1).max())  # an amount of 1 moves by sqrt(area)
+    way = solve(vertex_area_vectors(positions, faces))  # along the growth of the volume
+    way *= np.sqrt(surface_area(before, faces) / (way**2).sum(axis=1).max())  # an amount of 1 moves by sqrt(area)
     side = np.sign(wanted)  # -1 where the triangles face inwards
     way, wanted, amount, step = side * way, abs(wanted), 0.0, 1e-4
     for _ in range(_PRESSURE_STEPS):
@@ -280,8 +279,4 @@ def _under_pressure(
 
 def _signed_compactness(positions: FloatArray, faces: IntArray) -> float:
     """Divide the volume by the area to the power 3/2: the root of the compactness, with the volume's sign."""
-    return signed_volume(positions, faces) / _area(positions, faces) ** 1.5
-
-
-def _area(positions: FloatArray, faces: IntArray) -> float:
-    return float(np.linalg.norm(area_vectors(positions, faces), axis=1).sum())
+    return signed_volume(positions, faces) / surface_area(positions, faces) ** 1.5

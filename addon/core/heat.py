@@ -55,9 +55,7 @@ class HeatMethod:
         self, surface: Triangulation, smooth: float | None = None, refine: bool = True, monitor: Monitor | None = None
     ) -> None:
         from scipy.sparse import csr_matrix, diags
-        from scipy.special import (
-            k0,
-        )  # the heat of a point source in the plane after one backward step: K₀(d / √t) / 2πt
+        from scipy.special import k0
 
         monitor = monitor or Monitor()
         self._vertex_count = surface.vertex_count
@@ -106,6 +104,7 @@ class HeatMethod:
             )
         if smooth is not None and smooth > time:
             self._smooth = factored(M + smooth * L)
+            # a point source in the plane leaves K₀(d / √t) / 2πt after one backward step
             self._share = (smooth / time) * k0(_TAKES_OVER) / k0(_TAKES_OVER * np.sqrt(time / smooth))
 
     def distances(self, sources: ArrayLike) -> FloatArray:

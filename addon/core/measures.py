@@ -5,25 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from .alignment import closest_point_fit
-from .surface import FloatArray, IntArray, corner_lengths, face_areas, is_closed, signed_volume, vertex_pairs
-
-
-def surface_area(vertices: FloatArray, faces: IntArray) -> float:
-    """Compute the area of a mesh.
-
-    Parameters
-    ----------
-    vertices : (n, 3) ndarray of float
-        Vertex positions.
-    faces : (m, 3) ndarray of int
-        Triangles.
-
-    Returns
-    -------
-    float
-        Area, in squared units of length.
-    """
-    return float(face_areas(corner_lengths(vertices, faces)).sum())
+from .surface import FloatArray, IntArray, is_closed, signed_volume, surface_area, vertex_pairs
 
 
 def enclosed_volume(vertices: FloatArray, faces: IntArray) -> float:

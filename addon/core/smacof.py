@@ -14,7 +14,6 @@ from .surface import FloatArray
 from .weight_inverse import WeightInverse
 
 _RELAXATION = 2.0  # how many times as far as its target a step goes: more may raise the stress
-_WORTH = 1.0  # times the sure decrease of a plain step: what an extrapolated one has to be worth
 
 
 def minimise_stress(
@@ -79,7 +78,7 @@ def minimise_stress(
         trial_value, trial_pull = stress.value_and_pull(trial)
         # the least by which a plain step lowers the stress: its square in the norm of V
         sure = float(np.einsum("ij,ij->", step, pull))
-        if past and value - trial_value < _WORTH * sure:
+        if past and value - trial_value < sure:
             past = past[-1:]
             trial = embedding + step
             trial_value, trial_pull = stress.value_and_pull(trial)

@@ -7,7 +7,7 @@ import numpy as np
 from .monitor import Monitor
 from .products import product
 from .stress import PairSet
-from .surface import FloatArray, IntArray, area_vectors, is_closed, signed_volume
+from .surface import FloatArray, IntArray, area_vectors, is_closed, signed_volume, vertex_area_vectors
 
 _REACH = 0.3  # radius of the widest ball, in units of sqrt(area)
 _WAY, _DETOUR = 0.13, 2.0  # longest way on the surface: this, and so many times the strut
@@ -58,10 +58,7 @@ def struts_through(
     """
     if not _has_inside(points, faces):
         return np.empty((0, 2), dtype=np.int64)
-    normals = np.zeros_like(points)
-    outward = np.repeat(np.sign(signed_volume(points, faces)) * area_vectors(points, faces), 3, axis=0)
-    for axis in range(3):
-        normals[:, axis] = np.bincount(faces.ravel(), outward[:, axis], minlength=len(points))
+    normals = np.sign(signed_volume(points, faces)) * vertex_area_vectors(points, faces)
     normals /= np.maximum(np.linalg.norm(normals, axis=1), np.finfo(float).tiny)[:, None]
     other = np.arange(len(points))
     square = (points**2).sum(axis=1)

@@ -223,6 +223,44 @@ def area_vectors(vertices: FloatArray, faces: IntArray) -> FloatArray:
     return np.asarray(np.cross(b - a, c - a) / 2)
 
 
+def vertex_area_vectors(vertices: FloatArray, faces: IntArray) -> FloatArray:
+    """Sum the area vectors of the triangles around every vertex: its normal, as long as their area is large.
+
+    Parameters
+    ----------
+    vertices : (n, 3) ndarray of float
+        Vertex positions.
+    faces : (m, 3) ndarray of int
+        Triangles.
+
+    Returns
+    -------
+    (n, 3) ndarray of float
+        The sums; a third of one is how fast the volume grows as the vertex moves.
+    """
+    each = np.repeat(area_vectors(vertices, faces), 3, axis=0)
+    corners = faces.ravel()
+    return np.column_stack([np.bincount(corners, each[:, axis], minlength=len(vertices)) for axis in range(3)])
+
+
+def surface_area(vertices: FloatArray, faces: IntArray) -> float:
+    """Compute the area of a mesh.
+
+    Parameters
+    ----------
+    vertices : (n, 3) ndarray of float
+        Vertex positions.
+    faces : (m, 3) ndarray of int
+        Triangles.
+
+    Returns
+    -------
+    float
+        Area, in squared units of length.
+    """
+    return float(np.linalg.norm(area_vectors(vertices, faces), axis=1).sum())
+
+
 def vertex_areas(vertices: FloatArray, faces: IntArray) -> FloatArray:
     """Give every vertex a third of the area of its triangles in space.
 

@@ -6,7 +6,7 @@ import numpy as np
 
 import addon.core.canonical as pipeline
 from addon.core import Settings, canonical_form
-from addon.core.measures import surface_area
+from addon.core.surface import surface_area
 
 
 def stress_ratios(vertices, faces):

@@ -19,9 +19,9 @@ sys.path.insert(0, str(ROOT))
 from addon.core import Settings, canonical_form  # noqa: E402
 from addon.core.alignment import rigid_fit  # noqa: E402
 from addon.core.heat import HeatMethod  # noqa: E402
-from addon.core.measures import compactness_error, edge_stretch, surface_area  # noqa: E402
+from addon.core.measures import compactness_error, edge_stretch  # noqa: E402
 from addon.core.memory import memory_estimate  # noqa: E402
-from addon.core.surface import triangulated  # noqa: E402
+from addon.core.surface import surface_area, triangulated  # noqa: E402
 from tests.benchmarks.remeshing import adaptive, noisy, quad_dominant, resized, uniform  # noqa: E402
 from tests.sample.shapes import read_obj  # noqa: E402
 

@@ -8,12 +8,11 @@ from addon.core.alignment import rigid_fit
 from addon.core.arrangement import handedness, laid_out, landmark_distances
 from addon.core.heat import HeatMethod
 from addon.core.laplacian import mass, stiffness
-from addon.core.measures import surface_area
 from addon.core.memory import memory_estimate
 from addon.core.monitor import Monitor
 from addon.core.scaling import farthest_points
 from addon.core.spectrum import compute_spectrum
-from addon.core.surface import is_closed, signed_volume
+from addon.core.surface import is_closed, signed_volume, surface_area
 from tests.sample import shapes
 from tests.sample.shapes import prepared
 

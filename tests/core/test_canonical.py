@@ -15,11 +15,11 @@ from addon.core.delaunay import intrinsic_delaunay
 from addon.core.distances import GreensFunction, all_geodesics, commute_time_squared
 from addon.core.heat import HeatMethod, heat_geodesics
 from addon.core.laplacian import mass, stiffness
-from addon.core.measures import edge_stretch, surface_area
+from addon.core.measures import edge_stretch
 from addon.core.monitor import Monitor
 from addon.core.patches import closed_cell_faces
 from addon.core.spectrum import compute_spectrum
-from addon.core.surface import corner_lengths, face_areas, triangulated, vertex_areas
+from addon.core.surface import corner_lengths, face_areas, surface_area, triangulated, vertex_areas
 from tests.sample import shapes
 
 

@@ -5,9 +5,9 @@ import pytest
 
 from addon.core import CancelledError
 from addon.core.coarsening import coarsened
-from addon.core.measures import enclosed_volume, surface_area
+from addon.core.measures import enclosed_volume
 from addon.core.monitor import Monitor
-from addon.core.surface import component_labels, is_closed
+from addon.core.surface import component_labels, is_closed, surface_area
 from tests.sample import shapes
 
 

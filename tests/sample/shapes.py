@@ -143,8 +143,7 @@ def permuted(vertices, faces, seed: int = 0):
 def prepared(vertices, faces):
     """Scale a mesh to unit area; also its Delaunay triangulation."""
     from addon.core.delaunay import intrinsic_delaunay
-    from addon.core.measures import surface_area
-    from addon.core.surface import triangulated
+    from addon.core.surface import surface_area, triangulated
 
     points = (vertices - vertices.mean(axis=0)) / np.sqrt(surface_area(vertices, faces))
     return points, intrinsic_delaunay(triangulated(points, faces))
