@@ -9,30 +9,23 @@ from numpy.typing import ArrayLike
 
 from .alignment import keeps_outside_out, rigid_fit
 from .arrangement import inflated, laid_out, landmark_distances
-from .coarsening import coarsened
 from .deformation import ElasticBody
-from .delaunay import intrinsic_delaunay
 from .detail import carried_by_frames, detailed
 from .distances import GreensFunction
-from .errors import InvalidSettingsError
-from .features import merged, prominent_maxima
 from .heat import HeatMethod
-from .laplacian import mass, stiffness
-from .memory import require_memory, require_pair_memory
+from .memory import require_pair_memory
 from .monitor import Cancelled, Monitor, Progress
 from .pairs import arrangement_pairs, balanced, feature_pairs, patch_pairs
-from .patches import closed_cell_faces, voronoi_cells
+from .patches import closed_cell_faces
+from .recognition import recognised
 from .scaling import farthest_points
 from .settings import Settings
 from .smacof import minimise_stress
-from .spectrum import auto_diffusion, compute_spectrum
 from .stress import PairSet, Stress
 from .struts import struts_through
-from .surface import FloatArray, IntArray, Triangulation, checked_mesh, surface_area, triangulated, vertex_areas
+from .surface import FloatArray, IntArray, Triangulation, surface_area, vertex_areas
 from .weight_inverse import WeightInverse
 
-_WORTH_COARSENING = 1.2  # times as many vertices as are worked on
-_STUCK = 2.0  # times as many vertices as asked for are left: the coarse mesh is not one
 _FEATURE_SHARE = 0.03  # of the feature points alone, from the input; far more would pull spikes out of the surface
 _LAYOUT_SMOOTHING = 0.02  # diffusion time of the landmarks' geodesics over that of the patches
 
@@ -117,47 +110,12 @@ def canonical_form(
     """
     settings = settings or Settings()
     monitor = Monitor(progress, cancelled)
-    with monitor.stage("Surface", 0.02):
-        whole_points, whole_triangles = checked_mesh(vertices, faces)
-        given = _checked_features(settings.feature_points, len(whole_points))
-        require_memory(len(whole_points), settings)
-        monitor.check()
-        centre, unit = whole_points.mean(axis=0), float(np.ptp(whole_points, axis=0).max())
-        whole_points = (whole_points - centre) / unit
-        size = np.sqrt(surface_area(whole_points, whole_triangles))
-        whole_points, unit = whole_points / size, unit * size
-    coarse = None
-    points, triangles = whole_points, whole_triangles
-    if settings.coarse_vertices is not None and len(points) > _WORTH_COARSENING * settings.coarse_vertices:
-        with monitor.stage("Coarse mesh", 0.3):
-            coarse = coarsened(points, triangles, settings.coarse_vertices, given, monitor)
-            points, triangles = points[coarse.kept], coarse.faces
-            given = None if given is None else np.searchsorted(coarse.kept, given)
-            if len(points) > _STUCK * settings.coarse_vertices:
-                monitor.warn(
-                    f"The mesh could only be reduced to {len(points):,} vertices, because of its many borders or edges "
-                    "of more than two faces; the computation takes longer. Merge vertices by distance for a faster one."
-                )
-    with monitor.stage("Triangulation", 0.32):
-        surface = intrinsic_delaunay(triangulated(points, triangles))
-        L, M = stiffness(surface), mass(surface)
-    with monitor.stage("Spectrum", 0.4):
-        spectrum = compute_spectrum(L, M, settings.eigenpairs, monitor)
-        if len(spectrum.eigenvalues) < settings.eigenpairs:
-            monitor.warn(f"The mesh is small: all {len(spectrum.eigenvalues)} eigenpairs that it has were used.")
-    with monitor.stage("Feature points", 0.42):
-        adf = auto_diffusion(spectrum, settings.diffusion_time)
-        heat = HeatMethod(surface, refine=settings.whole, monitor=monitor)
-        features = prominent_maxima(adf, triangles, settings.prominence)[0] if given is None else given
-        monitor.check()
-        to_features = heat.distances(features)
-        if given is None:
-            kept = merged(features, to_features[features], settings.merge_distance * float(to_features.max()))
-            features, to_features = features[kept], to_features[:, kept]
-    with monitor.stage("Patches", 0.43):
-        cells = voronoi_cells(to_features, features, triangles)
-        patches = [triangles[closed_cell_faces(cells, triangles, index)] for index in range(len(features))]
-        require_pair_memory(len(points), [len(np.unique(patch)) for patch in patches], settings)
+    found = recognised(vertices, faces, settings, monitor)
+    points, triangles, surface, spectrum = found.points, found.triangles, found.surface, found.spectrum
+    features, to_features, cells = found.features, found.to_features, found.cells
+    L, M = found.stiffness, found.mass
+    patches = [triangles[closed_cell_faces(cells, triangles, index)] for index in range(len(features))]
+    require_pair_memory(len(points), [len(np.unique(patch)) for patch in patches], settings)
     with monitor.stage("Struts", 0.44):
         struts = None
         if settings.heat_time is not None:
@@ -182,7 +140,7 @@ def canonical_form(
         if settings.start == "intrinsic" and not settings.as_published:
             between = arrangement_pairs(landmarks, start)
         elif len(features) > 1:
-            between = _feature_pairs(features, to_features, green or GreensFunction(L, M), adf, settings)
+            between = _feature_pairs(features, to_features, green or GreensFunction(L, M), found.adf, settings)
         if between is not None:
             if not settings.as_published:
                 share = settings.arrangement_share if settings.start == "intrinsic" else _FEATURE_SHARE
@@ -207,16 +165,14 @@ def canonical_form(
         with monitor.stage("Detail", 0.97):
             form = detailed(body, form, settings.preserve_detail, monitor)
     with monitor.stage("Alignment", 1.0):
-        if coarse is not None:
-            form = carried_by_frames(coarse, body, form, whole_points)
+        if found.coarse is not None:
+            form = carried_by_frames(found.coarse, body, form, found.whole_points)
             monitor.check()
-            adf = coarse.carried_back(adf)
-            features = coarse.kept[features]
-            cells = voronoi_cells(coarse.carried_back(to_features), features, whole_triangles)
-            monitor.check()
-        form = form / np.sqrt(surface_area(form, whole_triangles))
-        rotation, shift = rigid_fit(form, whole_points, vertex_areas(whole_points, whole_triangles))
-        form = (form @ rotation + shift) * unit + centre
+        features, cells, adf = found.carried_back(monitor)
+        form = form / np.sqrt(surface_area(form, found.whole_triangles))
+        areas = vertex_areas(found.whole_points, found.whole_triangles)
+        rotation, shift = rigid_fit(form, found.whole_points, areas)
+        form = (form @ rotation + shift) * found.unit + found.centre
     return CanonicalForm(
         form,
         features,
@@ -224,7 +180,7 @@ def canonical_form(
         adf,
         history,
         pair_count,
-        1 - pair_count / len(whole_points) ** 2,
+        1 - pair_count / len(found.whole_points) ** 2,
         monitor.timings,
         monitor.warnings,
     )
@@ -256,16 +212,3 @@ def _still_falls(history: FloatArray, settings: Settings) -> bool:
     if settings.tolerance == 0 or not 0 < steps == settings.iterations:
         return False
     return bool(history[-2] - history[-1] >= settings.tolerance * history[-2])
-
-
-def _checked_features(given: object, vertex_count: int) -> IntArray | None:
-    if given is None:
-        return None
-    features = np.asarray(given)
-    if features.ndim != 1 or not features.size or not np.issubdtype(features.dtype, np.integer):
-        raise InvalidSettingsError("feature_points must be a list of at least one vertex index.")
-    if features.min() < 0 or features.max() >= vertex_count:
-        raise InvalidSettingsError(f"feature_points must lie between 0 and {vertex_count - 1}.")
-    if len(np.unique(features)) < len(features):
-        raise InvalidSettingsError("feature_points names a vertex twice.")
-    return features.astype(np.int64)

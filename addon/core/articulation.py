@@ -1,0 +1,253 @@
+"""The way from the pose to the form: half-way shapes that turn like joints, and forms of some limbs only."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .coarsening import Coarsening, coarsened
+from .deformation import ElasticBody, nearest_rotations
+from .delaunay import intrinsic_delaunay
+from .laplacian import factored, stiffness
+from .monitor import Monitor
+from .surface import FloatArray, IntArray, surface_area, triangulated, vertex_areas, vertex_pairs
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_matrix
+
+_WORKED_ON = 1600  # vertices whose rotations are computed; the others follow them
+_NEAR = 0.0015  # diffusion time of the rotations, as a share of the area: two edges of the coarse mesh
+_RELAXATION = 20  # alternations between rotations and positions where part of the surface is held
+_BAND = 0.15  # half the width of the band in which a limb's form passes into the pose, in sqrt(area)
+_DEEPEST = 0.5  # of the way from the border of a limb to its tip: the most that the band may take
+
+
+class Articulation:
+    """How a surface bends on the way from its pose to its form.
+
+    Rotations of neighbouring vertices differ little, however far the whole limb turns. So each *difference* is taken
+    in part, and the rotations are put together from the parts: that has no limit at half a turn, and a limb unbends
+    like a joint where straight lines between the two shapes would shrink it.
+
+    Parameters
+    ----------
+    points : (n, 3) ndarray of float
+        Vertices of the pose.
+    faces : (m, 3) ndarray of int
+        Triangles of one connected surface.
+    form : (n, 3) ndarray of float
+        Vertices of the form, rigidly aligned to the pose.
+    monitor : Monitor, optional
+        Asked whether to stop.
+
+    Raises
+    ------
+    CancelledError
+        If the monitor says so.
+
+    References
+    ----------
+    Lipman, Sorkine, Levin and Cohen-Or, "Linear Rotation-Invariant Coordinates for Meshes", 2005 (rotations from
+    their differences); Sumner, Schmid and Pauly, "Embedded Deformation for Shape Manipulation", 2007 (frames that
+    carry detail).
+    """
+
+    def __init__(self, points: FloatArray, faces: IntArray, form: FloatArray, monitor: Monitor | None = None) -> None:
+        from scipy.sparse import triu
+
+        self._monitor = monitor or Monitor()
+        self._centre, self._unit = points.mean(axis=0), float(np.sqrt(surface_area(points, faces)))
+        self._points, self._form = (points - self._centre) / self._unit, (form - self._centre) / self._unit
+        self._areas = vertex_areas(self._points, faces)
+        self._coarse: Coarsening | None = None
+        self._kept, worked = np.arange(len(points)), faces
+        if len(points) > 1.2 * _WORKED_ON:
+            self._coarse = coarsened(self._points, faces, _WORKED_ON, None, self._monitor)
+            self._kept, worked = self._coarse.kept, self._coarse.faces
+        self._monitor.check()
+        before, after = self._points[self._kept], self._form[self._kept]
+        surface = intrinsic_delaunay(triangulated(before, worked))
+        edges = triu(stiffness(surface), 1).tocoo()
+        self._i, self._j, self._weight = edges.row, edges.col, np.maximum(-edges.data, 0.0)
+        self._turned = nearest_rotations(ElasticBody(surface, before, worked).covariances(after, _NEAR))  # x ↦ x R
+        self._turns = _rotation_vectors(np.einsum("nji,njk->nik", self._turned[self._i], self._turned[self._j]))
+        own = _rotation_vectors(self._turned)
+        self._anchor = int(np.argmin((own**2).sum(axis=1)))  # the vertex that turns least
+        self._edge_before = before[self._j] - before[self._i]
+        turned_back = (self._turned[self._i] + self._turned[self._j]) / 2
+        self._edge_after = np.linalg.solve(
+            turned_back.transpose(0, 2, 1), (after[self._j] - after[self._i])[:, :, None]
+        )[:, :, 0]
+        whole_turn, shift = self._carried(self._turned, after)
+        self._left = np.einsum(  # what the frames leave of the form, turned back into the pose
+            "ij,ijk->ik",
+            self._form - np.einsum("ij,ijk->ik", self._points, whole_turn) - shift,
+            np.linalg.inv(whole_turn),
+        )
+
+    def at(self, amount: FloatArray | float) -> FloatArray:
+        """Place all vertices a part of the way from the pose to the form.
+
+        Parameters
+        ----------
+        amount : (n,) ndarray of float, or float
+            The part of the way, 0 to 1, everywhere alike or by vertex. Vertices of amount 0 stay where they are in
+            the pose and the others join them; if there is none, the vertex that turns least on the whole way
+            turns evenly, and so does the centre of the area move.
+
+        Returns
+        -------
+        (n, 3) ndarray of float
+            Positions in the unit of the input: the pose where all amounts are 0, the form where all are 1.
+
+        Raises
+        ------
+        CancelledError
+            If the monitor says so.
+        """
+        everywhere = np.broadcast_to(np.asarray(amount, dtype=np.float64), len(self._points))
+        if (everywhere == 0).all() or (everywhere == 1).all():
+            return (self._points if everywhere[0] == 0 else self._form) * self._unit + self._centre
+        here = everywhere[self._kept]
+        held = here == 0
+        turned, placed = self._turned_and_placed(here, held)
+        self._monitor.check()
+        turn, shift = self._carried(turned, placed)
+        share = everywhere[:, None]
+        result = np.einsum("ij,ijk->ik", self._points + share * self._left, turn) + shift
+        if (everywhere == 0).any():
+            still = everywhere == 0
+            result[still] = self._points[still]
+        else:
+            shares = self._areas / self._areas.sum()
+            result += shares @ (self._points + share * (self._form - self._points) - result)
+        return result * self._unit + self._centre
+
+    def _turned_and_placed(self, amount: FloatArray, held: np.ndarray) -> tuple[FloatArray, FloatArray]:
+        """Put rotations and positions of the coarse vertices together from those of their edges."""
+        from scipy.sparse import coo_matrix, diags
+
+        count = len(amount)
+        pinned = held if held.any() else np.arange(count) == self._anchor
+        share = (amount[self._i] + amount[self._j])[:, None] / 2
+        turns = _rotation_matrices(share * self._turns)  # R_j = R_i D_ij
+        ones = np.where(self._weight > 0, 1.0, 0.0)
+        degree = np.bincount(self._i, ones, count) + np.bincount(self._j, ones, count)
+        blocks = -ones[:, None, None] * turns
+        row = np.repeat(3 * self._i[:, None] + [0, 1, 2], 3, axis=1).ravel()
+        column = np.tile(3 * self._j[:, None] + [0, 1, 2], (1, 3)).ravel()
+        upper = coo_matrix((blocks.ravel(), (row, column)), shape=(3 * count, 3 * count)).tocsr()
+        diagonal = diags(np.repeat(degree, 3))
+        start = np.zeros((count, 3, 3))  # of vertex i, the columns are the unknowns of rows 3i to 3i + 2
+        start[pinned] = np.eye(3)
+        if not held.any():
+            start[pinned] = _rotation_matrices(amount[pinned, None] * _rotation_vectors(self._turned[pinned]))
+        start = start.transpose(0, 2, 1).reshape(-1, 3)
+        solved = _held_solver(diagonal + upper + upper.T, np.repeat(pinned, 3))(start, 0 * start)
+        turned = nearest_rotations(solved.reshape(-1, 3, 3).transpose(0, 2, 1))
+        self._monitor.check()
+        if held.any():  # the band keeps the lengths of the pose
+            share = (np.minimum(amount[self._i], amount[self._j]) == 1)[:, None]
+        edge = self._edge_before + share * (self._edge_after - self._edge_before)
+        weights = coo_matrix((self._weight, (self._i, self._j)), shape=(count, count)).tocsr()
+        weights = weights + weights.T
+        solve = _held_solver(diags(np.asarray(weights.sum(axis=1)).ravel()) - weights, pinned)
+        placed = self._points[self._kept]
+        for step in range(1 + (_RELAXATION if held.any() else 0)):
+            if step:
+                turned = nearest_rotations(self._covariances(edge, placed))
+                turned[held] = np.eye(3)
+            pull = self._weight[:, None] * np.einsum("ij,ijk->ik", edge, (turned[self._i] + turned[self._j]) / 2)
+            placed = solve(placed, self._summed(pull, -pull))
+            self._monitor.check()
+        return turned, placed
+
+    def _covariances(self, edge: FloatArray, placed: FloatArray) -> FloatArray:
+        outer = (self._weight[:, None] * edge)[:, :, None] * (placed[self._j] - placed[self._i])[:, None, :]
+        outer = outer.reshape(-1, 9)
+        return self._summed(outer, outer).reshape(-1, 3, 3)
+
+    def _summed(self, to_second: FloatArray, to_first: FloatArray) -> FloatArray:
+        """Sum what the edges hand to their ends."""
+        count = len(self._kept)
+        return np.column_stack(
+            [
+                np.bincount(self._j, second, count) + np.bincount(self._i, first, count)
+                for second, first in zip(to_second.T, to_first.T, strict=True)
+            ]
+        )
+
+    def _carried(self, turned: FloatArray, placed: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Carry the frames of the coarse vertices to all vertices."""
+        shift = placed - np.einsum("ij,ijk->ik", self._points[self._kept], turned)
+        if self._coarse is None:
+            return turned, shift
+        motion = self._coarse.carried_back(np.column_stack([turned.reshape(-1, 9), shift]))  # (n, 12)
+        return motion[:, :9].reshape(-1, 3, 3), motion[:, 9:]
+
+
+def limb_amounts(points: FloatArray, faces: IntArray, chosen: np.ndarray) -> FloatArray:
+    """Say how far each vertex goes when the pose is taken out of some limbs only.
+
+    Parameters
+    ----------
+    points : (n, 3) ndarray of float
+        Vertices of the pose.
+    faces : (m, 3) ndarray of int
+        Triangles.
+    chosen : (n,) ndarray of bool
+        The vertices of those limbs: whole patches.
+
+    Returns
+    -------
+    (n,) ndarray of float
+        1 in the limbs and 0 outside, rising smoothly over a band along their borders, measured along edges.
+    """
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import dijkstra
+
+    if chosen.all() or not chosen.any():
+        return chosen.astype(np.float64)
+    pairs = vertex_pairs(faces)
+    length = np.linalg.norm(points[pairs[:, 0]] - points[pairs[:, 1]], axis=1)
+    graph = coo_matrix((length, (pairs[:, 0], pairs[:, 1])), shape=(len(points), len(points))).tocsr()
+    border = pairs[chosen[pairs[:, 0]] != chosen[pairs[:, 1]]].ravel()
+
+    def depth(side: np.ndarray) -> FloatArray:
+        """Distance from the other side's vertices along the border."""
+        sources = np.unique(border[~side[border]])
+        return dijkstra(graph, directed=False, indices=sources, min_only=True)
+
+    inside = depth(chosen)
+    half = min(_BAND * np.sqrt(surface_area(points, faces)), _DEEPEST * float(inside[chosen].max()))
+    signed = np.where(chosen, inside, -depth(~chosen)) / half
+    share = np.clip((1 + signed) / 2, 0.0, 1.0)
+    return share * share * (3 - 2 * share)
+
+
+def _held_solver(matrix: csr_matrix, held: np.ndarray) -> Callable[[FloatArray, FloatArray], FloatArray]:
+    """Factor ``matrix x = force`` where some rows of x keep the values that they are given."""
+    matrix = matrix.tocsr()
+    free = np.flatnonzero(~held)
+    solve = factored(matrix[free][:, free]).solve
+
+    def solved(values: FloatArray, force: FloatArray) -> FloatArray:
+        result = np.where(held[:, None], values, 0.0)
+        result[free] = solve(np.ascontiguousarray((force - matrix @ result)[free]))
+        return result
+
+    return solved
+
+
+def _rotation_vectors(rotations: FloatArray) -> FloatArray:
+    from scipy.spatial.transform import Rotation
+
+    return np.asarray(Rotation.from_matrix(rotations).as_rotvec())
+
+
+def _rotation_matrices(vectors: FloatArray) -> FloatArray:
+    from scipy.spatial.transform import Rotation
+
+    return np.asarray(Rotation.from_rotvec(vectors).as_matrix())
