@@ -13,10 +13,10 @@ from typing import Any, TextIO
 
 import bpy
 
-from .blender.computing import compute_on
+from .blender.computing import Request, compute_on
 from .blender.files import open_meshes, save_blend, save_form
 from .blender.mesh_reading import refusal
-from .core import CanonicalFormError, Settings
+from .core import CanonicalForm, CanonicalFormError, Settings
 from .core.memory import memory_estimate
 from .core.settings import QUALITIES, STARTS
 from .result_lines import claim_output
@@ -76,6 +76,7 @@ def _parser() -> argparse.ArgumentParser:
     compute.add_argument("--quality", choices=QUALITIES, default=default.quality, help="how much is worked on")
     compute.add_argument("--preserve-detail", type=float, default=default.preserve_detail, help="0 to 1")
     compute.add_argument("--prominence", type=float, default=default.prominence, help="larger gives fewer patches")
+    compute.add_argument("--feature-count", type=int, default=default.feature_count, help="0: go by prominence")
     compute.add_argument("--feature-points", help="vertex indices separated by commas, instead of detected ones")
     compute.add_argument("--diffusion-time", type=float, default=default.diffusion_time, help="t of the ADF")
     compute.add_argument("--eigenpairs", type=int, default=default.eigenpairs, help="number of eigenpairs")
@@ -144,12 +145,12 @@ def _compute_file(
                 bpy.context.view_layer.objects.active = obj
             memory = memory_estimate(len(obj.data.vertices), settings)
             with _progress_line(f"{path.name} {obj.name} (about {memory:.1f} GB)") as progress:
-                form, report = compute_on(obj, settings, options.value, progress)
-            if options.format != "blend":
+                found, report = compute_on(obj, Request(settings, options.value, hausdorff=True), progress)
+            if options.format != "blend" and isinstance(found, CanonicalForm):
                 stem = name if len(objects) == 1 else f"{name}-{bpy.path.clean_name(obj.name)}"
                 target = options.output / f"{_unused(stem, written)}.{options.format}"
                 _require_new(target, path)
-                save_form(target, form.vertices, obj.data)
+                save_form(target, found.vertices, obj.data)
             lines.append({**line, "output": str(target), "memory_estimate": memory, **report})
         except (CanonicalFormError, OSError, RuntimeError) as error:  # RuntimeError: Blender itself refuses
             lines.append(_failure(line, error))

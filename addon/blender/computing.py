@@ -1,47 +1,191 @@
-"""Runs the method on an object: mesh in, results out, the object's mode kept."""
+"""The main job: objects in, forms computed apart from Blender, results out, each object's mode kept."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import bpy
 import numpy as np
 
-from ..core import CanonicalForm, CanonicalFormError, Settings, canonical_form
+from ..core import CanonicalForm, CanonicalFormError, FeaturePatches, Settings, canonical_form, feature_patches
 from ..core.measures import summary
 from ..core.monitor import Cancelled, Progress
-from .mesh_reading import read_mesh
-from .result_writing import clear_results, write_results
+from .chosen_features import members_of
+from .mesh_reading import Reading, found_again, object_mode, read_object, require_unchanged
+from .new_objects import add_result_object
+from .records import required_key
+from .result_writing import clear_results, refill_form, write_results
+from .undeforming import show_at
+
+STEPS = ("FORM", "PATCHES", "FEATURES")
+
+
+@dataclass(frozen=True)
+class Request:
+    """What is to be computed and where the result goes.
+
+    Attributes
+    ----------
+    settings : Settings
+        Options of the method.
+    value : float
+        Value of the shape key.
+    step : {'FORM', 'PATCHES', 'FEATURES'}
+        How far to go: feature points, patches, or the form.
+    feature_group : str
+        Vertex group whose vertices are the feature points; empty to detect them, or for those of the settings.
+    deformed : bool
+        Work on what modifiers, pose and shape keys show at the current frame, not on the mesh itself.
+    new_object : bool
+        Put the result on a new object.
+    hausdorff : bool
+        Measure the Hausdorff distance too.
+    """
+
+    settings: Settings = field(default_factory=Settings)
+    value: float = 1.0
+    step: str = "FORM"
+    feature_group: str = ""
+    deformed: bool = False
+    new_object: bool = False
+    hausdorff: bool = False
+
+
+class FormTask:
+    """The forms of some objects: read at once, computed anywhere, written at the end.
+
+    Nothing is written before everything is computed, so an error or a cancel leaves the meshes as they were.
+
+    Parameters
+    ----------
+    objects : sequence of bpy.types.Object
+        Objects accepted by `refusal`, the active one first; of those that share a mesh the first is taken.
+    request : Request
+        What to compute.
+
+    Raises
+    ------
+    CanonicalFormError
+        If an object cannot leave its mode, or a feature group is missing.
+    """
+
+    def __init__(self, objects: Sequence[bpy.types.Object], request: Request) -> None:
+        self.request = request
+        self.readings: list[Reading] = []
+        self.settings: list[Settings] = []
+        self.found: list[CanonicalForm | FeaturePatches | None] = []
+        self.reports: list[dict[str, Any]] = []
+        self.errors: list[str] = []
+        first = {obj.data: obj for obj in reversed(objects)}
+        with object_mode(objects[0]):
+            for obj in reversed(list(first.values())):
+                self.readings.append(read_object(obj, request.deformed))
+                self.settings.append(_with_features(obj, request))
+
+    def compute(self, progress: Progress | None = None, cancelled: Cancelled | None = None) -> None:
+        """Compute everything; touches no data of Blender's.
+
+        Parameters
+        ----------
+        progress, cancelled : callable, optional
+            As in `canonical_form`.
+
+        Raises
+        ------
+        CanonicalFormError
+            If the only mesh cannot be used, or the run was cancelled; the message says what to do.
+        """
+        count = len(self.readings)
+        work = canonical_form if self.request.step == "FORM" else feature_patches
+        for number, (reading, settings) in enumerate(zip(self.readings, self.settings, strict=True)):
+
+            def told(done: float, stage: str, number: int = number, name: str = reading.name) -> None:
+                if progress is not None:
+                    progress((number + done) / count, stage if count == 1 else f"{name}: {stage}")
+
+            self.found.append(None)
+            self.reports.append({})
+            try:
+                found = work(reading.vertices, reading.faces, settings, told, cancelled)
+            except CanonicalFormError as error:
+                if count == 1 or (cancelled is not None and cancelled()):
+                    raise
+                self.errors.append(f"{reading.name}: {error}")
+                continue
+            self.found[-1] = found
+            self.reports[-1] = _report(reading, found, self.request.hausdorff)
+
+    def write(self) -> list[str]:
+        """Write the results, on the main thread.
+
+        Returns
+        -------
+        list of str
+            Names of the objects that show results.
+
+        Raises
+        ------
+        CanonicalFormError
+            If nothing could be written; the message says why.
+        """
+        done: list[str] = []
+        for reading, found, report in zip(self.readings, self.found, self.reports, strict=True):
+            if found is None:
+                continue
+            try:
+                done.append(self._write_one(reading, found, report))
+            except CanonicalFormError as error:
+                self.errors.append(str(error))
+        if not done:
+            raise CanonicalFormError(" ".join(self.errors))
+        return done
+
+    def _write_one(self, reading: Reading, found: CanonicalForm | FeaturePatches, report: dict[str, Any]) -> str:
+        request = self.request
+        obj = found_again(reading)
+        with object_mode(obj):
+            require_unchanged(obj, reading)
+            report["warnings"] += _stretched(obj)
+            patches = request.step != "FEATURES"
+            changed = reading.deformed and len(reading.vertices) != len(obj.data.vertices)
+            if changed and not request.new_object:
+                report["warnings"].append(
+                    "Modifiers change the number of vertices, so that no shape key can hold the form: it is on a new "
+                    "object."
+                )
+            if request.new_object or changed:
+                target = add_result_object(obj, reading)
+                write_results(target, found, reading.faces, request.value, report, patches)
+                return target.name
+            write_results(obj, found, reading.faces, request.value, report, patches)
+            if reading.deformed and isinstance(found, CanonicalForm):
+                _write_undeformed(obj, found, request.value)
+        return obj.name
 
 
 def compute_on(
     obj: bpy.types.Object,
-    settings: Settings,
-    value: float = 1.0,
+    request: Request,
     progress: Progress | None = None,
     cancelled: Cancelled | None = None,
-) -> tuple[CanonicalForm, dict[str, Any]]:
-    """Compute the canonical form of an object's mesh and write it there.
-
-    Nothing is written before everything is computed, so an error or a cancel leaves the mesh as it was.
+) -> tuple[CanonicalForm | FeaturePatches, dict[str, Any]]:
+    """Compute the canonical form of one object and write it there, at once.
 
     Parameters
     ----------
     obj : bpy.types.Object
         The object, accepted by `refusal`; in any mode.
-    settings : Settings
-        Options of the method.
-    value : float
-        Value of the shape key.
+    request : Request
+        What to compute.
     progress, cancelled : callable, optional
         As in `canonical_form`.
 
     Returns
     -------
-    form : CanonicalForm
-        The form.
+    found : CanonicalForm or FeaturePatches
+        The result.
     report : dict
         Counts, stress, measures, timings and warnings, ready for JSON (nan as None).
 
@@ -50,17 +194,16 @@ def compute_on(
     CanonicalFormError
         If the mesh cannot be used, or the run was cancelled; the message says what to do.
     """
-    with object_mode(obj):
-        vertices, faces = read_mesh(obj.data)
-        form = canonical_form(vertices, faces, settings, progress, cancelled)
-        report = _report(vertices, faces, form)
-        report["warnings"] += _stretched(obj)
-        write_results(obj, form, faces, value, report)
-    return form, report
+    task = FormTask([obj], request)
+    task.compute(progress, cancelled)
+    task.write()
+    found = task.found[0]
+    assert found is not None  # compute raises for a single object
+    return found, task.reports[0]
 
 
 def clear_from(obj: bpy.types.Object) -> list[str]:
-    """Remove from an object's mesh what `compute_on` wrote, in any mode.
+    """Remove from an object's mesh what was written there, in any mode.
 
     Parameters
     ----------
@@ -81,54 +224,56 @@ def clear_from(obj: bpy.types.Object) -> list[str]:
         return clear_results(obj)
 
 
-@contextmanager
-def object_mode(obj: bpy.types.Object) -> Iterator[None]:
-    """Be in Object Mode for a while and go back, whatever happens.
+def _with_features(obj: bpy.types.Object, request: Request) -> Settings:
+    """Take the feature points from the vertex group, if one is named."""
+    if not request.feature_group:
+        return request.settings
+    group = obj.vertex_groups.get(request.feature_group)
+    if group is None:
+        raise CanonicalFormError(
+            f"{obj.name} has no vertex group {request.feature_group}. Choose one, or set Feature Points to Detected."
+        )
+    if request.deformed:
+        raise CanonicalFormError("Feature points from a group need the mesh itself. Set Mesh to Base Mesh.")
+    members = members_of(obj, group.name)
+    if not members:
+        raise CanonicalFormError(f"The vertex group {group.name} of {obj.name} is empty. Add feature points to it.")
+    if len(members) > 200:
+        raise CanonicalFormError(
+            f"The vertex group {group.name} has {len(members):,} vertices. Choose one of 200 at most."
+        )
+    return replace(request.settings, feature_points=members)
 
-    Parameters
-    ----------
-    obj : bpy.types.Object
-        The active object.
 
-    Yields
-    ------
-    None
-        Control, with the object in Object Mode.
-
-    Raises
-    ------
-    CanonicalFormError
-        If Blender cannot leave the object's mode.
-    """
-    mode = obj.mode
-    if mode != "OBJECT":
-        try:
-            bpy.ops.object.mode_set(mode="OBJECT")
-        except RuntimeError as error:
-            raise CanonicalFormError(
-                f"{obj.name} cannot leave its mode. Switch to Object Mode and run again."
-            ) from error
+def _write_undeformed(obj: bpy.types.Object, found: CanonicalForm, value: float) -> None:
+    """Fill the key so that the form is what the modifiers show."""
+    key = required_key(obj.data)
     try:
-        yield
-    finally:
-        if mode != "OBJECT":
-            bpy.ops.object.mode_set(mode=mode)
+        show_at(obj, key, found.vertices)
+    except CanonicalFormError:
+        clear_results(obj)
+        raise
+    refill_form(obj, key)
+    key.value = value
 
 
-def _report(vertices: np.ndarray, faces: np.ndarray, form: CanonicalForm) -> dict[str, Any]:
-    measures = summary(vertices, form.vertices, faces)
-    return {
-        "vertices": len(vertices),
-        "faces": len(faces),
-        "feature_points": form.feature_points.tolist(),
-        "patch_sizes": np.bincount(form.patches, minlength=len(form.feature_points)).tolist(),
-        "stress": {"first": float(form.stress[0]), "last": float(form.stress[-1]), "steps": len(form.stress) - 1},
-        "pair_count": form.pair_count,
-        "pair_reduction": form.pair_reduction,
-        "measures": {name: None if np.isnan(number) else number for name, number in measures.items()},
-        "timings": form.timings,
-        "warnings": list(form.warnings),
+def _report(reading: Reading, found: CanonicalForm | FeaturePatches, hausdorff: bool) -> dict[str, Any]:
+    report: dict[str, Any] = {
+        "vertices": len(reading.vertices),
+        "faces": len(reading.faces),
+        "feature_points": found.feature_points.tolist(),
+        "patch_sizes": np.bincount(found.patches, minlength=len(found.feature_points)).tolist(),
     }
+    if isinstance(found, CanonicalForm):
+        measures = summary(reading.vertices, found.vertices, reading.faces, hausdorff)
+        stress = found.stress
+        report |= {
+            "stress": {"first": float(stress[0]), "last": float(stress[-1]), "steps": len(stress) - 1},
+            "pair_count": found.pair_count,
+            "pair_reduction": found.pair_reduction,
+            "measures": {name: None if np.isnan(number) else number for name, number in measures.items()},
+        }
+    return report | {"timings": found.timings, "warnings": list(found.warnings)}
 
 
 def _stretched(obj: bpy.types.Object) -> list[str]:

@@ -1,14 +1,45 @@
-"""Reads the active mesh as arrays, or says why it cannot be used."""
+"""Reads meshes as arrays, or says why they cannot be used, and finds them again later."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
 
 import bpy
 import numpy as np
 
-if TYPE_CHECKING:
-    from ..core.surface import FloatArray, IntArray
+from ..core import CanonicalFormError
+from ..core.surface import FloatArray, IntArray
+from .records import fingerprint, own_key
+
+
+@dataclass(frozen=True, eq=False)
+class Reading:
+    """The arrays of one object, and what it takes to know it again after a while.
+
+    Attributes
+    ----------
+    name : str
+        Name of the object.
+    uid : int
+        Blender's number of the object in this session.
+    vertices : (n, 3) ndarray of float
+        Positions in the mesh's own space.
+    faces : (m, 3) ndarray of int
+        Triangles.
+    print : str
+        Fingerprint of positions and triangles of the mesh itself.
+    deformed : bool
+        Whether the vertices are those that modifiers and other keys show.
+    """
+
+    name: str
+    uid: int
+    vertices: FloatArray
+    faces: IntArray
+    print: str
+    deformed: bool = False
 
 
 def refusal(obj: bpy.types.Object | None) -> str | None:
@@ -34,8 +65,13 @@ def refusal(obj: bpy.types.Object | None) -> str | None:
     if not mesh.is_editable:
         return f"{mesh.name} cannot be edited. Make it local first (Object > Relations > Make Local)."
     keys = mesh.shape_keys
+    if keys is not None and keys.library is not None:
+        return f"The shape keys of {mesh.name} are linked from another file. Make them local first."
     if keys is not None and not keys.use_relative:
         return f"The shape keys of {mesh.name} are absolute. Tick Relative in the Shape Keys panel first."
+    key = own_key(mesh) if keys is not None else None
+    if key is not None and key.lock_shape:
+        return f"The shape key {key.name} is locked. Unlock it in the Shape Keys panel first."
     if obj.mode != "OBJECT" and obj != bpy.context.view_layer.objects.active:
         return f"{obj.name} is not the active object. Make it active, or leave its mode, and run again."
     if obj.mode != "EDIT" and mesh.is_editmode:
@@ -63,7 +99,142 @@ def read_mesh(mesh: bpy.types.Mesh) -> tuple[FloatArray, IntArray]:
     points = mesh.vertices if mesh.shape_keys is None else mesh.shape_keys.reference_key.data
     vertices = np.empty(3 * len(mesh.vertices), dtype=np.float32)
     points.foreach_get("co", vertices)
+    return vertices.reshape(-1, 3).astype(np.float64), _triangles(mesh)
+
+
+def read_object(obj: bpy.types.Object, deformed: bool = False) -> Reading:
+    """Read an object for a computation that takes a while.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        The object, in Object Mode.
+    deformed : bool
+        Read what modifiers, pose and shape keys show at the current frame, not the mesh itself.
+
+    Returns
+    -------
+    Reading
+        Its arrays.
+    """
+    vertices, faces = read_mesh(obj.data)
+    mark = fingerprint(vertices, faces)
+    if deformed:
+        vertices, faces = read_shown(obj)
+    return Reading(obj.name, obj.session_uid, vertices, faces, mark, deformed)
+
+
+def read_shown(obj: bpy.types.Object) -> tuple[FloatArray, IntArray]:
+    """Read the mesh that modifiers, pose and shape keys show at the current frame.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        The object, in Object Mode.
+
+    Returns
+    -------
+    vertices : (n, 3) ndarray of float
+        Positions in the object's own space.
+    faces : (m, 3) ndarray of int
+        Triangles.
+    """
+    shown = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    mesh = shown.to_mesh()
+    try:
+        vertices = np.empty(3 * len(mesh.vertices), dtype=np.float32)
+        mesh.vertices.foreach_get("co", vertices)
+        return vertices.reshape(-1, 3).astype(np.float64), _triangles(mesh)
+    finally:
+        shown.to_mesh_clear()
+
+
+def found_again(reading: Reading) -> bpy.types.Object:
+    """Find the object of a reading, unchanged, to write its result.
+
+    Parameters
+    ----------
+    reading : Reading
+        What was read before the computation.
+
+    Returns
+    -------
+    bpy.types.Object
+        The object.
+
+    Raises
+    ------
+    CanonicalFormError
+        If it was deleted, renamed, put into a state that cannot be written to, or its mesh was changed.
+    """
+    obj = bpy.data.objects.get(reading.name)
+    if obj is None or obj.session_uid != reading.uid:
+        raise CanonicalFormError(
+            f"{reading.name} was deleted or renamed while its form was computed. Nothing was written; run again."
+        )
+    reason = refusal(obj)
+    if reason is not None:
+        raise CanonicalFormError(f"{reason} Nothing was written.")
+    return obj
+
+
+def require_unchanged(obj: bpy.types.Object, reading: Reading) -> None:
+    """Refuse to write a result to a mesh that is not the one it was computed from.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        The object, in Object Mode.
+    reading : Reading
+        What was read before the computation.
+
+    Raises
+    ------
+    CanonicalFormError
+        If its vertices or faces are others.
+    """
+    if fingerprint(*read_mesh(obj.data)) != reading.print:
+        raise CanonicalFormError(
+            f"{reading.name} was edited while its form was computed. Nothing was written; run again."
+        )
+
+
+@contextmanager
+def object_mode(obj: bpy.types.Object) -> Iterator[None]:
+    """Be in Object Mode for a while and go back, whatever happens.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        The object; the active one, if it is in another mode.
+
+    Yields
+    ------
+    None
+        Control, with the object in Object Mode.
+
+    Raises
+    ------
+    CanonicalFormError
+        If Blender cannot leave the object's mode.
+    """
+    mode = obj.mode
+    if mode != "OBJECT":
+        try:
+            bpy.ops.object.mode_set(mode="OBJECT")
+        except RuntimeError as error:
+            raise CanonicalFormError(
+                f"{obj.name} cannot leave its mode. Switch to Object Mode and run again."
+            ) from error
+    try:
+        yield
+    finally:
+        if mode != "OBJECT":
+            bpy.ops.object.mode_set(mode=mode)
+
+
+def _triangles(mesh: bpy.types.Mesh) -> IntArray:
     mesh.calc_loop_triangles()
     faces = np.empty(3 * len(mesh.loop_triangles), dtype=np.int32)
     mesh.loop_triangles.foreach_get("vertices", faces)
-    return vertices.reshape(-1, 3).astype(np.float64), faces.reshape(-1, 3).astype(np.int64)
+    return faces.reshape(-1, 3).astype(np.int64)

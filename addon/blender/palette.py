@@ -43,6 +43,30 @@ def ramp(values: FloatArray) -> FloatArray:
     return _linear(np.column_stack([0.28 + 0.64 * share, chroma * np.cos(hue), chroma * np.sin(hue)]))
 
 
+def with_isolines(colours: FloatArray, values: FloatArray, count: int) -> FloatArray:
+    """Darken every other band between lines of equal value, so that the lines are seen.
+
+    Parameters
+    ----------
+    colours : (n, 4) ndarray of float
+        Linear red, green, blue and alpha.
+    values : (n,) ndarray of float
+        The field that the colours show.
+    count : int
+        Number of lines over its range.
+
+    Returns
+    -------
+    (n, 4) ndarray of float
+        The colours with bands.
+    """
+    spread = float(np.ptp(values))
+    band = np.floor((count + 1) * (values - values.min()) / (spread if spread > 0 else 1.0))
+    result = colours.copy()
+    result[band % 2 == 1, :3] *= 0.45
+    return result
+
+
 def patch_colours(patches: IntArray, faces: IntArray) -> FloatArray:
     """Colour patches so that neighbours look different.
 

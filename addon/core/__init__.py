@@ -9,16 +9,19 @@ from .errors import (
     SolverError,
     TooLargeError,
 )
+from .recognition import FeaturePatches, feature_patches
 from .settings import Settings
 
 __all__ = [
     "CancelledError",
     "CanonicalForm",
     "CanonicalFormError",
+    "FeaturePatches",
     "InvalidMeshError",
     "InvalidSettingsError",
     "Settings",
     "SolverError",
     "TooLargeError",
     "canonical_form",
+    "feature_patches",
 ]

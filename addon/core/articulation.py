@@ -87,7 +87,7 @@ class Articulation:
             np.linalg.inv(whole_turn),
         )
 
-    def at(self, amount: FloatArray | float) -> FloatArray:
+    def at(self, amount: FloatArray | float, way: float = 1.0) -> FloatArray:
         """Place all vertices a part of the way from the pose to the form.
 
         Parameters
@@ -96,6 +96,8 @@ class Articulation:
             The part of the way, 0 to 1, everywhere alike or by vertex. Vertices of amount 0 stay where they are in
             the pose and the others join them; if there is none, the vertex that turns least on the whole way
             turns evenly, and so does the centre of the area move.
+        way : float
+            The part of those parts, 0 to 1: from the pose to the shape that the amounts describe.
 
         Returns
         -------
@@ -108,11 +110,13 @@ class Articulation:
             If the monitor says so.
         """
         everywhere = np.broadcast_to(np.asarray(amount, dtype=np.float64), len(self._points))
+        complete = everywhere == 1
+        everywhere = way * everywhere
         if (everywhere == 0).all() or (everywhere == 1).all():
             return (self._points if everywhere[0] == 0 else self._form) * self._unit + self._centre
         here = everywhere[self._kept]
         held = here == 0
-        turned, placed = self._turned_and_placed(here, held)
+        turned, placed = self._turned_and_placed(here, held, way * complete[self._kept])
         self._monitor.check()
         turn, shift = self._carried(turned, placed)
         share = everywhere[:, None]
@@ -125,7 +129,9 @@ class Articulation:
             result += shares @ (self._points + share * (self._form - self._points) - result)
         return result * self._unit + self._centre
 
-    def _turned_and_placed(self, amount: FloatArray, held: np.ndarray) -> tuple[FloatArray, FloatArray]:
+    def _turned_and_placed(
+        self, amount: FloatArray, held: np.ndarray, lengths: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
         """Put rotations and positions of the coarse vertices together from those of their edges."""
         from scipy.sparse import coo_matrix, diags
 
@@ -149,7 +155,7 @@ class Articulation:
         turned = nearest_rotations(solved.reshape(-1, 3, 3).transpose(0, 2, 1))
         self._monitor.check()
         if held.any():  # the band keeps the lengths of the pose
-            share = (np.minimum(amount[self._i], amount[self._j]) == 1)[:, None]
+            share = np.minimum(lengths[self._i], lengths[self._j])[:, None]
         edge = self._edge_before + share * (self._edge_after - self._edge_before)
         weights = coo_matrix((self._weight, (self._i, self._j)), shape=(count, count)).tocsr()
         weights = weights + weights.T

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 PATCHES_AT = 0.43  # of the whole job is done when the patches are known
 _WORTH_COARSENING = 1.2  # times as many vertices as are worked on
+_SPARE = 4  # times as many candidates as feature points wanted, since some lie too close to others
 _STUCK = 2.0  # times as many vertices as asked for are left: the coarse mesh is not one
 
 
@@ -201,11 +202,17 @@ def recognised(vertices: ArrayLike, faces: ArrayLike, settings: Settings, monito
     with monitor.stage("Feature points", 0.42):
         adf = auto_diffusion(spectrum, settings.diffusion_time)
         heat = HeatMethod(surface, refine=settings.whole, monitor=monitor)
-        features = prominent_maxima(adf, triangles, settings.prominence)[0] if given is None else given
+        threshold = 0.0 if settings.feature_count else settings.prominence
+        features = prominent_maxima(adf, triangles, threshold)[0] if given is None else given
+        if given is None and settings.feature_count:
+            features = features[: _SPARE * settings.feature_count]
         monitor.check()
         to_features = heat.distances(features)
         if given is None:
             kept = merged(features, to_features[features], settings.merge_distance * float(to_features.max()))
+            kept = kept[: settings.feature_count or None]
+            if len(kept) < settings.feature_count:
+                monitor.warn(f"The surface has {len(kept)} feature points, fewer than the number asked for.")
             features, to_features = features[kept], to_features[:, kept]
     with monitor.stage("Patches", PATCHES_AT):
         cells = voronoi_cells(to_features, features, triangles)

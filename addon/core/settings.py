@@ -31,6 +31,8 @@ class Settings:
     prominence : float
         Least prominence of a feature point: the logarithm of how many times higher the Auto Diffusion Function is
         there than at the pass to a higher point. Larger: fewer features.
+    feature_count : int
+        Number of feature points, the most prominent; 0 to go by `prominence`.
     merge_distance : float
         Feature points closer than this share of the geodesic diameter become one, 0 to 1.
     feature_points : sequence of int, optional
@@ -65,6 +67,7 @@ class Settings:
     diffusion_time: float = 0.15
     eigenpairs: int = 80
     prominence: float = 0.5
+    feature_count: int = 0
     merge_distance: float = 0.05
     feature_points: Sequence[int] | None = None
     start: str = "intrinsic"
@@ -90,6 +93,7 @@ class Settings:
         _require(0 < self.diffusion_time <= 50, "diffusion_time", "above 0 and at most 50", self.diffusion_time)
         _require(self.eigenpairs >= 1, "eigenpairs", "at least 1", self.eigenpairs)
         _require(self.prominence >= 0, "prominence", "at least 0", self.prominence)
+        _require(self.feature_count >= 0, "feature_count", "at least 0", self.feature_count)
         _require(0 <= self.merge_distance <= 1, "merge_distance", "from 0 to 1", self.merge_distance)
         _require(self.start in STARTS, "start", "'intrinsic' or 'input'", self.start)
         _require(self.landmarks >= 4, "landmarks", "at least 4", self.landmarks)

@@ -2,9 +2,29 @@
 
 from __future__ import annotations
 
-from . import commands, operators, panels, properties
+from . import (
+    commands,
+    job_operator,
+    limb_operators,
+    operators,
+    overlay,
+    panels,
+    preferences,
+    properties,
+    tool_operators,
+)
 
-_PARTS = (properties, operators, panels, commands)
+_PARTS = (
+    preferences,
+    properties,
+    job_operator,
+    operators,
+    limb_operators,
+    tool_operators,
+    panels,
+    overlay,
+    commands,
+)
 
 
 def register() -> None:

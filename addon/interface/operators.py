@@ -1,56 +1,71 @@
-"""The operators: compute the canonical form of the active mesh, and clear it."""
+"""The main operators: compute canonical forms, and clear them."""
+
+# no `from __future__ import annotations`: Blender reads the annotations below as properties
 
 import bpy
+from bpy.props import EnumProperty
 
-from ..blender.computing import clear_from, compute_on
+from ..blender.computing import FormTask, Request, clear_from
 from ..blender.mesh_reading import refusal
-from ..blender.result_writing import record_of
+from ..blender.records import RECORD, record_of
 from ..core import CanonicalFormError
-from .properties import MethodProperties, settings_of
+from .job_operator import JobOperator
+from .properties import MethodProperties, RequestProperties, list_patches, settings_of
+from .viewport import restore_shading, show_colours
 
 
-class OBJECT_OT_canonical_form(MethodProperties, bpy.types.Operator):
-    """Take the pose out of the active mesh and keep the result as a shape key"""  # noqa: D400 (Blender's tooltip)
+class OBJECT_OT_canonical_form(JobOperator, MethodProperties, RequestProperties, bpy.types.Operator):
+    """Take the pose out of the selected meshes and keep the result as a shape key"""  # noqa: D400 (Blender's tooltip)
 
     bl_idname = "object.canonical_form"
     bl_label = "Canonical Form"
-    bl_options = {"REGISTER", "UNDO"}
+    bl_options = {"UNDO"}
+
+    step: EnumProperty(  # type: ignore[valid-type]
+        name="Step",
+        description="How far to go",
+        items=(
+            ("FORM", "Form", "All the way"),
+            ("PATCHES", "Patches", "Feature points and patches only"),
+            ("FEATURES", "Feature Points", "Feature points only"),
+        ),
+        default="FORM",
+    )
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Refuse with a reason where the active object cannot be used."""
-        reason = refusal(context.object)
-        if reason is not None:
-            cls.poll_message_set(reason)
-        return reason is None
+        return allowed(cls, cls.busy() or refusal(context.object))
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        """Compute and write the form."""
-        manager = context.window_manager
-        manager.progress_begin(0, 100)
-        try:
-            form, report = compute_on(
-                context.object, settings_of(self), self.value, lambda done, _: manager.progress_update(100 * done)
-            )
-        except CanonicalFormError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        finally:
-            manager.progress_end()
-        for warning in report["warnings"]:
-            self.report({"WARNING"}, warning)
-        users = context.object.data.users - (1 if context.object.data.use_fake_user else 0)
-        shared = f" {users} objects share this mesh and show it." if users > 1 else ""
-        self.report(
-            {"INFO"},
-            f"{len(form.feature_points)} feature points, {sum(form.timings.values()):.1f} s, "
-            f"{form.pair_reduction:.0%} of the pairs saved.{shared}",
+    def task(self, context: bpy.types.Context) -> FormTask:
+        """Read the active and the other selected meshes."""
+        objects, self._refused = chosen_objects(context)
+        request = Request(
+            settings=settings_of(self),
+            value=self.value,
+            step=self.step,
+            feature_group=self.feature_group,
+            deformed=self.mesh == "SHOWN",
+            new_object=self.result == "OBJECT",
         )
-        return {"FINISHED"}
+        return FormTask(objects, request)
+
+    def written(self, context: bpy.types.Context, task: FormTask, outcome: list[str], interactive: bool) -> None:
+        """Tell what was found, warnings first."""
+        for sentence in (*self._refused, *task.errors):
+            self.report({"WARNING"}, sentence)
+        for report in task.reports:
+            for warning in report.get("warnings", ()):
+                self.report({"WARNING"}, warning)
+        for name in outcome:
+            list_patches(bpy.data.objects[name].data)
+        self.report({"INFO"}, _told(task, outcome))
+        if interactive:
+            show_colours(context)
 
 
 class OBJECT_OT_canonical_form_clear(bpy.types.Operator):
-    """Remove the shape key, vertex groups and colours that Canonical Form wrote, and nothing else"""  # noqa: D400
+    """Remove the shape keys, vertex groups and colours that Canonical Form wrote, and nothing else"""  # noqa: D400
 
     bl_idname = "object.canonical_form_clear"
     bl_label = "Clear Canonical Form"
@@ -60,25 +75,87 @@ class OBJECT_OT_canonical_form_clear(bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         """Refuse with a reason where there is nothing to clear."""
         obj = context.object
-        reason = None
-        if obj is None or obj.type != "MESH" or record_of(obj.data) is None:
-            reason = "The active object has no canonical form."
-        else:
-            reason = refusal(obj)
-        if reason is not None:
-            cls.poll_message_set(reason)
-        return reason is None
+        nothing = obj is None or obj.type != "MESH" or record_of(obj.data) is None
+        reason = "The active object has no canonical form." if nothing else refusal(obj)
+        return allowed(cls, JobOperator.busy() or reason)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Remove the results."""
-        try:
-            left = clear_from(context.object)
-        except CanonicalFormError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        if left:
-            self.report({"WARNING"}, f"Kept, since they were changed after the run: {', '.join(left)}.")
+        for obj in chosen_objects(context)[0]:
+            try:
+                left = clear_from(obj)
+            except CanonicalFormError as error:
+                self.report({"ERROR"}, str(error))
+                return {"CANCELLED"}
+            list_patches(obj.data)
+            if left:
+                self.report({"WARNING"}, f"Kept, since they were changed after the run: {', '.join(left)}.")
+        if not any(RECORD in mesh for mesh in bpy.data.meshes):
+            restore_shading(context)
         return {"FINISHED"}
+
+
+def chosen_objects(context: bpy.types.Context) -> tuple[list[bpy.types.Object], list[str]]:
+    """List the active object and, in Object Mode, the other selected meshes that can be used.
+
+    Parameters
+    ----------
+    context : bpy.types.Context
+        Any context.
+
+    Returns
+    -------
+    objects : list of bpy.types.Object
+        The active one first.
+    refused : list of str
+        Sentences about those that cannot be used.
+    """
+    objects, refused = [context.object], []
+    for obj in context.selected_objects if context.object.mode == "OBJECT" else ():
+        if obj.type != "MESH" or obj == context.object:
+            continue
+        reason = refusal(obj)
+        if reason is None:
+            objects.append(obj)
+        else:
+            refused.append(reason)
+    return objects, refused
+
+
+def allowed(operator: type, reason: str | None) -> bool:
+    """Give the reason, if there is one, to the tooltip of a greyed button.
+
+    Parameters
+    ----------
+    operator : type
+        The operator class, in its `poll`.
+    reason : str or None
+        Why it cannot be used.
+
+    Returns
+    -------
+    bool
+        Whether it can be used.
+    """
+    if reason is not None:
+        operator.poll_message_set(reason)  # type: ignore[attr-defined]
+    return reason is None
+
+
+def _told(task: FormTask, outcome: list[str]) -> str:
+    """Say in one line what was found."""
+    reports = [report for report in task.reports if report]
+    seconds = sum(sum(report["timings"].values()) for report in reports)
+    if len(outcome) > 1:
+        return f"{len(outcome)} objects, {seconds:.1f} s."
+    report, obj = reports[0], bpy.data.objects[outcome[0]]
+    sentence = f"{len(report['feature_points'])} feature points, {seconds:.1f} s"
+    if "pair_reduction" in report:
+        sentence += f", {report['pair_reduction']:.0%} of the pairs saved"
+    users = obj.data.users - (1 if obj.data.use_fake_user else 0)
+    if obj.name != task.readings[0].name:
+        return f"{sentence}. The result is on {obj.name}."
+    return f"{sentence}." + (f" {users} objects share this mesh and show it." if users > 1 else "")
 
 
 CLASSES = (OBJECT_OT_canonical_form, OBJECT_OT_canonical_form_clear)

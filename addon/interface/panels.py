@@ -1,97 +1,242 @@
 """The panels in the 3D View's sidebar, tab Canonical Form."""
 
+import textwrap
+
 import bpy
 
-from ..blender.result_writing import record_of
+from ..blender.chosen_features import CHOSEN_GROUP
+from ..blender.in_betweens import PROPERTY, has_in_betweens
+from ..blender.records import own_key, record_of, required_record
+from ..blender.variants import limbs_of
 from ..core import Settings
 from ..core.memory import memory_estimate
+from .job_operator import OBJECT_OT_canonical_form_cancel
+from .limb_operators import (
+    OBJECT_OT_canonical_form_in_betweens,
+    OBJECT_OT_canonical_form_limb,
+    OBJECT_OT_canonical_form_select_patch,
+)
 from .operators import OBJECT_OT_canonical_form, OBJECT_OT_canonical_form_clear
-from .properties import METHOD_NAMES
+from .properties import METHOD_NAMES, hand_over
+from .tool_operators import OBJECT_OT_canonical_form_choose, OBJECT_OT_canonical_form_distance
 
-_CATEGORY = "Canonical Form"
-_MAIN = ("quality", "preserve_detail", "prominence")
+_MAIN = ("quality", "preserve_detail")
+_WIDTH = 42  # letters in a line of the sidebar
 
 
-class VIEW3D_PT_canonical_form(bpy.types.Panel):
-    """Compute, and what the last run found."""
-
-    bl_label = "Canonical Form"
+class _Tab:
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"
-    bl_category = _CATEGORY
+    bl_category = "Canonical Form"
+
+
+class VIEW3D_PT_canonical_form(_Tab, bpy.types.Panel):
+    """Compute, cancel, and the options that most runs need."""
+
+    bl_label = "Canonical Form"
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw the buttons and the result."""
+        """Draw the button, or the progress, and the options."""
         layout = self.layout
         layout.use_property_split = True
         layout.use_property_decorate = False
-        chosen = context.scene.canonical_form
-        for name in _MAIN:
+        chosen, obj = context.scene.canonical_form, context.object
+        job = OBJECT_OT_canonical_form_cancel.job
+        if job is not None:
+            row = layout.row(align=True)
+            row.progress(factor=job.fraction, text=f"{job.fraction:.0%}  {job.stage}", type="BAR")
+            row.operator(OBJECT_OT_canonical_form_cancel.bl_idname, text="", icon="X")
+        else:
+            count = sum(each.type == "MESH" for each in context.selected_objects)
+            row = layout.row()
+            row.scale_y = 1.4
+            several = f"Compute {count} Objects" if count > 1 and context.mode == "OBJECT" else "Compute"
+            button = row.operator(OBJECT_OT_canonical_form.bl_idname, text=several, icon="ARMATURE_DATA")
+            hand_over(chosen, button)
+        for name in (*_MAIN, "mesh", "result"):
             layout.prop(chosen, name)
-        button = layout.operator(OBJECT_OT_canonical_form.bl_idname, text="Compute", icon="ARMATURE_DATA")
-        for name in METHOD_NAMES:
-            setattr(button, name, getattr(chosen, name))
-        obj = context.object
         if obj is not None and obj.type == "MESH":
             count = len(obj.data.vertices)
             memory = memory_estimate(count, Settings(quality=chosen.quality, as_published=chosen.as_published))
             layout.label(text=f"{count:,} vertices, about {memory:.1f} GB", icon="MEMORY")
-        record = record_of(obj.data) if obj is not None and obj.type == "MESH" else None
-        if record is None:
-            return
-        keys = obj.data.shape_keys
-        key = keys.key_blocks.get(next(iter(record["key"]))) if keys is not None else None
-        if key is not None:
+
+
+class VIEW3D_PT_canonical_form_result(_Tab, bpy.types.Panel):
+    """What the last run found, and what can be done with it."""
+
+    bl_label = "Result"
+    bl_parent_id = "VIEW3D_PT_canonical_form"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Show it where there is a result."""
+        return _record(context) is not None
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Draw the slider, the measures, the warnings and Clear."""
+        layout, mesh = self.layout, context.object.data
+        record = required_record(mesh)
+        layout.use_property_decorate = False
+        key = own_key(mesh) if record["key"] else None
+        if has_in_betweens(mesh):
+            row = layout.row(align=True)
+            row.prop(mesh.shape_keys, f'["{PROPERTY}"]', text="Pose to Form", slider=True)
+            row.operator(OBJECT_OT_canonical_form_in_betweens.bl_idname, text="", icon="X").count = 0
+        elif key is not None:
             layout.prop(key, "value", text="Pose to Form", slider=True)
-        _draw_report(layout.box().column(align=True), record["report"])
+            row = layout.row(align=True)
+            chosen = context.scene.canonical_form
+            button = row.operator(OBJECT_OT_canonical_form_in_betweens.bl_idname, icon="IPO_EASE_IN_OUT")
+            button.count = chosen.in_betweens
+            row.prop(chosen, "in_betweens")
+        _draw_report(layout.column(align=True), record["report"])
         layout.operator(OBJECT_OT_canonical_form_clear.bl_idname, text="Clear", icon="TRASH")
 
 
-class VIEW3D_PT_canonical_form_advanced(bpy.types.Panel):
+class VIEW3D_UL_canonical_form_patches(bpy.types.UIList):
+    """The patches with their colours."""
+
+    def draw_item(self, context, layout, data, item, icon, active_data, active_property, index=0, flt_flag=0):  # type: ignore[no-untyped-def]
+        """Draw a line: colour, name, and whether the pose is taken out of this limb."""
+        limbs = limbs_of(data)
+        row = layout.row(align=True)
+        swatch = row.row()
+        swatch.ui_units_x = 1.2
+        swatch.prop(item, "colour", text="")
+        button = row.operator(
+            OBJECT_OT_canonical_form_select_patch.bl_idname, text=f"{item.name}  ({item.size:,})", emboss=False
+        )
+        button.patch = index + 1
+        if index < len(limbs):
+            only = row.operator(OBJECT_OT_canonical_form_limb.bl_idname, text="", icon="SOLO_ON", emboss=False)
+            only.patch, only.only = index + 1, True
+            icon = "CHECKBOX_HLT" if limbs[index] else "CHECKBOX_DEHLT"
+            toggle = row.operator(OBJECT_OT_canonical_form_limb.bl_idname, text="", icon=icon, emboss=False)
+            toggle.patch, toggle.only = index + 1, False
+
+
+class VIEW3D_PT_canonical_form_patches(_Tab, bpy.types.Panel):
+    """The patches: click selects their vertices, the box takes the pose out of that limb."""
+
+    bl_label = "Patches"
+    bl_parent_id = "VIEW3D_PT_canonical_form"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Show it where there are patches."""
+        return _record(context) is not None and len(context.object.data.canonical_form_patches) > 0
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Draw the list."""
+        layout, mesh = self.layout, context.object.data
+        lines = min(len(mesh.canonical_form_patches), 10)
+        layout.template_list(
+            "VIEW3D_UL_canonical_form_patches", "", mesh, "canonical_form_patches", mesh, "canonical_form_patch",
+            rows=lines, maxrows=10,
+        )  # fmt: skip
+        limbs = limbs_of(mesh)
+        if limbs and not all(limbs):
+            every = layout.operator(OBJECT_OT_canonical_form_limb.bl_idname, text="All Limbs", icon="CHECKBOX_HLT")
+            every.patch = 0
+        layout.prop(context.scene.canonical_form, "show_points")
+
+
+class VIEW3D_PT_canonical_form_features(_Tab, bpy.types.Panel):
+    """Where the feature points come from."""
+
+    bl_label = "Feature Points"
+    bl_parent_id = "VIEW3D_PT_canonical_form"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Draw the source, its options, and the steps."""
+        layout, chosen, obj = self.layout, context.scene.canonical_form, context.object
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        layout.row().prop(chosen, "feature_source", expand=True)
+        if chosen.feature_source == "DETECTED":
+            layout.prop(chosen, "feature_count")
+            row = layout.row()
+            row.active = chosen.feature_count == 0
+            row.prop(chosen, "prominence")
+        elif obj is not None and obj.type == "MESH":
+            layout.prop_search(chosen, "feature_group", obj, "vertex_groups", text="Group")
+        row = layout.row(align=True)
+        for how, text, icon in (("SET", "From Selection", "NONE"), ("ADD", "", "ADD"), ("REMOVE", "", "REMOVE")):
+            button = row.operator(OBJECT_OT_canonical_form_choose.bl_idname, text=text, icon=icon)
+            button.how, button.group = how, chosen.feature_group or CHOSEN_GROUP
+        row = layout.row(align=True)
+        for step, text in (("FEATURES", "Detect Only"), ("PATCHES", "Patches Only")):
+            button = row.operator(OBJECT_OT_canonical_form.bl_idname, text=text)
+            hand_over(chosen, button)
+            button.step = step
+
+
+class VIEW3D_PT_canonical_form_distance(_Tab, bpy.types.Panel):
+    """Distances from the selected vertices."""
+
+    bl_label = "Distance from Selected"
+    bl_parent_id = "VIEW3D_PT_canonical_form"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Draw the kind, the lines and the button."""
+        layout, chosen = self.layout, context.scene.canonical_form
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        layout.prop(chosen, "distance", text="Kind")
+        layout.prop(chosen, "isolines")
+        button = layout.operator(OBJECT_OT_canonical_form_distance.bl_idname, text="Measure", icon="DRIVER_DISTANCE")
+        button.kind, button.isolines = chosen.distance, chosen.isolines
+
+
+class VIEW3D_PT_canonical_form_advanced(_Tab, bpy.types.Panel):
     """The options of the method."""
 
     bl_label = "Advanced"
     bl_parent_id = "VIEW3D_PT_canonical_form"
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
-    bl_category = _CATEGORY
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw every option that the main panel does not show."""
+        """Draw every option that the other panels do not show."""
         self.layout.use_property_split = True
         self.layout.use_property_decorate = False
         column = self.layout.column()
-        for name in METHOD_NAMES:
-            if name not in _MAIN:
+        for name in ("value", *METHOD_NAMES):
+            if name not in (*_MAIN, "prominence", "feature_count"):
                 column.prop(context.scene.canonical_form, name)
 
 
+def _record(context: bpy.types.Context) -> dict | None:
+    obj = context.object
+    return record_of(obj.data) if obj is not None and obj.type == "MESH" else None
+
+
 def _draw_report(column: bpy.types.UILayout, report: dict) -> None:
-    measures = report["measures"]
-    lines = [
-        f"{len(report['feature_points'])} feature points and patches",
-        f"{sum(report['timings'].values()):.1f} s, {report['stress']['steps']} steps",
-        f"{report['pair_reduction']:.1%} of {report['vertices'] ** 2 / 1e6:.3g} million pairs saved",
-        f"Edge distortion: median {measures['edge_distortion_median']:.1%}",
-    ]
-    if measures["compactness_error"] is not None:
-        lines.append(f"Compactness error: {1e4 * measures['compactness_error']:.2f}e-4")
+    lines = [f"{len(report['feature_points'])} feature points and patches, {sum(report['timings'].values()):.1f} s"]
+    if "measures" in report:
+        measures = report["measures"]
+        lines.append(f"{report['pair_reduction']:.1%} of {report['vertices'] ** 2 / 1e6:.3g} million pairs saved")
+        lines.append(f"Edge distortion: median {measures['edge_distortion_median']:.1%}")
+        if measures["compactness_error"] is not None:
+            lines.append(f"Compactness error: {1e4 * measures['compactness_error']:.2f}e-4")
     for line in lines:
         column.label(text=line)
     for warning in report["warnings"]:
-        first, *rest = _wrapped(warning, 44)
+        first, *rest = textwrap.wrap(warning, _WIDTH)
         column.label(text=first, icon="ERROR")
         for line in rest:
             column.label(text=line, icon="BLANK1")
 
 
-def _wrapped(sentence: str, width: int) -> list[str]:
-    import textwrap
-
-    return textwrap.wrap(sentence, width)
-
-
-CLASSES = (VIEW3D_PT_canonical_form, VIEW3D_PT_canonical_form_advanced)
+CLASSES = (
+    VIEW3D_UL_canonical_form_patches,
+    VIEW3D_PT_canonical_form,
+    VIEW3D_PT_canonical_form_result,
+    VIEW3D_PT_canonical_form_patches,
+    VIEW3D_PT_canonical_form_features,
+    VIEW3D_PT_canonical_form_distance,
+    VIEW3D_PT_canonical_form_advanced,
+)
 
 register, unregister = bpy.utils.register_classes_factory(CLASSES)

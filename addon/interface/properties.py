@@ -3,24 +3,34 @@
 # no `from __future__ import annotations`: Blender reads the annotations below as properties
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
+from bpy.props import (
+    BoolProperty,
+    CollectionProperty,
+    EnumProperty,
+    FloatProperty,
+    FloatVectorProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
 
+from ..blender.chosen_features import CHOSEN_GROUP
+from ..blender.records import record_of
+from ..blender.result_writing import recolour_patch
 from ..core import InvalidSettingsError, Settings
 
 _DEFAULT = Settings()
+DISTANCES = (
+    ("heat", "Heat Geodesic", "Length of the shortest way on the surface, by the heat method"),
+    ("fast_marching", "Fast Marching", "Length of the shortest way on the surface, by fast marching"),
+    ("biharmonic", "Biharmonic", "Smooth distance that knows the shape at large"),
+    ("commute_time", "Commute Time", "How long a random walk there and back takes; knows all ways at once"),
+)
 
 
 class MethodProperties:
     """Properties that mirror `Settings`; mixed into everything that lets the user choose them."""
 
-    value: FloatProperty(  # type: ignore[valid-type]
-        name="Value",
-        description="Value of the shape key: 0 is the pose, 1 the canonical form",
-        default=1.0,
-        min=0.0,
-        max=1.0,
-        subtype="FACTOR",
-    )
     quality: EnumProperty(  # type: ignore[valid-type]
         name="Quality",
         description="How much of the mesh is worked on",
@@ -65,6 +75,13 @@ class MethodProperties:
         default=_DEFAULT.eigenpairs,
         min=1,
         soft_max=400,
+    )
+    feature_count: IntProperty(  # type: ignore[valid-type]
+        name="Number",
+        description="Number of feature points, the most prominent ones; 0 to go by prominence",
+        default=_DEFAULT.feature_count,
+        min=0,
+        soft_max=30,
     )
     merge_distance: FloatProperty(  # type: ignore[valid-type]
         name="Merge Distance",
@@ -147,8 +164,112 @@ class MethodProperties:
 METHOD_NAMES = tuple(MethodProperties.__annotations__)
 
 
-class CanonicalFormProperties(MethodProperties, bpy.types.PropertyGroup):
+class RequestProperties:
+    """Properties that say what is read and where the result goes; mixed into the operator and the panel's choices."""
+
+    value: FloatProperty(  # type: ignore[valid-type]
+        name="Value",
+        description="Value of the shape key after the run: 0 is the pose, 1 the canonical form",
+        default=1.0,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+    )
+    mesh: EnumProperty(  # type: ignore[valid-type]
+        name="Mesh",
+        description="What the form is computed of",
+        items=(
+            ("BASE", "Base Mesh", "The mesh itself: its Basis, without modifiers"),
+            ("SHOWN", "As Shown", "What modifiers, armature and shape keys make of it at the current frame"),
+        ),
+        default="BASE",
+    )
+    result: EnumProperty(  # type: ignore[valid-type]
+        name="Result",
+        description="Where the form goes",
+        items=(
+            ("KEY", "Shape Key", "A shape key of the mesh"),
+            ("OBJECT", "New Object", "A new object with the form as its shape key; the mesh is not touched"),
+        ),
+        default="KEY",
+    )
+    feature_group: StringProperty(  # type: ignore[valid-type]
+        name="Vertex Group",
+        description="Vertex group that holds the feature points, a vertex a limb; empty to detect them",
+    )
+
+
+REQUEST_NAMES = tuple(RequestProperties.__annotations__)
+
+
+class CanonicalFormProperties(MethodProperties, RequestProperties, bpy.types.PropertyGroup):
     """The choices made in the panel, kept with the scene."""
+
+    feature_source: EnumProperty(  # type: ignore[valid-type]
+        name="Feature Points From",
+        description="Where the feature points come from",
+        items=(
+            ("DETECTED", "Detected", "Where the surface ends: hands, feet, head"),
+            ("GROUP", "Vertex Group", "From a vertex group, a vertex a limb"),
+        ),
+        default="DETECTED",
+    )
+    show_points: BoolProperty(  # type: ignore[valid-type]
+        name="Labels in the View",
+        description="Draw the feature points of the active object with their numbers in the 3D View",
+        default=True,
+    )
+    in_betweens: IntProperty(  # type: ignore[valid-type]
+        name="Keys",
+        description="Number of shape keys between the pose and the form",
+        default=5,
+        min=1,
+        max=31,
+    )
+    distance: EnumProperty(  # type: ignore[valid-type]
+        name="Distance", description="Which distance is measured", items=DISTANCES, default="heat"
+    )
+    isolines: IntProperty(  # type: ignore[valid-type]
+        name="Isolines",
+        description="Number of lines of equal distance; 0 for none",
+        default=0,
+        min=0,
+        soft_max=40,
+    )
+
+
+class CanonicalFormPatch(bpy.types.PropertyGroup):
+    """A line in the list of patches; its name is that of the vertex group."""
+
+    colour: FloatVectorProperty(  # type: ignore[valid-type]
+        name="Colour",
+        description="Colour of the patch",
+        subtype="COLOR",
+        size=3,
+        min=0.0,
+        max=1.0,
+        update=lambda patch, _: recolour_patch(patch.id_data, list(patch.id_data.canonical_form_patches).index(patch),
+                                               tuple(patch.colour)),
+    )  # fmt: skip
+    size: IntProperty(name="Vertices", description="Number of vertices")  # type: ignore[valid-type]
+
+
+def list_patches(mesh: bpy.types.Mesh) -> None:
+    """Fill the panel's list of patches from the record of the mesh.
+
+    Parameters
+    ----------
+    mesh : bpy.types.Mesh
+        The mesh.
+    """
+    mesh.property_unset("canonical_form_patches")
+    record = record_of(mesh)
+    if record is None or not record["palette"]:
+        return
+    names = list(record["groups"])[1:]
+    for name, colour, size in zip(names, record["palette"], record["report"]["patch_sizes"], strict=True):
+        patch = mesh.canonical_form_patches.add()
+        patch.name, patch.size, patch.colour = name, size, colour
 
 
 def settings_of(owner: MethodProperties) -> Settings:
@@ -169,7 +290,7 @@ def settings_of(owner: MethodProperties) -> Settings:
     InvalidSettingsError
         If the feature points are not a list of whole numbers.
     """
-    options = {name: getattr(owner, name) for name in METHOD_NAMES if name != "value"}
+    options = {name: getattr(owner, name) for name in METHOD_NAMES}
     try:
         options["feature_points"] = [int(word) for word in owner.feature_points.replace(",", " ").split()] or None
     except ValueError as error:
@@ -179,13 +300,41 @@ def settings_of(owner: MethodProperties) -> Settings:
     return Settings(**options)
 
 
+def hand_over(chosen: CanonicalFormProperties, operator: bpy.types.OperatorProperties) -> None:
+    """Give the choices made in the panel to a button.
+
+    Parameters
+    ----------
+    chosen : CanonicalFormProperties
+        The scene's choices.
+    operator : bpy.types.OperatorProperties
+        Properties of the button's operator.
+    """
+    for name in (*METHOD_NAMES, *REQUEST_NAMES):
+        setattr(operator, name, getattr(chosen, name))
+    if chosen.feature_source == "DETECTED":
+        operator.feature_group = ""
+    else:
+        operator.feature_points = ""
+        operator.feature_group = chosen.feature_group or CHOSEN_GROUP
+
+
+CLASSES = (CanonicalFormProperties, CanonicalFormPatch)
+
+
 def register() -> None:
-    """Register the properties and hang them on the scene."""
-    bpy.utils.register_class(CanonicalFormProperties)
+    """Register the properties and hang them on the scene and the mesh."""
+    for each in CLASSES:
+        bpy.utils.register_class(each)
     bpy.types.Scene.canonical_form = PointerProperty(type=CanonicalFormProperties)
+    bpy.types.Mesh.canonical_form_patches = CollectionProperty(type=CanonicalFormPatch)
+    bpy.types.Mesh.canonical_form_patch = IntProperty(name="Patch", description="Line of the list of patches")
 
 
 def unregister() -> None:
-    """Take the properties off the scene and unregister them."""
+    """Take the properties off the scene and the mesh and unregister them."""
+    del bpy.types.Mesh.canonical_form_patch
+    del bpy.types.Mesh.canonical_form_patches
     del bpy.types.Scene.canonical_form
-    bpy.utils.unregister_class(CanonicalFormProperties)
+    for each in reversed(CLASSES):
+        bpy.utils.unregister_class(each)

@@ -6,7 +6,7 @@ import pytest
 bpy = pytest.importorskip("bpy")
 
 import addon  # noqa: E402
-from addon.blender.result_writing import RECORD  # noqa: E402
+from addon.blender.records import RECORD  # noqa: E402
 from tests.sample import shapes  # noqa: E402
 
 QUICK = {"iterations": 3, "eigenpairs": 30, "landmarks": 20}
@@ -78,3 +78,39 @@ def snapshot(obj):
         "pinned": obj.show_only_shape_key,
         "materials": [slot and slot.name for slot in mesh.materials],
     }  # fmt: skip
+
+
+class Layout:
+    """Stands in for Blender's layout and writes down what a panel draws."""
+
+    def __init__(self, lines):
+        self.lines = lines
+
+    def prop(self, owner, name, **options):
+        assert owner.path_resolve(name) is not None
+        self.lines.append(options.get("text", name))
+
+    def prop_search(self, owner, name, source, collection, **_):
+        assert hasattr(source, collection)
+        self.prop(owner, name)
+
+    def operator(self, name, text=None, **_):
+        assert name.startswith("object.")
+        self.lines.append(name if text is None else text)
+        return type("Options", (), {})()
+
+    def template_list(self, kind, _, owner, name, *__, **___):
+        assert hasattr(bpy.types, kind)
+        assert hasattr(owner, name)
+        self.lines.append(name)
+
+    def label(self, text="", **_):
+        self.lines.append(text)
+
+    def progress(self, text="", **_):
+        self.lines.append(text)
+
+    def column(self, **_):
+        return self
+
+    row = box = column

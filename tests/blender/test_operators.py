@@ -6,11 +6,11 @@ import pytest
 
 from addon.blender.mesh_reading import read_mesh
 from addon.blender.palette import patch_colours, ramp
-from addon.blender.result_writing import record_of
+from addon.blender.records import record_of
 from addon.core import Settings, canonical_form
-from addon.interface.panels import VIEW3D_PT_canonical_form, VIEW3D_PT_canonical_form_advanced
+from addon.interface import panels
 from addon.interface.properties import METHOD_NAMES, settings_of
-from tests.blender.conftest import QUICK, add_object, flat, snapshot
+from tests.blender.conftest import QUICK, Layout, add_object, flat, snapshot
 from tests.sample import shapes
 
 
@@ -183,7 +183,7 @@ def test_a_mesh_edited_through_another_object_is_refused(figure_object):
 def test_a_property_of_the_users_with_our_name_is_not_taken_for_a_record(figure_object):
     figure_object.data["canonical_form_record"] = "yes"
     assert record_of(figure_object.data) is None
-    assert drawn(VIEW3D_PT_canonical_form)[-1].endswith(" GB")  # no result
+    assert drawn(panels.VIEW3D_PT_canonical_form_result) == []
 
 
 @pytest.mark.parametrize("mode", ["EDIT", "SCULPT", "WEIGHT_PAINT", "VERTEX_PAINT"])
@@ -320,53 +320,35 @@ def test_properties_mirror_the_settings(blender):
     chosen = settings_of(bpy.context.scene.canonical_form)
     for name, value in vars(Settings()).items():
         assert getattr(chosen, name) == (pytest.approx(value) if isinstance(value, float) else value), name
-    assert set(METHOD_NAMES) - {"value"} == set(vars(Settings()))
-
-
-class Layout:
-    """Stands in for Blender's layout and writes down what a panel draws."""
-
-    def __init__(self, lines):
-        self.lines = lines
-
-    def prop(self, owner, name, **options):
-        assert hasattr(owner, name)
-        self.lines.append(options.get("text", name))
-
-    def operator(self, name, text="", **_):
-        self.lines.append(text)
-        return type("Options", (), {})()
-
-    def label(self, text="", **_):
-        self.lines.append(text)
-
-    def column(self, **_):
-        return self
-
-    def box(self):
-        return self
+    assert set(METHOD_NAMES) == set(vars(Settings()))
 
 
 def drawn(panel):
+    """What a panel draws, in words; nothing where it does not show."""
     lines = []
-    panel.draw(type("Self", (), {"layout": Layout(lines)})(), bpy.context)
+    if not hasattr(panel, "poll") or panel.poll(bpy.context):
+        panel.draw(type("Self", (), {"layout": Layout(lines)})(), bpy.context)
     return lines
 
 
 def test_the_panel_shows_what_was_found(figure_object):
     announced = f"{len(figure_object.data.vertices):,} vertices, about 0.2 GB"
-    assert drawn(VIEW3D_PT_canonical_form) == ["quality", "preserve_detail", "prominence", "Compute", announced]
+    assert drawn(panels.VIEW3D_PT_canonical_form) == [
+        "Compute", "quality", "preserve_detail", "mesh", "result", announced,
+    ]  # fmt: skip
+    assert drawn(panels.VIEW3D_PT_canonical_form_result) == []
+    assert drawn(panels.VIEW3D_PT_canonical_form_patches) == []
     compute()
-    lines = drawn(VIEW3D_PT_canonical_form)
-    assert "Pose to Form" in lines
+    lines = drawn(panels.VIEW3D_PT_canonical_form_result)
+    assert lines[0] == "Pose to Form"
     assert any("feature points and patches" in line for line in lines)
     assert any("still falling" in line for line in lines)
     assert lines[-1] == "Clear"
-    assert set(drawn(VIEW3D_PT_canonical_form_advanced)) == set(METHOD_NAMES) - {
-        "quality",
-        "preserve_detail",
-        "prominence",
-    }
+    assert drawn(panels.VIEW3D_PT_canonical_form_patches) == ["canonical_form_patches", "show_points"]
+    shown = [name for panel in panels.CLASSES[1:] for name in drawn(panel)]
+    assert set(METHOD_NAMES) - set(shown) == set()
+    bpy.context.scene.canonical_form.feature_source = "GROUP"
+    assert "feature_group" in drawn(panels.VIEW3D_PT_canonical_form_features)
 
 
 def test_the_record_is_json(figure_object):

@@ -12,7 +12,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
 import addon  # noqa: E402
-from addon.blender.result_writing import record_of  # noqa: E402
+from addon.blender.records import record_of  # noqa: E402
 from tests.sample.picture import render  # noqa: E402
 from tests.sample.posed_figure import build  # noqa: E402
 

@@ -1,0 +1,95 @@
+"""Feature points chosen by hand: a vertex group that is the user's own."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+from ..core import CanonicalFormError
+from .distance_fields import selected_vertices
+from .mesh_reading import object_mode
+from .records import record_of
+
+CHOSEN_GROUP = "Chosen Feature Points"
+HOWS = ("SET", "ADD", "REMOVE")
+_MOST = 200  # feature points; more are a slip of the hand
+
+
+def choose_features(obj: bpy.types.Object, how: str, group_name: str) -> tuple[str, int]:
+    """Change the group of chosen feature points by the selected vertices.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        The object, accepted by `refusal`, in any mode.
+    how : {'SET', 'ADD', 'REMOVE'}
+        What the selected vertices are: all feature points, further ones, or ones no more.
+    group_name : str
+        The group. Where it is missing it is made, for 'ADD' and 'REMOVE' from the points of the last run.
+
+    Returns
+    -------
+    name : str
+        Name of the group.
+    count : int
+        Number of feature points in it now.
+
+    Raises
+    ------
+    CanonicalFormError
+        If no vertex is selected, or far too many; the message says what to do.
+    """
+    with object_mode(obj):
+        selected = selected_vertices(obj.data)
+        if not len(selected):
+            raise CanonicalFormError("No vertex is selected. In Edit Mode, select a vertex at the tip of each limb.")
+        group = obj.vertex_groups.get(group_name)
+        now = np.array(members_of(obj, group.name) if group is not None else _detected(obj), dtype=np.int64)
+        if how == "SET":
+            now = selected
+        elif how == "ADD":
+            now = np.union1d(now, selected)
+        else:
+            now = np.setdiff1d(now, selected)
+        if len(now) > _MOST:
+            raise CanonicalFormError(
+                f"That would make {len(now):,} feature points. Select single vertices, one a limb, {_MOST} in all."
+            )
+        active = obj.vertex_groups.active.name if obj.vertex_groups.active else None
+        if group is None:
+            group = obj.vertex_groups.new(name=group_name)
+        group.remove(list(range(len(obj.data.vertices))))
+        group.add(now.tolist(), 1.0, "REPLACE")
+        if active is not None:
+            obj.vertex_groups.active_index = obj.vertex_groups.find(active)
+        return group.name, len(now)
+
+
+def members_of(obj: bpy.types.Object, group_name: str) -> list[int]:
+    """List the vertices of a group.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        The object, in Object Mode.
+    group_name : str
+        Name of a group that it has.
+
+    Returns
+    -------
+    list of int
+        Vertices of a weight above 0.
+    """
+    index = obj.vertex_groups[group_name].index
+    return [
+        vertex.index
+        for vertex in obj.data.vertices
+        if any(part.group == index and part.weight > 0 for part in vertex.groups)
+    ]
+
+
+def _detected(obj: bpy.types.Object) -> list[int]:
+    record = record_of(obj.data)
+    if record is None:
+        return []
+    return [point for point in record["report"]["feature_points"] if point < len(obj.data.vertices)]

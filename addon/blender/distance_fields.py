@@ -1,0 +1,132 @@
+"""Distance tools: fields measured from chosen vertices, shown as colours and as a vertex group."""
+
+from __future__ import annotations
+
+import json
+
+import bpy
+import numpy as np
+
+from ..core import CanonicalFormError
+from ..core.fields import distance_field
+from ..core.monitor import Cancelled, Progress
+from ..core.surface import FloatArray, IntArray
+from .mesh_reading import found_again, object_mode, read_object, require_unchanged
+from .palette import ramp, with_isolines
+from .records import colour_print, group_prints
+
+NAMES = {  # of the colours and the vertex group, by the core's name of the kind
+    "heat": "Heat Geodesic",
+    "fast_marching": "Fast Marching",
+    "biharmonic": "Biharmonic Distance",
+    "commute_time": "Commute Time",
+}
+_MARK = "canonical_form_distances"  # fingerprints of what we wrote, by name
+
+
+class DistanceTask:
+    """A distance field from the selected vertices of an object.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        The object, accepted by `refusal`.
+    kind : str
+        One of `NAMES`.
+    isolines : int
+        Number of lines of equal distance in the colours; 0 for none.
+
+    Raises
+    ------
+    CanonicalFormError
+        If no vertex is selected.
+    """
+
+    def __init__(self, obj: bpy.types.Object, kind: str, isolines: int) -> None:
+        self.kind, self.isolines = kind, isolines
+        with object_mode(obj):
+            self._reading = read_object(obj)
+            self._sources = selected_vertices(obj.data)
+        if not len(self._sources):
+            raise CanonicalFormError("No vertex is selected. In Edit Mode, select the vertices to measure from.")
+        self._field: FloatArray = np.zeros(0)
+
+    def compute(self, progress: Progress | None = None, cancelled: Cancelled | None = None) -> None:
+        """Measure; touches no data of Blender's.
+
+        Parameters
+        ----------
+        progress, cancelled : callable, optional
+            As in `distance_field`.
+
+        Raises
+        ------
+        CanonicalFormError
+            If the mesh cannot be used, or the run was cancelled; the message says what to do.
+        """
+        reading = self._reading
+        self._field = distance_field(reading.vertices, reading.faces, self._sources, self.kind, progress, cancelled)
+
+    def write(self) -> str:
+        """Write the field, in place of an earlier one of its kind, on the main thread.
+
+        Returns
+        -------
+        str
+            Name of the colour attribute.
+
+        Raises
+        ------
+        CanonicalFormError
+            If the object is gone or changed; the message says why.
+        """
+        obj = found_again(self._reading)
+        with object_mode(obj):
+            require_unchanged(obj, self._reading)
+            return _write_field(obj, NAMES[self.kind], self._field, self.isolines)
+
+
+def selected_vertices(mesh: bpy.types.Mesh) -> IntArray:
+    """List the selected vertices of a mesh.
+
+    Parameters
+    ----------
+    mesh : bpy.types.Mesh
+        The mesh, with its objects in Object Mode.
+
+    Returns
+    -------
+    (s,) ndarray of int
+        Vertex indices.
+    """
+    chosen = np.empty(len(mesh.vertices), dtype=bool)
+    mesh.vertices.foreach_get("select", chosen)
+    return np.flatnonzero(chosen)
+
+
+def _write_field(obj: bpy.types.Object, name: str, field: FloatArray, isolines: int) -> str:
+    mesh = obj.data
+    colours = ramp(field)
+    if isolines:
+        colours = with_isolines(colours, field, isolines)
+    ours: dict[str, dict[str, str]] = json.loads(mesh.get(_MARK, "{}"))  # kind: name: fingerprint
+    colour_names, group_names = ours.setdefault("colours", {}), ours.setdefault("groups", {})
+    attribute = mesh.color_attributes.get(name)
+    if attribute is None or colour_names.get(name) != colour_print(attribute):
+        attribute = mesh.color_attributes.new(name=name, type="FLOAT_COLOR", domain="POINT")
+    attribute.data.foreach_set("color", colours.astype(np.float32).ravel())
+    colour_names[attribute.name] = colour_print(attribute)
+    mesh.color_attributes.active_color_name = attribute.name
+    if name not in obj.vertex_groups or group_names.get(name) != group_prints(obj, {name: None})[name]:
+        group = obj.vertex_groups.new(name=name)
+    else:
+        group = obj.vertex_groups[name]
+    largest = float(field.max())
+    weights = np.round(field / (largest if largest > 0 else 1.0), 3)
+    for weight in np.unique(weights):  # at most 1,001 calls, whatever the number of vertices
+        group.add(np.flatnonzero(weights == weight).tolist(), float(weight), "REPLACE")
+    group_names[group.name] = group_prints(obj, {group.name: None})[group.name]
+    obj.vertex_groups.active_index = group.index
+    mesh[_MARK] = json.dumps(ours)
+    mesh.update()
+    return str(attribute.name)

@@ -1,0 +1,162 @@
+"""Keys between the pose and the form, driven by one property, so that dragging it unbends limbs like joints."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+from ..core import CanonicalFormError
+from ..core.surface import FloatArray
+from .records import keep_record, key_print, own_key, record_of, required_key, required_record
+
+PROPERTY = "Pose to Form"  # a property of the shape keys' own data, so that it goes wherever the keys go
+IN_BETWEEN = "Canonical Form {:.0%}"
+
+
+def write_in_betweens(obj: bpy.types.Object, shapes: list[FloatArray]) -> None:
+    """Write keys between pose and form, in place of earlier ones, and drive all by one property.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        The object, in Object Mode, with a key of ours that is unchanged and not animated.
+    shapes : list of (n, 3) ndarray of float
+        Positions at equal steps on the way, without the ends.
+
+    Raises
+    ------
+    CanonicalFormError
+        If the key is animated or driven by the user.
+    """
+    mesh = obj.data
+    remove_in_betweens(obj)
+    refusal = animated(mesh)
+    if refusal is not None:
+        raise CanonicalFormError(refusal)
+    keys, form = mesh.shape_keys, required_key(mesh)
+    record = required_record(mesh)
+    record |= {"between": {}, "animated_before": keys.animation_data is not None, "value": form.value}
+    steps = len(shapes) + 1
+    active = obj.active_shape_key_index
+    keys[PROPERTY] = form.value
+    keys.id_properties_ui(PROPERTY).update(
+        min=0.0, max=1.0, soft_min=0.0, soft_max=1.0, subtype="FACTOR", description="0 is the pose, 1 the form"
+    )
+    for number, positions in enumerate([*shapes, None], start=1):
+        key = form
+        if positions is not None:
+            key = obj.shape_key_add(name=IN_BETWEEN.format(number / steps), from_mix=False)
+            key.relative_key = form.relative_key
+            key.data.foreach_set("co", positions.astype(np.float32).ravel())
+            record["between"][key.name] = key_print(key)
+        driver = key.driver_add("value").driver
+        driver.type = "SCRIPTED"
+        variable = driver.variables.new()
+        variable.name = "s"
+        variable.targets[0].id_type = "KEY"
+        variable.targets[0].id = keys
+        variable.targets[0].data_path = f'["{PROPERTY}"]'
+        driver.expression = f"max(0, 1 - abs(s * {steps} - {number}))"  # simple enough to run without Python
+    obj.active_shape_key_index = active
+    keep_record(mesh, record)
+    keys.update_tag()
+    mesh.update()
+
+
+def remove_in_betweens(obj: bpy.types.Object) -> list[str]:
+    """Remove the keys between pose and form, their drivers and the property.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        The object, in Object Mode.
+
+    Returns
+    -------
+    list of str
+        Names of keys that were left in place because they have been changed since.
+    """
+    mesh = obj.data
+    record, keys = record_of(mesh), mesh.shape_keys
+    if record is None or "between" not in record:
+        return []
+    left = []
+    if keys is not None:
+        active = obj.active_shape_key
+        active_name = active.name if active else None
+        value = keys.get(PROPERTY, record["value"])
+        for name, known in record["between"].items():
+            key = keys.key_blocks.get(name)
+            if key is None:
+                continue
+            key.driver_remove("value")
+            if known == key_print(key):
+                obj.shape_key_remove(key)
+            else:
+                left.append(name)
+        form = own_key(mesh)
+        if form is not None:
+            form.driver_remove("value")
+            form.value = value
+        if PROPERTY in keys:
+            del keys[PROPERTY]
+        data = keys.animation_data
+        if data is not None and not record["animated_before"] and not data.drivers and data.action is None:
+            keys.animation_data_clear()
+        if active_name in keys.key_blocks:
+            obj.active_shape_key_index = keys.key_blocks.find(active_name)
+    del record["between"], record["animated_before"], record["value"]
+    keep_record(mesh, record)
+    mesh.update()
+    return left
+
+
+def has_in_betweens(mesh: bpy.types.Mesh) -> bool:
+    """Tell whether there are keys between pose and form.
+
+    Parameters
+    ----------
+    mesh : bpy.types.Mesh
+        The mesh.
+
+    Returns
+    -------
+    bool
+        True if one property drives them.
+    """
+    record = record_of(mesh)
+    return record is not None and "between" in record and mesh.shape_keys is not None and PROPERTY in mesh.shape_keys
+
+
+def animated(mesh: bpy.types.Mesh) -> str | None:
+    """Say why our key cannot be driven: the user animates or drives it.
+
+    Parameters
+    ----------
+    mesh : bpy.types.Mesh
+        The mesh, with our key.
+
+    Returns
+    -------
+    str or None
+        A sentence that says what to do, or None.
+    """
+    keys, form = mesh.shape_keys, own_key(mesh)
+    if form is None or keys.animation_data is None:
+        return None
+    path = f'key_blocks["{bpy.utils.escape_identifier(form.name)}"].value'
+    curves = list(keys.animation_data.drivers)
+    action = keys.animation_data.action
+    if action is not None:
+        curves += list(_curves(action))
+    if any(curve.data_path == path for curve in curves):
+        return f"The shape key {form.name} is animated or driven. Remove its animation first, then add in-betweens."
+    return None
+
+
+def _curves(action: bpy.types.Action) -> list[bpy.types.FCurve]:
+    """List the curves of an action, in the layered kind of Blender 4.4 and later and in the older one."""
+    if not hasattr(action, "layers"):
+        return list(action.fcurves)
+    bags = [bag for layer in action.layers for strip in layer.strips for bag in getattr(strip, "channelbags", ())]
+    return [curve for bag in bags for curve in bag.fcurves]

@@ -1,0 +1,45 @@
+"""New objects for results that are not to touch the mesh they come from."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+from .mesh_reading import Reading
+from .records import record_of
+from .result_writing import clear_results
+
+
+def add_result_object(obj: bpy.types.Object, reading: Reading) -> bpy.types.Object:
+    """Add an object with a copy of a mesh, as it was read, beside the one that it was read from.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        The object, in Object Mode.
+    reading : Reading
+        What was read: the mesh itself, or what modifiers show.
+
+    Returns
+    -------
+    bpy.types.Object
+        The new object, in the same place and collections, without modifiers and shape keys.
+    """
+    if reading.deformed:
+        graph = bpy.context.evaluated_depsgraph_get()
+        mesh = bpy.data.meshes.new_from_object(obj.evaluated_get(graph), preserve_all_data_layers=True, depsgraph=graph)
+    else:
+        mesh = obj.data.copy()
+    name = f"{obj.name} Canonical Form"
+    mesh.name = name
+    added = bpy.data.objects.new(name, mesh)
+    for collection in obj.users_collection:
+        collection.objects.link(added)
+    added.matrix_world = obj.matrix_world
+    if record_of(mesh) is not None:
+        clear_results(added)
+    if mesh.shape_keys is not None:
+        added.shape_key_clear()
+    mesh.vertices.foreach_set("co", reading.vertices.astype(np.float32).ravel())
+    mesh.update()
+    return added

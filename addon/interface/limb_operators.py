@@ -1,0 +1,153 @@
+"""Operators on the result: one limb at a time, smooth in-betweens, and selecting a patch."""
+
+# no `from __future__ import annotations`: Blender reads the annotations below as properties
+
+from typing import Any
+
+import bpy
+import numpy as np
+from bpy.props import BoolProperty, IntProperty
+
+from ..blender.in_betweens import has_in_betweens
+from ..blender.mesh_reading import object_mode, refusal
+from ..blender.result_writing import patches_of
+from ..blender.variants import VariantTask, limbs_of, variant_refusal
+from ..core import InvalidSettingsError
+from .job_operator import JobOperator
+from .operators import allowed
+
+
+class OBJECT_OT_canonical_form_limb(JobOperator, bpy.types.Operator):
+    """Take the pose out of this limb, or put it back. The rest of the mesh stays where it is"""  # noqa: D400
+
+    bl_idname = "object.canonical_form_limb"
+    bl_label = "Toggle Limb"
+    bl_options = {"UNDO"}
+
+    patch: IntProperty(  # type: ignore[valid-type]
+        name="Patch", description="Number of the patch, from 1; 0 for all", default=0, min=0
+    )
+    only: BoolProperty(  # type: ignore[valid-type]
+        name="Only", description="Take the pose out of this limb and leave it in all others"
+    )
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Refuse with a reason where there is no form."""
+        return allowed(cls, cls.busy() or variant_refusal(context.object) or refusal(context.object))
+
+    def task(self, context: bpy.types.Context) -> VariantTask:
+        """Read the mesh and change the flags."""
+        now = limbs_of(context.object.data)
+        if self.patch > len(now):
+            raise InvalidSettingsError(f"There are {len(now)} patches; {self.patch} is none of them.")
+        if self.patch == 0:
+            limbs = [True] * len(now)
+        elif self.only:
+            limbs = [number == self.patch - 1 for number in range(len(now))]
+        else:
+            limbs = [flag != (number == self.patch - 1) for number, flag in enumerate(now)]
+        return VariantTask(context.object, limbs=limbs)
+
+    def written(self, context: bpy.types.Context, task: VariantTask, outcome: Any, interactive: bool) -> None:
+        """Say of how many limbs the pose is taken out."""
+        self.report({"INFO"}, f"The pose is out of {sum(task.limbs)} of {len(task.limbs)} patches.")
+
+
+class OBJECT_OT_canonical_form_in_betweens(JobOperator, bpy.types.Operator):
+    """Add shape keys between pose and form, driven by one slider, so that limbs unbend like joints"""  # noqa: D400
+
+    bl_idname = "object.canonical_form_in_betweens"
+    bl_label = "Smooth In-betweens"
+    bl_options = {"UNDO"}
+
+    count: IntProperty(  # type: ignore[valid-type]
+        name="Keys", description="Number of shape keys between; 0 removes them", default=5, min=0, max=31
+    )
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Refuse with a reason where there is no form."""
+        return allowed(cls, cls.busy() or variant_refusal(context.object) or refusal(context.object))
+
+    def task(self, context: bpy.types.Context) -> VariantTask:
+        """Read the mesh."""
+        return VariantTask(context.object, in_betweens=self.count)
+
+    def written(self, context: bpy.types.Context, task: VariantTask, outcome: Any, interactive: bool) -> None:
+        """Say what the slider does now."""
+        on = has_in_betweens(context.object.data)
+        self.report({"INFO"}, f"{self.count} keys lie between pose and form." if on else "In-betweens removed.")
+
+
+class OBJECT_OT_canonical_form_select_patch(bpy.types.Operator):
+    """Select the vertices of this patch. Shift-click to add them to the selection"""  # noqa: D400
+
+    bl_idname = "object.canonical_form_select_patch"
+    bl_label = "Select Patch"
+    bl_options = {"REGISTER", "UNDO"}
+
+    patch: IntProperty(name="Patch", description="Number of the patch, from 1", default=1, min=1)  # type: ignore[valid-type]
+    extend: BoolProperty(name="Extend", description="Keep what is selected")  # type: ignore[valid-type]
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Refuse with a reason where there are no patches."""
+        obj = context.object
+        nothing = obj is None or obj.type != "MESH" or not len(obj.data.canonical_form_patches)
+        return allowed(cls, "The active object has no patches. Compute them first." if nothing else refusal(obj))
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Take Shift for adding."""
+        self.extend = event.shift
+        return self.execute(context)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Select vertices, and the edges and faces between them."""
+        obj = context.object
+        with object_mode(obj):
+            patches = patches_of(obj.data)
+            if patches is None:
+                self.report({"ERROR"}, "The mesh was changed since the run. Compute it again first.")
+                return {"CANCELLED"}
+            select_vertices(obj.data, patches == self.patch - 1, self.extend)
+        obj.data.canonical_form_patch = self.patch - 1
+        return {"FINISHED"}
+
+
+def select_vertices(mesh: bpy.types.Mesh, chosen: Any, extend: bool) -> None:
+    """Select vertices of a mesh and the edges and faces that lie between them.
+
+    Parameters
+    ----------
+    mesh : bpy.types.Mesh
+        The mesh, with its objects in Object Mode.
+    chosen : (n,) ndarray of bool
+        The vertices.
+    extend : bool
+        Whether what is selected stays so.
+    """
+    if extend:
+        now = np.empty(len(mesh.vertices), dtype=bool)
+        mesh.vertices.foreach_get("select", now)
+        chosen = chosen | now
+    mesh.vertices.foreach_set("select", chosen)
+    edges = np.empty(2 * len(mesh.edges), dtype=np.int32)
+    mesh.edges.foreach_get("vertices", edges)
+    mesh.edges.foreach_set("select", chosen[edges].reshape(-1, 2).all(axis=1))
+    corners = np.empty(len(mesh.loops), dtype=np.int32)
+    mesh.loops.foreach_get("vertex_index", corners)
+    starts = np.empty(len(mesh.polygons), dtype=np.int32)
+    mesh.polygons.foreach_get("loop_start", starts)
+    whole = np.logical_and.reduceat(chosen[corners], starts) if len(starts) else np.zeros(0, dtype=bool)
+    mesh.polygons.foreach_set("select", whole)
+    mesh.update()
+
+
+CLASSES = (
+    OBJECT_OT_canonical_form_limb,
+    OBJECT_OT_canonical_form_in_betweens,
+    OBJECT_OT_canonical_form_select_patch,
+)
+
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

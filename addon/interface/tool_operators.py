@@ -1,0 +1,141 @@
+"""Operators that are useful before a run or without one: feature points by hand, and distances."""
+
+# no `from __future__ import annotations`: Blender reads the annotations below as properties
+
+import bpy
+from bpy.props import EnumProperty, IntProperty, StringProperty
+
+from ..blender.chosen_features import CHOSEN_GROUP, choose_features
+from ..blender.distance_fields import DistanceTask
+from ..blender.mesh_reading import refusal
+from ..core import CanonicalFormError
+from .job_operator import JobOperator
+from .operators import allowed
+from .properties import DISTANCES
+from .viewport import show_colours
+
+
+class OBJECT_OT_canonical_form_choose(bpy.types.Operator):
+    """Choose feature points by hand: they are kept in a vertex group, and the next run uses them"""  # noqa: D400
+
+    bl_idname = "object.canonical_form_choose"
+    bl_label = "Choose Feature Points"
+    bl_options = {"REGISTER", "UNDO"}
+
+    how: EnumProperty(  # type: ignore[valid-type]
+        name="How",
+        items=(
+            ("SET", "From Selection", "The selected vertices are the feature points"),
+            ("ADD", "Add", "The selected vertices are feature points too"),
+            ("REMOVE", "Remove", "The selected vertices are feature points no more"),
+        ),
+    )
+    group: StringProperty(  # type: ignore[valid-type]
+        name="Vertex Group", description="Group that holds the feature points", default=CHOSEN_GROUP
+    )
+
+    @classmethod
+    def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
+        """Say what this button does."""
+        told = {
+            "SET": "Take the selected vertices for the feature points, one at the tip of each limb",
+            "ADD": "Add the selected vertices to the feature points, those of the last run to begin with",
+            "REMOVE": "Remove the selected vertices from the feature points",
+        }
+        return told[properties.how]
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Refuse with a reason where the active object cannot be used."""
+        return allowed(cls, JobOperator.busy() or refusal(context.object))
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Change the group and have the next run use it."""
+        try:
+            name, count = choose_features(context.object, self.how, self.group)
+        except CanonicalFormError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        context.scene.canonical_form.feature_source = "GROUP"
+        context.scene.canonical_form.feature_group = name
+        self.report({"INFO"}, f"{count} feature points in the vertex group {name}.")
+        return {"FINISHED"}
+
+
+class OBJECT_OT_canonical_form_distance(JobOperator, bpy.types.Operator):
+    """Measure how far all vertices are from the selected ones, into colours and a vertex group"""  # noqa: D400
+
+    bl_idname = "object.canonical_form_distance"
+    bl_label = "Distance from Selected"
+    bl_options = {"UNDO"}
+
+    kind: EnumProperty(name="Distance", items=DISTANCES, default="heat")  # type: ignore[valid-type]
+    isolines: IntProperty(  # type: ignore[valid-type]
+        name="Isolines", description="Number of lines of equal distance; 0 for none", default=0, min=0, soft_max=40
+    )
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Refuse with a reason where the active object cannot be used."""
+        return allowed(cls, cls.busy() or refusal(context.object))
+
+    def task(self, context: bpy.types.Context) -> DistanceTask:
+        """Read the mesh and what is selected."""
+        return DistanceTask(context.object, self.kind, self.isolines)
+
+    def written(self, context: bpy.types.Context, task: DistanceTask, outcome: str, interactive: bool) -> None:
+        """Say where the distances are."""
+        self.report({"INFO"}, f"Distances are in the colours and the vertex group {outcome}.")
+        if interactive:
+            show_colours(context)
+
+
+def draw_in_menu(menu: bpy.types.Menu, context: bpy.types.Context) -> None:
+    """Add the distances to Blender's own menus of weights and vertex groups.
+
+    Parameters
+    ----------
+    menu : bpy.types.Menu
+        The menu.
+    context : bpy.types.Context
+        Its context.
+    """
+    menu.layout.separator()
+    menu.layout.operator_menu_enum(
+        OBJECT_OT_canonical_form_distance.bl_idname, "kind", text=OBJECT_OT_canonical_form_distance.bl_label
+    )
+
+
+def draw_in_object_menu(menu: bpy.types.Menu, context: bpy.types.Context) -> None:
+    """Add the main operator to the Object menu, where Blender's search finds it too.
+
+    Parameters
+    ----------
+    menu : bpy.types.Menu
+        The menu.
+    context : bpy.types.Context
+        Its context.
+    """
+    menu.layout.separator()
+    menu.layout.operator("object.canonical_form")
+
+
+CLASSES = (OBJECT_OT_canonical_form_choose, OBJECT_OT_canonical_form_distance)
+MENUS = (("VIEW3D_MT_paint_weight", draw_in_menu), ("MESH_MT_vertex_group_context_menu", draw_in_menu),
+         ("VIEW3D_MT_object", draw_in_object_menu))  # fmt: skip
+
+
+def register() -> None:
+    """Register the operators and add them to menus."""
+    for each in CLASSES:
+        bpy.utils.register_class(each)
+    for name, draw in MENUS:
+        getattr(bpy.types, name).append(draw)
+
+
+def unregister() -> None:
+    """Take the operators out of the menus and unregister them."""
+    for name, draw in MENUS:
+        getattr(bpy.types, name).remove(draw)
+    for each in reversed(CLASSES):
+        bpy.utils.unregister_class(each)
