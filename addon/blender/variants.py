@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 
 from ..core import CanonicalFormError
-from ..core.articulation import Articulation, limb_amounts
+from ..core.limbs import limb_shapes
 from ..core.monitor import Cancelled, Monitor, Progress
 from ..core.surface import FloatArray
 from .in_betweens import PROPERTY, animated, has_in_betweens, remove_in_betweens, write_in_betweens
@@ -105,16 +105,11 @@ class VariantTask:
         """
         reading, monitor = self._reading, Monitor(progress, cancelled)
         chosen = np.array(self.limbs)[self._patches]
-        if chosen.all() and not self.in_betweens:
-            return
-        with monitor.stage("Joints", 0.5):
-            way = Articulation(reading.vertices, reading.faces, self._form, monitor)
-            amounts = limb_amounts(reading.vertices, reading.faces, chosen)
-        with monitor.stage("Shapes", 1.0):
-            self.positions = way.at(amounts)
-            for number in range(1, self.in_betweens + 1):
-                self.shapes.append(way.at(amounts, number / (self.in_betweens + 1)))
-                monitor.tick(number / (self.in_betweens + 1))
+        ways = np.arange(1, self.in_betweens + 2) / (self.in_betweens + 1)
+        with monitor.stage("Limbs", 1.0):
+            *self.shapes, self.positions = limb_shapes(
+                reading.vertices, reading.faces, self._form, chosen, ways.tolist(), monitor
+            )
 
     def write(self) -> None:
         """Fill the shape key, and the keys between, on the main thread.

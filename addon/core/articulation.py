@@ -1,4 +1,4 @@
-"""The way from the pose to the form: half-way shapes that turn like joints, and forms of some limbs only."""
+"""The way from the pose to the form: shapes half-way that turn like joints, everywhere alike or by vertex."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .deformation import ElasticBody, nearest_rotations
 from .delaunay import intrinsic_delaunay
 from .laplacian import factored, stiffness
 from .monitor import Monitor
-from .surface import FloatArray, IntArray, surface_area, triangulated, vertex_areas, vertex_pairs
+from .surface import FloatArray, IntArray, surface_area, triangulated, vertex_areas
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
@@ -20,8 +20,6 @@ if TYPE_CHECKING:
 _WORKED_ON = 1600  # vertices whose rotations are computed; the others follow them
 _NEAR = 0.0015  # diffusion time of the rotations, as a share of the area: two edges of the coarse mesh
 _RELAXATION = 20  # alternations between rotations and positions where part of the surface is held
-_BAND = 0.15  # half the width of the band in which a limb's form passes into the pose, in sqrt(area)
-_DEEPEST = 0.5  # of the way from the border of a limb to its tip: the most that the band may take
 
 
 class Articulation:
@@ -192,45 +190,6 @@ class Articulation:
             return turned, shift
         motion = self._coarse.carried_back(np.column_stack([turned.reshape(-1, 9), shift]))  # (n, 12)
         return motion[:, :9].reshape(-1, 3, 3), motion[:, 9:]
-
-
-def limb_amounts(points: FloatArray, faces: IntArray, chosen: np.ndarray) -> FloatArray:
-    """Say how far each vertex goes when the pose is taken out of some limbs only.
-
-    Parameters
-    ----------
-    points : (n, 3) ndarray of float
-        Vertices of the pose.
-    faces : (m, 3) ndarray of int
-        Triangles.
-    chosen : (n,) ndarray of bool
-        The vertices of those limbs: whole patches.
-
-    Returns
-    -------
-    (n,) ndarray of float
-        1 in the limbs and 0 outside, rising smoothly over a band along their borders, measured along edges.
-    """
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import dijkstra
-
-    if chosen.all() or not chosen.any():
-        return chosen.astype(np.float64)
-    pairs = vertex_pairs(faces)
-    length = np.linalg.norm(points[pairs[:, 0]] - points[pairs[:, 1]], axis=1)
-    graph = coo_matrix((length, (pairs[:, 0], pairs[:, 1])), shape=(len(points), len(points))).tocsr()
-    border = pairs[chosen[pairs[:, 0]] != chosen[pairs[:, 1]]].ravel()
-
-    def depth(side: np.ndarray) -> FloatArray:
-        """Distance from the other side's vertices along the border."""
-        sources = np.unique(border[~side[border]])
-        return dijkstra(graph, directed=False, indices=sources, min_only=True)
-
-    inside = depth(chosen)
-    half = min(_BAND * np.sqrt(surface_area(points, faces)), _DEEPEST * float(inside[chosen].max()))
-    signed = np.where(chosen, inside, -depth(~chosen)) / half
-    share = np.clip((1 + signed) / 2, 0.0, 1.0)
-    return share * share * (3 - 2 * share)
 
 
 def _held_solver(matrix: csr_matrix, held: np.ndarray) -> Callable[[FloatArray, FloatArray], FloatArray]:

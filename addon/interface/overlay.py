@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from math import cos, pi, sin
 from typing import Any, ClassVar
 
 import bpy
 
 from ..blender.records import record_of
 
-_DOT = 9.0  # pixels
+_DOT = 5.0  # radius in pixels
 _TEXT = 13.0
+_CIRCLE = [(cos(2 * pi * turn / 16), sin(2 * pi * turn / 16)) for turn in range(16)]
 
 
 class VIEW3D_GGT_canonical_form:
@@ -31,7 +34,7 @@ def feature_labels(obj: bpy.types.Object | None, graph: bpy.types.Depsgraph) -> 
     Returns
     -------
     list of (mathutils.Vector, tuple of float, str)
-        Place in the world, colour and label of each.
+        Place in the world, colour as a display takes it (sRGB) and label of each.
     """
     if obj is None or obj.type != "MESH" or not obj.visible_get():
         return []
@@ -43,10 +46,15 @@ def feature_labels(obj: bpy.types.Object | None, graph: bpy.types.Depsgraph) -> 
         shown = obj.data
     palette = record["palette"] or [(1.0, 1.0, 1.0)] * len(record["report"]["feature_points"])
     return [
-        (obj.matrix_world @ shown.vertices[point].co, (*colour, 1.0), str(number))
+        (obj.matrix_world @ shown.vertices[point].co, (*_displayed(colour), 1.0), str(number))
         for number, (point, colour) in enumerate(zip(record["report"]["feature_points"], palette, strict=True), start=1)
         if point < len(shown.vertices)
     ]
+
+
+def _displayed(colour: Sequence[float]) -> tuple[float, ...]:
+    """Turn linear light into what a display takes (sRGB)."""
+    return tuple(1.055 * max(part, 0.0031308) ** (1 / 2.4) - 0.055 for part in colour)
 
 
 def _draw() -> None:
@@ -65,18 +73,17 @@ def _draw() -> None:
         at = location_3d_to_region_2d(context.region, context.region_data, place)
         if at is None:
             continue
-        for size, shade in ((_DOT + 4, (0.0, 0.0, 0.0, 1.0)), (_DOT, colour)):
-            gpu.state.point_size_set(size * scale)
+        for radius, shade in ((_DOT + 2, (0.0, 0.0, 0.0, 1.0)), (_DOT, colour)):
             shader.uniform_float("color", shade)
-            batch_for_shader(shader, "POINTS", {"pos": [at.to_3d()]}).draw(shader)
+            circle = [(at.x + radius * scale * x, at.y + radius * scale * y) for x, y in _CIRCLE]
+            batch_for_shader(shader, "TRI_FAN", {"pos": circle}).draw(shader)
         blf.size(0, _TEXT * scale)
         blf.enable(0, blf.SHADOW)
         blf.shadow(0, 5, 0.0, 0.0, 0.0, 0.9)
         blf.color(0, 1.0, 1.0, 1.0, 1.0)
-        blf.position(0, at.x + _DOT * scale, at.y + 0.3 * _DOT * scale, 0.0)
+        blf.position(0, at.x + 1.8 * _DOT * scale, at.y + 0.5 * _DOT * scale, 0.0)
         blf.draw(0, label)
         blf.disable(0, blf.SHADOW)
-    gpu.state.point_size_set(1.0)
 
 
 def register() -> None:
