@@ -49,6 +49,8 @@ class DistanceTask:
             self._sources = selected_vertices(obj.data)
         if not len(self._sources):
             raise CanonicalFormError("No vertex is selected. In Edit Mode, select the vertices to measure from.")
+        if len(self._sources) == len(self._reading.vertices):
+            raise CanonicalFormError("All vertices are selected. In Edit Mode, select only those to measure from.")
         self._field: FloatArray = np.zeros(0)
 
     def compute(self, progress: Progress | None = None, cancelled: Cancelled | None = None) -> None:

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..core import CanonicalFormError
 from ..core.surface import FloatArray
-from .records import keep_record, key_print, own_key, record_of, required_key, required_record
+from .records import keep_record, key_print, named_key, record_of, required_key, required_record
 
 PROPERTY = "Pose to Form"  # a property of the shape keys' own data, so that it goes wherever the keys go
 IN_BETWEEN = "Canonical Form {:.0%}"
@@ -85,18 +85,19 @@ def remove_in_betweens(obj: bpy.types.Object) -> list[str]:
         active = obj.active_shape_key
         active_name = active.name if active else None
         value = keys.get(PROPERTY, record["value"])
+        for curve in list(keys.animation_data.drivers) if keys.animation_data is not None else ():
+            if any(each.targets[0].data_path == f'["{PROPERTY}"]' for each in curve.driver.variables):
+                keys.animation_data.drivers.remove(curve)  # also that of a key which the user has renamed
         for name, known in record["between"].items():
             key = keys.key_blocks.get(name)
             if key is None:
                 continue
-            key.driver_remove("value")
             if known == key_print(key):
                 obj.shape_key_remove(key)
             else:
                 left.append(name)
-        form = own_key(mesh)
+        form = named_key(mesh)
         if form is not None:
-            form.driver_remove("value")
             form.value = value
         if PROPERTY in keys:
             del keys[PROPERTY]
@@ -141,7 +142,7 @@ def animated(mesh: bpy.types.Mesh) -> str | None:
     str or None
         A sentence that says what to do, or None.
     """
-    keys, form = mesh.shape_keys, own_key(mesh)
+    keys, form = mesh.shape_keys, named_key(mesh)
     if form is None or keys.animation_data is None:
         return None
     path = f'key_blocks["{bpy.utils.escape_identifier(form.name)}"].value'

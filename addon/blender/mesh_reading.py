@@ -11,7 +11,7 @@ import numpy as np
 
 from ..core import CanonicalFormError
 from ..core.surface import FloatArray, IntArray
-from .records import fingerprint, own_key
+from .records import fingerprint, named_key, record_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +69,7 @@ def refusal(obj: bpy.types.Object | None) -> str | None:
         return f"The shape keys of {mesh.name} are linked from another file. Make them local first."
     if keys is not None and not keys.use_relative:
         return f"The shape keys of {mesh.name} are absolute. Tick Relative in the Shape Keys panel first."
-    key = own_key(mesh) if keys is not None else None
+    key = named_key(mesh) if keys is not None else None
     if key is not None and key.lock_shape:
         return f"The shape key {key.name} is locked. Unlock it in the Shape Keys panel first."
     if obj.mode != "OBJECT" and obj != bpy.context.view_layer.objects.active:
@@ -120,7 +120,8 @@ def read_object(obj: bpy.types.Object, deformed: bool = False) -> Reading:
     vertices, faces = read_mesh(obj.data)
     mark = fingerprint(vertices, faces)
     if deformed:
-        vertices, faces = read_shown(obj)
+        with _without_result(obj.data):
+            vertices, faces = read_shown(obj)
     return Reading(obj.name, obj.session_uid, vertices, faces, mark, deformed)
 
 
@@ -231,6 +232,26 @@ def object_mode(obj: bpy.types.Object) -> Iterator[None]:
     finally:
         if mode != "OBJECT":
             bpy.ops.object.mode_set(mode=mode)
+
+
+@contextmanager
+def _without_result(mesh: bpy.types.Mesh) -> Iterator[None]:
+    """Leave the keys of an earlier run out of what is shown: a form is made of the pose, not of a form."""
+    record = record_of(mesh)
+    names = [] if record is None else [*record["key"], *record.get("between", {})]
+    keys = [
+        mesh.shape_keys.key_blocks[name] for name in names if mesh.shape_keys and name in mesh.shape_keys.key_blocks
+    ]
+    muted = [key.mute for key in keys]
+    try:
+        for key in keys:
+            key.mute = True
+        bpy.context.view_layer.update()
+        yield
+    finally:
+        for key, mute in zip(keys, muted, strict=True):
+            key.mute = mute
+        bpy.context.view_layer.update()
 
 
 def _triangles(mesh: bpy.types.Mesh) -> IntArray:

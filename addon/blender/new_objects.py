@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 
 from .mesh_reading import Reading
-from .records import record_of
+from .records import keep_record, record_of
 from .result_writing import clear_results
 
 
@@ -36,7 +36,12 @@ def add_result_object(obj: bpy.types.Object, reading: Reading) -> bpy.types.Obje
     for collection in obj.users_collection:
         collection.objects.link(added)
     added.matrix_world = obj.matrix_world
-    if record_of(mesh) is not None:
+    record = record_of(obj.data)
+    if record is not None:  # an earlier result came along
+        for kind in ("key", "groups", "colours"):
+            record[kind] = dict.fromkeys(record[kind])
+        record.pop("between", None)
+        keep_record(mesh, record)
         clear_results(added)
     if mesh.shape_keys is not None:
         added.shape_key_clear()

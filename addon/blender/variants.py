@@ -11,7 +11,7 @@ from ..core.monitor import Cancelled, Monitor, Progress
 from ..core.surface import FloatArray
 from .in_betweens import PROPERTY, animated, has_in_betweens, remove_in_betweens, write_in_betweens
 from .mesh_reading import found_again, object_mode, read_object, require_unchanged
-from .records import keep_record, own_key, record_of, required_key, required_record
+from .records import keep_record, named_key, record_of, required_key, required_record
 from .result_writing import patches_of, refill_key, whole_form_of
 
 
@@ -49,7 +49,7 @@ def variant_refusal(obj: bpy.types.Object | None) -> str | None:
     """
     if obj is None or obj.type != "MESH" or not limbs_of(obj.data):
         return "The active object has no canonical form. Compute it first."
-    if own_key(obj.data) is None:
+    if named_key(obj.data) is None:
         return "The shape key of the form was changed, renamed or removed. Compute the form again first."
     return None
 
@@ -79,6 +79,7 @@ class VariantTask:
             reason = animated(mesh)
         if reason is not None:
             raise CanonicalFormError(reason)
+        required_key(mesh)
         self.limbs = limbs_of(mesh) if limbs is None else limbs
         between = required_record(mesh).get("between", {})
         self.in_betweens = len(between) if in_betweens is None else in_betweens
@@ -122,9 +123,6 @@ class VariantTask:
         obj = found_again(self._reading)
         with object_mode(obj):
             require_unchanged(obj, self._reading)
-            reason = variant_refusal(obj)
-            if reason is not None:
-                raise CanonicalFormError(reason)
             value = shown_value(obj.data)
             left = remove_in_betweens(obj)
             if left:

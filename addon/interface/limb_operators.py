@@ -131,17 +131,24 @@ def select_vertices(mesh: bpy.types.Mesh, chosen: Any, extend: bool) -> None:
         now = np.empty(len(mesh.vertices), dtype=bool)
         mesh.vertices.foreach_get("select", now)
         chosen = chosen | now
-    mesh.vertices.foreach_set("select", chosen)
+    _set_selection(mesh, ".select_vert", "POINT", chosen)
     edges = np.empty(2 * len(mesh.edges), dtype=np.int32)
     mesh.edges.foreach_get("vertices", edges)
-    mesh.edges.foreach_set("select", chosen[edges].reshape(-1, 2).all(axis=1))
+    _set_selection(mesh, ".select_edge", "EDGE", chosen[edges].reshape(-1, 2).all(axis=1))
     corners = np.empty(len(mesh.loops), dtype=np.int32)
     mesh.loops.foreach_get("vertex_index", corners)
     starts = np.empty(len(mesh.polygons), dtype=np.int32)
     mesh.polygons.foreach_get("loop_start", starts)
     whole = np.logical_and.reduceat(chosen[corners], starts) if len(starts) else np.zeros(0, dtype=bool)
-    mesh.polygons.foreach_set("select", whole)
+    _set_selection(mesh, ".select_poly", "FACE", whole)
     mesh.update()
+
+
+def _set_selection(mesh: bpy.types.Mesh, name: str, domain: str, values: Any) -> None:
+    """Write a selection as an attribute made anew: Blender 5.0 crashes where all were selected before."""
+    if name in mesh.attributes:
+        mesh.attributes.remove(mesh.attributes[name])
+    mesh.attributes.new(name=name, type="BOOLEAN", domain=domain).data.foreach_set("value", values)
 
 
 CLASSES = (

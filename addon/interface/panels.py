@@ -6,7 +6,7 @@ import bpy
 
 from ..blender.chosen_features import CHOSEN_GROUP
 from ..blender.in_betweens import PROPERTY, has_in_betweens
-from ..blender.records import own_key, record_of, required_record
+from ..blender.records import named_key, record_of, required_record
 from ..blender.variants import limbs_of
 from ..core import Settings
 from ..core.memory import memory_estimate
@@ -77,7 +77,7 @@ class VIEW3D_PT_canonical_form_result(_Tab, bpy.types.Panel):
         layout, mesh = self.layout, context.object.data
         record = required_record(mesh)
         layout.use_property_decorate = False
-        key = own_key(mesh) if record["key"] else None
+        key = named_key(mesh) if record["key"] else None
         if has_in_betweens(mesh):
             row = layout.row(align=True)
             row.prop(mesh.shape_keys, f'["{PROPERTY}"]', text="Pose to Form", slider=True)

@@ -258,6 +258,8 @@ def gaps():
     while len(obj.data.vertices) < 150_000:
         obj.modifiers.new("Finer", "SUBSURF").levels = 1
         bpy.ops.object.modifier_apply(modifier="Finer")
+    obj.modifiers.new("Coarser", "DECIMATE").ratio = 160_000 / len(obj.data.vertices)
+    bpy.ops.object.modifier_apply(modifier="Coarser")
     yield 1.0
     yield from hand.over_view()
     yield 1.0
