@@ -15,6 +15,7 @@ from ..core.monitor import Cancelled, Progress
 from .chosen_features import members_of
 from .mesh_reading import Reading, found_again, object_mode, read_object, require_unchanged
 from .new_objects import add_result_object
+from .object_warnings import object_warnings
 from .records import required_key
 from .result_writing import clear_results, refill_form, write_results
 from .undeforming import show_at
@@ -147,7 +148,7 @@ class FormTask:
         obj = found_again(reading)
         with object_mode(obj):
             require_unchanged(obj, reading)
-            report["warnings"] += _stretched(obj)
+            report["warnings"] += object_warnings(obj, reading.deformed)
             patches = request.step != "FEATURES"
             changed = reading.deformed and len(reading.vertices) != len(obj.data.vertices)
             if changed and not request.new_object:
@@ -274,13 +275,3 @@ def _report(reading: Reading, found: CanonicalForm | FeaturePatches, hausdorff: 
             "measures": {name: None if np.isnan(number) else number for name, number in measures.items()},
         }
     return report | {"timings": found.timings, "warnings": list(found.warnings)}
-
-
-def _stretched(obj: bpy.types.Object) -> list[str]:
-    scale = np.abs(np.array(obj.matrix_world.to_scale()))
-    if scale.max() <= 1.001 * scale.min():
-        return []
-    return [
-        "The object's scale is not uniform, and the form was computed on the mesh without it. Apply the scale "
-        "(Ctrl+A > Scale) and run again for the form of what you see."
-    ]

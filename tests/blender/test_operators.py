@@ -10,7 +10,7 @@ from addon.blender.records import record_of
 from addon.core import Settings, canonical_form
 from addon.interface import panels
 from addon.interface.properties import METHOD_NAMES, settings_of
-from tests.blender.conftest import QUICK, Layout, add_object, flat, snapshot
+from tests.blender.conftest import QUICK, add_object, drawn, flat, snapshot
 from tests.sample import shapes
 
 
@@ -321,14 +321,6 @@ def test_properties_mirror_the_settings(blender):
     for name, value in vars(Settings()).items():
         assert getattr(chosen, name) == (pytest.approx(value) if isinstance(value, float) else value), name
     assert set(METHOD_NAMES) == set(vars(Settings()))
-
-
-def drawn(panel):
-    """What a panel draws, in words; nothing where it does not show."""
-    lines = []
-    if not hasattr(panel, "poll") or panel.poll(bpy.context):
-        panel.draw(type("Self", (), {"layout": Layout(lines)})(), bpy.context)
-    return lines
 
 
 def test_the_panel_shows_what_was_found(figure_object):

@@ -71,6 +71,37 @@ LIMBS = (  # bent limbs of different lengths and widths: (points of the middle l
 )
 
 
+def joint(degrees: float, along: int = 60, around: int = 24, length: float = 4.0, radius: float = 0.4):
+    """A closed limb with one joint in the middle, bent by an angle: a tube about straight, arc, straight."""
+    arc = 1.0  # length of the bent part
+    way = np.linspace(0, length, 20 * along)
+    angle = np.clip(way - (length - arc) / 2, 0, arc) * np.deg2rad(degrees) / arc
+    step = way[1]
+    at = np.linspace(0, length, along)
+    x = np.interp(at, way, np.cumsum(np.cos(angle)) * step)
+    y = np.interp(at, way, np.cumsum(np.sin(angle)) * step)
+    turn = np.interp(at, way, angle)
+    round_ = np.linspace(0, 2 * np.pi, around, endpoint=False)
+    out = radius * np.cos(round_)
+    vertices = np.stack(
+        [
+            x[:, None] - np.sin(turn)[:, None] * out,
+            y[:, None] + np.cos(turn)[:, None] * out,
+            np.tile(radius * np.sin(round_), (along, 1)),
+        ],
+        axis=-1,
+    ).reshape(-1, 3)
+    ring, next_ = np.arange(around), np.roll(np.arange(around), -1)
+    low = np.arange(along - 1)[:, None] * around
+    a, b, c, d = (each.ravel() for each in (low + ring, low + next_, low + around + next_, low + around + ring))
+    last = (along - 1) * around
+    first_cap, last_cap = len(vertices), len(vertices) + 1
+    caps = [np.column_stack([np.full(around, first_cap), next_, ring])]
+    caps.append(np.column_stack([np.full(around, last_cap), last + ring, last + next_]))
+    faces = np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d]), *caps])
+    return np.vstack([vertices, [[x[0], y[0], 0], [x[-1], y[-1], 0]]]), faces
+
+
 def figure(cells: int = 24):
     """A closed figure of five bent limbs: the level set of a sum of falling distances, on a grid of tetrahedra."""
     low, high = np.array([-2.8, -2.8, -1.0]), np.array([2.3, 2.1, 2.8])

@@ -1,0 +1,79 @@
+"""What of an object does not enter its form, in words."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+_ADDING = (
+    "ARRAY",
+    "BOOLEAN",
+    "BUILD",
+    "MASK",
+    "MIRROR",
+    "NODES",
+    "REMESH",
+    "SCREW",
+    "SKIN",
+    "SOLIDIFY",
+    "VOLUME_TO_MESH",
+)
+_BENDING = (
+    "CAST",
+    "CURVE",
+    "DISPLACE",
+    "HOOK",
+    "LATTICE",
+    "MESH_DEFORM",
+    "SHRINKWRAP",
+    "SIMPLE_DEFORM",
+    "SURFACE_DEFORM",
+    "WARP",
+    "WAVE",
+)
+
+
+def object_warnings(obj: bpy.types.Object, deformed: bool) -> list[str]:
+    """Say what of an object does not enter its form.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        The object.
+    deformed : bool
+        Whether the form is of what modifiers show, not of the mesh itself.
+
+    Returns
+    -------
+    list of str
+        Sentences that say what to do about it.
+    """
+    warnings = []
+    scale = np.abs(np.array(obj.matrix_world.to_scale()))
+    if scale.max() > 1.001 * scale.min():
+        warnings.append(
+            "The object's scale is not uniform, and the form was computed on the mesh without it. Apply the scale "
+            "(Ctrl+A > Scale) and run again for the form of what you see."
+        )
+    shown = [] if deformed else [each for each in obj.modifiers if each.show_viewport]
+    bending = [each.name for each in shown if each.type in _BENDING or (each.type == "ARMATURE" and _in_pose(each))]
+    if bending:
+        warnings.append(
+            f"Some modifiers bend the form as they bend the mesh: {', '.join(bending)}. Set Mesh to As Shown to take "
+            "out the pose that you see."
+        )
+    adding = [each.name for each in shown if each.type in _ADDING]
+    if adding:
+        warnings.append(
+            f"Some modifiers add to the mesh, and the form is of the mesh without them: {', '.join(adding)}. Apply "
+            "them, or set Mesh to As Shown."
+        )
+    return warnings
+
+
+def _in_pose(modifier: bpy.types.ArmatureModifier) -> bool:
+    rig = modifier.object
+    if rig is None or rig.data.pose_position == "REST":
+        return False
+    rest = np.eye(4)
+    return any(not np.allclose(np.array(bone.matrix_basis), rest, atol=1e-4) for bone in rig.pose.bones)

@@ -1,0 +1,165 @@
+"""One limb at a time, in-betweens, and patches that are selected and coloured."""
+
+import bpy
+import numpy as np
+import pytest
+
+from addon.blender.in_betweens import PROPERTY
+from addon.blender.records import record_of
+from addon.blender.result_writing import patches_of, whole_form_of
+from addon.blender.variants import limbs_of
+from addon.interface import panels
+from tests.blender.conftest import QUICK, Layout, drawn, flat, snapshot
+
+
+@pytest.fixture
+def formed(figure_object):
+    """The small figure with its form."""
+    bpy.ops.object.canonical_form(**QUICK)
+    return figure_object
+
+
+def points_of(key):
+    return np.frombuffer(flat(key.data, "co", 3), np.float32).reshape(-1, 3)
+
+
+def keys_of(obj):
+    return obj.data.shape_keys.key_blocks
+
+
+def test_one_limb_and_back(formed):
+    before = snapshot(formed)
+    basis, whole = points_of(keys_of(formed)["Basis"]), points_of(keys_of(formed)["Canonical Form"])
+    sizes = record_of(formed.data)["report"]["patch_sizes"]
+    limb = int(np.argmin(sizes)) + 1
+    assert bpy.ops.object.canonical_form_limb(patch=limb, only=True) == {"FINISHED"}
+    alone = points_of(keys_of(formed)["Canonical Form"])
+    still = (alone == basis).all(axis=1)
+    assert still.sum() > 0.5 * len(basis)
+    assert not still[patches_of(formed.data) == limb - 1].all()
+    assert limbs_of(formed.data) == [number == limb - 1 for number in range(len(sizes))]
+    assert not (alone == whole).all()
+    bpy.ops.object.canonical_form_limb(patch=0)
+    assert snapshot(formed) == before
+
+
+def test_a_limb_that_keeps_its_pose_leaves_the_rest_of_the_form(formed):
+    whole = points_of(keys_of(formed)["Canonical Form"])
+    limb = int(np.argmin(record_of(formed.data)["report"]["patch_sizes"])) + 1
+    bpy.ops.object.canonical_form_limb(patch=limb)
+    without = points_of(keys_of(formed)["Canonical Form"])
+    assert (without == whole).all(axis=1).sum() > 0.5 * len(whole)
+    assert sum(limbs_of(formed.data)) == len(limbs_of(formed.data)) - 1
+    np.testing.assert_array_equal(whole_form_of(formed.data).astype(np.float32), whole)
+    bpy.ops.object.canonical_form_limb(patch=limb)
+    np.testing.assert_array_equal(points_of(keys_of(formed)["Canonical Form"]), whole)
+
+
+def test_in_betweens_follow_one_property(formed):
+    before = snapshot(formed)
+    keys_of(formed)["Canonical Form"].value = 0.25
+    bpy.ops.object.canonical_form_in_betweens(count=3)
+    keys = formed.data.shape_keys
+    names = ["Canonical Form 25%", "Canonical Form 50%", "Canonical Form 75%", "Canonical Form"]
+    assert keys[PROPERTY] == 0.25
+    for value, expected in (
+        (0.0, [0, 0, 0, 0]), (0.125, [0.5, 0, 0, 0]), (0.5, [0, 1, 0, 0]), (0.9, [0, 0, 0.4, 0.6]), (1.0, [0, 0, 0, 1]),
+    ):  # fmt: skip
+        keys[PROPERTY] = value
+        keys.update_tag()
+        bpy.context.view_layer.update()
+        assert [keys.key_blocks[name].value for name in names] == pytest.approx(expected, abs=1e-6)
+    assert all(curve.driver.is_simple_expression for curve in keys.animation_data.drivers)  # runs without Python
+    bpy.ops.object.canonical_form_in_betweens(count=0)
+    assert snapshot(formed) == before
+
+
+def test_in_betweens_of_a_limb_are_made_anew(formed):
+    bpy.ops.object.canonical_form_in_betweens(count=1)
+    whole = points_of(keys_of(formed)["Canonical Form 50%"])
+    bpy.ops.object.canonical_form_limb(patch=1, only=True)
+    limb = points_of(keys_of(formed)["Canonical Form 50%"])
+    assert not (limb == whole).all()
+    assert len(keys_of(formed)) == 3
+
+
+@pytest.mark.parametrize("remove", ["clear", "run"])
+def test_clear_and_a_second_run_take_in_betweens_away(figure_object, remove):
+    before = snapshot(figure_object)
+    bpy.ops.object.canonical_form(**QUICK)
+    bpy.ops.object.canonical_form_in_betweens(count=2)
+    if remove == "run":
+        bpy.ops.object.canonical_form(**QUICK)
+        assert [key.name for key in keys_of(figure_object)] == ["Basis", "Canonical Form"]
+        assert figure_object.data.shape_keys.animation_data is None
+    bpy.ops.object.canonical_form_clear()
+    assert snapshot(figure_object) == before
+
+
+def test_an_animated_key_is_not_driven(formed):
+    keys_of(formed)["Canonical Form"].keyframe_insert("value", frame=1)
+    before = snapshot(formed)
+    with pytest.raises(RuntimeError, match="animated or driven"):
+        bpy.ops.object.canonical_form_in_betweens(count=2)
+    assert snapshot(formed) == before
+
+
+def test_what_the_user_changed_is_the_users(formed):
+    bpy.ops.object.canonical_form_in_betweens(count=2)
+    keys_of(formed)["Canonical Form 33%"].data[0].co.x += 1
+    with pytest.raises(RuntimeError, match="are yours now"):
+        bpy.ops.object.canonical_form_limb(patch=1, only=True)
+    bpy.ops.object.canonical_form_clear()
+    assert [key.name for key in keys_of(formed)] == ["Basis", "Canonical Form 33%"]
+    assert not formed.data.shape_keys.animation_data or not formed.data.shape_keys.animation_data.drivers
+
+
+def test_a_changed_key_or_mesh_is_refused(formed):
+    keys_of(formed)["Canonical Form"].data[0].co.x += 1
+    with pytest.raises(RuntimeError, match="was changed, renamed or removed"):
+        bpy.ops.object.canonical_form_limb(patch=1)
+    with pytest.raises(RuntimeError, match="was changed, renamed or removed"):
+        bpy.ops.object.canonical_form_in_betweens()
+
+
+def test_a_patch_that_is_not_there_is_refused(formed):
+    with pytest.raises(RuntimeError, match="5 patches; 9 is none of them"):
+        bpy.ops.object.canonical_form_limb(patch=9)
+
+
+@pytest.mark.parametrize("mode", ["OBJECT", "EDIT"])
+def test_a_click_selects_a_patch(formed, mode):
+    bpy.ops.object.mode_set(mode=mode)
+    bpy.ops.object.canonical_form_select_patch(patch=2)
+    assert formed.mode == mode
+    bpy.ops.object.mode_set(mode="OBJECT")
+    selected = np.array([vertex.select for vertex in formed.data.vertices])
+    np.testing.assert_array_equal(selected, patches_of(formed.data) == 1)
+    faces = np.array([polygon.vertices[:] for polygon in formed.data.polygons])
+    chosen = [polygon.select for polygon in formed.data.polygons]
+    np.testing.assert_array_equal(chosen, selected[faces].all(axis=1))
+    bpy.ops.object.canonical_form_select_patch(patch=1, extend=True)
+    assert sum(vertex.select for vertex in formed.data.vertices) == (patches_of(formed.data) < 2).sum()
+
+
+def test_a_swatch_recolours_its_patch(formed):
+    formed.data.canonical_form_patches[1].colour = (1.0, 0.0, 0.5)
+    colours = np.frombuffer(flat(formed.data.color_attributes["Patches"].data, "color", 4), np.float32).reshape(-1, 4)
+    patches = patches_of(formed.data)
+    np.testing.assert_allclose(colours[patches == 1], np.tile([1, 0, 0.5, 1], ((patches == 1).sum(), 1)), atol=1e-6)
+    assert not (colours[patches != 1] == [1, 0, 0.5, 1]).all(axis=1).any()
+    bpy.ops.object.canonical_form_clear()
+    assert "Patches" not in formed.data.color_attributes  # ours still
+    assert len(formed.data.canonical_form_patches) == 0
+
+
+def test_the_list_and_the_slider_are_drawn(formed):
+    lines = []
+    data = formed.data
+    draw = panels.VIEW3D_UL_canonical_form_patches.draw_item
+    draw(None, bpy.context, Layout(lines), data, data.canonical_form_patches[0], "NONE", data, "canonical_form_patch")
+    assert lines == ["", f"Patch 1  ({record_of(data)['report']['patch_sizes'][0]:,})", "", ""]
+    bpy.ops.object.canonical_form_limb(patch=1)
+    assert "All Limbs" in drawn(panels.VIEW3D_PT_canonical_form_patches)
+    bpy.ops.object.canonical_form_in_betweens(count=1)
+    assert drawn(panels.VIEW3D_PT_canonical_form_result)[0] == "Pose to Form"

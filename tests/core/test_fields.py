@@ -1,0 +1,85 @@
+import numpy as np
+import pygeodesic.geodesic
+import pytest
+
+from addon.core import CancelledError, InvalidSettingsError
+from addon.core.fast_marching import fast_marching
+from addon.core.fields import KINDS, distance_field
+from addon.core.surface import triangulated
+from tests.sample import shapes
+
+
+def exact(vertices, faces, sources):
+    return pygeodesic.geodesic.PyGeodesicAlgorithmExact(vertices, faces).geodesicDistances(np.array(sources))[0]
+
+
+def test_fast_marching_on_a_plane_is_euclidean():
+    vertices, faces = shapes.grid(41, 31, 4.0, 3.0)
+    measured = fast_marching(triangulated(vertices, faces), np.array([0]))
+    assert np.abs(measured - np.linalg.norm(vertices, axis=1)).max() < 0.03 * 5.0
+
+
+def test_fast_marching_converges_on_a_sphere():
+    errors = []
+    for subdivisions in (3, 4, 5):
+        vertices, faces = shapes.sphere(subdivisions)
+        true = np.arccos(np.clip(vertices @ vertices[0], -1, 1))
+        errors.append(np.abs(fast_marching(triangulated(vertices, faces), np.array([0])) - true).mean())
+    assert errors[2] < 0.7 * errors[1] < 0.6 * errors[0]
+
+
+@pytest.mark.parametrize("name", ["horse/bind.obj", "man/walk1_04.obj"])
+@pytest.mark.parametrize(("kind", "most"), [("heat", 0.025), ("fast_marching", 0.025)])
+def test_geodesics_on_real_meshes_agree_with_exact_ones(real_mesh, name, kind, most):
+    vertices, faces = real_mesh(name)
+    true = exact(vertices, faces, [100, 2000])
+    measured = distance_field(vertices, faces, [100, 2000], kind)
+    assert np.abs(measured - true).mean() < most * true.mean()
+
+
+def test_many_sources_are_measured_from_together(figure):
+    vertices, faces = figure
+    sources = np.flatnonzero(vertices[:, 2] < np.quantile(vertices[:, 2], 0.1))
+    true = exact(vertices, faces, sources)
+    measured = distance_field(vertices, faces, sources, "heat")
+    assert (measured[sources] == 0).all()
+    assert np.abs(measured - true).mean() < 0.1 * true.mean()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_fields_vanish_at_the_source_and_scale(kind, figure, rotation):
+    vertices, faces = figure
+    here = distance_field(vertices, faces, [7], kind)
+    assert here[7] == pytest.approx(0, abs=1e-6 * here.max())
+    assert (np.delete(here, 7) > 0).all()
+    there = distance_field(5.0 * vertices @ rotation + 3, faces, [7], kind)
+    unit = 1.0 if kind == "commute_time" else 5.0
+    np.testing.assert_allclose(there, unit * here, atol=1e-5 * there.max())
+
+
+@pytest.mark.parametrize("kind", ["biharmonic", "commute_time"])
+def test_spectral_fields_on_all_vertices_agree_with_a_dense_decomposition(kind, figure):
+    from scipy.linalg import eigh
+
+    from addon.core.delaunay import intrinsic_delaunay
+    from addon.core.laplacian import mass, stiffness
+
+    vertices, faces = shapes.sphere(2)
+    vertices = vertices * [1.0, 1.3, 0.8]
+    surface = intrinsic_delaunay(triangulated(vertices, faces))
+    values, vectors = eigh(stiffness(surface).toarray(), np.diag(mass(surface)))
+    power = 2 if kind == "biharmonic" else 1
+    dense = (((vectors[:, 1:] - vectors[5, 1:]) ** 2) / values[1:] ** power).sum(axis=1) ** 0.5
+    np.testing.assert_allclose(distance_field(vertices, faces, [5], kind), dense, atol=1e-7 * dense.max())
+
+
+def test_what_makes_no_sense_is_refused(figure):
+    vertices, faces = figure
+    with pytest.raises(InvalidSettingsError, match="kind"):
+        distance_field(vertices, faces, [0], "euclidean")
+    with pytest.raises(InvalidSettingsError, match="at least one"):
+        distance_field(vertices, faces, [])
+    with pytest.raises(InvalidSettingsError, match="at most"):
+        distance_field(vertices, faces, np.arange(1500), "biharmonic")
+    with pytest.raises(CancelledError):
+        distance_field(vertices, faces, [0], cancelled=lambda: True)
