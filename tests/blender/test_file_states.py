@@ -269,7 +269,7 @@ def everything():
         "selected": sorted(obj.name for obj in bpy.context.selected_objects),
         "active": bpy.context.view_layer.objects.active and bpy.context.view_layer.objects.active.name,
         "objects' own": [
-            (obj.mode, [tuple(row) for row in obj.matrix_world], [(each.name, each.show_viewport) for each in obj.modifiers])
+            (obj.mode, str(obj.matrix_world), [(each.name, each.show_viewport) for each in obj.modifiers])
             for obj in bpy.data.objects
         ],
     }  # fmt: skip
