@@ -16,6 +16,7 @@ from .chosen_features import members_of
 from .mesh_reading import Reading, found_again, object_mode, read_object, require_unchanged
 from .new_objects import add_result_object
 from .object_warnings import object_warnings
+from .palette import Colours, colours_of
 from .records import required_key
 from .result_writing import clear_results, refill_form, write_results
 from .undeforming import show_at
@@ -78,6 +79,7 @@ class FormTask:
         self.settings: list[Settings] = []
         self.found: list[CanonicalForm | FeaturePatches | None] = []
         self.reports: list[dict[str, Any]] = []
+        self.colours: list[Colours | None] = []
         self.errors: list[str] = []
         first = {obj.data: obj for obj in reversed(objects)}
         with object_mode(objects[0]):
@@ -108,6 +110,7 @@ class FormTask:
 
             self.found.append(None)
             self.reports.append({})
+            self.colours.append(None)
             try:
                 found = work(reading.vertices, reading.faces, settings, told, cancelled)
             except CanonicalFormError as error:
@@ -116,6 +119,7 @@ class FormTask:
                 self.errors.append(f"{reading.name}: {error}")
                 continue
             self.found[-1] = found
+            self.colours[-1] = colours_of(found.adf, found.patches, reading.faces)
             self.reports[-1] = _report(reading, found, self.request.hausdorff)
 
     def write(self) -> list[str]:
@@ -132,18 +136,20 @@ class FormTask:
             If nothing could be written; the message says why.
         """
         done: list[str] = []
-        for reading, found, report in zip(self.readings, self.found, self.reports, strict=True):
-            if found is None:
+        for reading, found, colours, report in zip(self.readings, self.found, self.colours, self.reports, strict=True):
+            if found is None or colours is None:
                 continue
             try:
-                done.append(self._write_one(reading, found, report))
+                done.append(self._write_one(reading, found, colours, report))
             except CanonicalFormError as error:
                 self.errors.append(str(error))
         if not done:
             raise CanonicalFormError(" ".join(self.errors))
         return done
 
-    def _write_one(self, reading: Reading, found: CanonicalForm | FeaturePatches, report: dict[str, Any]) -> str:
+    def _write_one(
+        self, reading: Reading, found: CanonicalForm | FeaturePatches, colours: Colours, report: dict[str, Any]
+    ) -> str:
         request = self.request
         obj = found_again(reading)
         with object_mode(obj):
@@ -158,9 +164,9 @@ class FormTask:
                 )
             if request.new_object or changed:
                 target = add_result_object(obj, reading)
-                write_results(target, found, reading.faces, request.value, report, patches)
+                write_results(target, found, colours, request.value, report, patches)
                 return target.name
-            write_results(obj, found, reading.faces, request.value, report, patches)
+            write_results(obj, found, colours, request.value, report, patches)
             if reading.deformed and isinstance(found, CanonicalForm):
                 _write_undeformed(obj, found, request.value)
         return obj.name

@@ -24,10 +24,12 @@ class Job:
         Part that is done, 0 to 1.
     stage : str
         Name of the stage.
+    shown_at : float
+        When its progress was last shown, by `time.perf_counter`.
     """
 
     def __init__(self, work: Callable[[Progress, Cancelled], Any]) -> None:
-        self.fraction, self.stage = 0.0, "Starting"
+        self.fraction, self.stage, self.shown_at = 0.0, "Starting", 0.0
         self._work = work
         self._stop = threading.Event()
         self._result: Any = None

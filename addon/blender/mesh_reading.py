@@ -96,10 +96,7 @@ def read_mesh(mesh: bpy.types.Mesh) -> tuple[FloatArray, IntArray]:
     faces : (m, 3) ndarray of int
         Triangles.
     """
-    points = mesh.vertices if mesh.shape_keys is None else mesh.shape_keys.reference_key.data
-    vertices = np.empty(3 * len(mesh.vertices), dtype=np.float32)
-    points.foreach_get("co", vertices)
-    return vertices.reshape(-1, 3).astype(np.float64), _triangles(mesh)
+    return _rest(mesh).reshape(-1, 3).astype(np.float64), _triangles(mesh)
 
 
 def read_object(obj: bpy.types.Object, deformed: bool = False) -> Reading:
@@ -118,7 +115,7 @@ def read_object(obj: bpy.types.Object, deformed: bool = False) -> Reading:
         Its arrays.
     """
     vertices, faces = read_mesh(obj.data)
-    mark = fingerprint(vertices, faces)
+    mark = _mesh_print(obj.data)
     if deformed:
         with _without_result(obj.data):
             vertices, faces = read_shown(obj)
@@ -194,7 +191,7 @@ def require_unchanged(obj: bpy.types.Object, reading: Reading) -> None:
     CanonicalFormError
         If its vertices or faces are others.
     """
-    if fingerprint(*read_mesh(obj.data)) != reading.print:
+    if _mesh_print(obj.data) != reading.print:
         raise CanonicalFormError(
             f"{reading.name} was edited while its form was computed. Nothing was written; run again."
         )
@@ -252,6 +249,22 @@ def _without_result(mesh: bpy.types.Mesh) -> Iterator[None]:
         for key, mute in zip(keys, muted, strict=True):
             key.mute = mute
         bpy.context.view_layer.update()
+
+
+def _rest(mesh: bpy.types.Mesh) -> np.ndarray:
+    points = mesh.vertices if mesh.shape_keys is None else mesh.shape_keys.reference_key.data
+    vertices = np.empty(3 * len(mesh.vertices), dtype=np.float32)
+    points.foreach_get("co", vertices)
+    return vertices
+
+
+def _mesh_print(mesh: bpy.types.Mesh) -> str:
+    """Hash positions and polygons, without the triangles between, which take longer."""
+    corners = np.empty(len(mesh.loops), dtype=np.int32)
+    mesh.attributes[".corner_vert"].data.foreach_get("value", corners)
+    starts = np.empty(len(mesh.polygons), dtype=np.int32)
+    mesh.polygons.foreach_get("loop_start", starts)
+    return fingerprint(_rest(mesh), corners, starts)
 
 
 def _triangles(mesh: bpy.types.Mesh) -> IntArray:

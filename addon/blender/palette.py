@@ -6,6 +6,8 @@ processing", 2020).
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from ..core.surface import FloatArray, IntArray, vertex_pairs
@@ -21,6 +23,48 @@ _TO_RGB = np.array(
     ]
 )
 _GOLDEN_TURN = 0.618033988749895
+
+
+@dataclass(frozen=True, eq=False)
+class Colours:
+    """What is shown of a result, made apart from Blender.
+
+    Attributes
+    ----------
+    field : (n, 4) ndarray of float32
+        Colours of the Auto Diffusion Function.
+    patches : (n, 4) ndarray of float32
+        Colours of the patches, by vertex.
+    palette : list of list of float
+        Red, green and blue of each patch.
+    """
+
+    field: np.ndarray
+    patches: np.ndarray
+    palette: list[list[float]]
+
+
+def colours_of(adf: FloatArray, patches: IntArray, faces: IntArray) -> Colours:
+    """Colour what was found.
+
+    Parameters
+    ----------
+    adf : (n,) ndarray of float
+        Auto Diffusion Function, positive.
+    patches : (n,) ndarray of int
+        Patch of every vertex, from 0.
+    faces : (m, 3) ndarray of int
+        Triangles.
+
+    Returns
+    -------
+    Colours
+        All colours, linear.
+    """
+    palette = patch_colours(patches, faces)
+    return Colours(
+        ramp(np.log(adf)).astype(np.float32), palette[patches].astype(np.float32), palette[:, :3].round(6).tolist()
+    )
 
 
 def ramp(values: FloatArray) -> FloatArray:

@@ -10,7 +10,7 @@ import numpy as np
 from ..core import CanonicalForm, FeaturePatches
 from ..core.surface import FloatArray, IntArray
 from .in_betweens import remove_in_betweens
-from .palette import patch_colours, ramp
+from .palette import Colours
 from .records import (
     RECORD,
     colour_print,
@@ -39,7 +39,7 @@ HIDDEN_PATCHES = ".canonical_form_patch"
 def write_results(
     obj: bpy.types.Object,
     found: CanonicalForm | FeaturePatches,
-    faces: IntArray,
+    colours: Colours,
     value: float,
     report: dict[str, Any],
     patches: bool = True,
@@ -55,8 +55,8 @@ def write_results(
         The object, in Object Mode. Objects that share its mesh show the results too.
     found : CanonicalForm or FeaturePatches
         The form and what was found on the way, or the latter only.
-    faces : (m, 3) ndarray of int
-        Triangles that the form was computed on.
+    colours : Colours
+        What is shown of it.
     value : float
         Value of the shape key, 0 to 1.
     report : dict
@@ -87,13 +87,12 @@ def write_results(
             key.data.foreach_set("co", form.astype(np.float32).ravel())
             key.value = value
             record["key"][key.name] = key_print(key)
-        fields = [(FIELD_COLOURS, ramp(np.log(found.adf)))]
+        fields = [(FIELD_COLOURS, colours.field)]
         members = [found.feature_points]
         if patches:
             members += [np.flatnonzero(found.patches == index) for index in range(len(found.feature_points))]
-            palette = patch_colours(found.patches, faces)
-            record["palette"] = palette[:, :3].round(6).tolist()
-            fields.append((PATCH_COLOURS, palette[found.patches]))
+            record["palette"] = colours.palette
+            fields.append((PATCH_COLOURS, colours.patches))
         for number, vertices in enumerate(members):
             group = obj.vertex_groups.new(name=PATCH_GROUP.format(number) if number else FEATURE_GROUP)
             record["groups"][group.name] = None
@@ -102,7 +101,7 @@ def write_results(
         for name, field in fields:
             attribute = mesh.color_attributes.new(name=name, type="FLOAT_COLOR", domain="POINT")
             record["colours"][attribute.name] = None
-            attribute.data.foreach_set("color", field.astype(np.float32).ravel())
+            attribute.data.foreach_set("color", field.ravel())
             record["colours"][attribute.name] = colour_print(attribute)
         shown = attribute.name
         if patches:

@@ -11,6 +11,7 @@ from ..blender.jobs import Job
 from ..core import CancelledError, CanonicalFormError
 
 _TICK = 0.1  # seconds between two looks at the job
+_REDRAW = 0.25  # seconds between two drawings of its progress: the sidebar takes the view behind it along
 _PATIENCE = 0.4  # seconds to wait for a cancelled job before it is left to end by itself
 _BUSY = ("TRANSFORM_OT_", "SCULPT_OT_", "PAINT_OT_", "MESH_OT_", "GPENCIL_OT_", "PAINTCURVE_OT_")  # hold mesh data
 
@@ -133,6 +134,9 @@ def show_progress(context: bpy.types.Context, job: Job) -> None:
     job : Job
         The job.
     """
+    if perf_counter() - job.shown_at < _REDRAW:
+        return
+    job.shown_at = perf_counter()
     if context.workspace is not None:
         context.workspace.status_text_set(f"Canonical Form: {job.fraction:.0%} {job.stage}   (Esc to cancel)")
     redraw_sidebars(context)

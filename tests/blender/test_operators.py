@@ -163,7 +163,7 @@ def test_a_failure_half_way_takes_back_what_was_written(furnished, monkeypatch):
     from addon.blender import result_writing
 
     before = snapshot(furnished)
-    monkeypatch.setattr(result_writing, "ramp", lambda values: 1 / 0)
+    monkeypatch.setattr(result_writing, "_write_hidden", lambda *_: 1 / 0)
     with pytest.raises(RuntimeError, match="ZeroDivisionError"):
         compute()
     assert snapshot(furnished) == before
