@@ -1,6 +1,5 @@
 python = .venv/bin/python
 .PHONY: environment run test check package docs bench test-window
-BLENDER = blender
 
 environment:
 	@for each in python3 python3.11 python3.13; do \
@@ -27,6 +26,5 @@ bench: environment
 	$(python) tests/benchmarks/form_tables.py $(DATA)
 	$(python) tests/benchmarks/contact_sheet.py build/benchmarks/gallery.npz docs/pictures/contact-sheet.png
 
-test-window: package
-	BLENDER_USER_RESOURCES=$$(mktemp -d) xvfb-run -a -s "-screen 0 1280x800x24" $(BLENDER) --factory-startup --window-geometry 0 0 1280 800 \
-	  --python tests/window/session.py -- build/canonical_form-*linux*.zip $(MESH) build/pictures
+test-window: environment
+	$(python) tests/window/run.py $(if $(BLENDER),--blender $(BLENDER)) $(if $(MESH),--mesh $(MESH))

@@ -1,6 +1,6 @@
 """A session in a real Blender with a window, driven by mouse and keyboard: `make test-window`.
 
-Run by Blender itself: ``blender --enable-event-simulate --python tests/window/session.py -- ZIP MESH PICTURES``. An
+Run by Blender itself: ``blender --enable-event-simulate --python tests/window/session.py -- ZIP PICTURES [MESH]``. An
 artist's way through the extension, with the mesh compared after every step and, where ImageMagick's ``import`` is at
 hand, a picture of the screen.
 """
@@ -14,8 +14,8 @@ from time import perf_counter
 
 import bpy
 
-PACKAGE, MESH, PICTURES = (Path(word).resolve() for word in sys.argv[sys.argv.index("--") + 1 :])
-sys.path.insert(0, str(Path(__file__).resolve().parent))
+PACKAGE, PICTURES, *MESH = (Path(word).resolve() for word in sys.argv[sys.argv.index("--") + 1 :])
+sys.path[:0] = [str(Path(__file__).resolve().parent), str(Path(__file__).resolve().parents[2])]
 
 from hand import UNIT, Hand  # noqa: E402
 
@@ -23,6 +23,17 @@ ROWS = {"compute": 50, "slider": 247, "clear": 388, "toggle": 456, "cancel": 46}
 MOST_GAP = 0.2  # seconds between two ticks of a timer while a large mesh is computed
 hand = Hand(PICTURES)
 ticks, seen = [], []
+
+
+def add_figure():
+    """The mesh that was named, or the project's own figure."""
+    if MESH:
+        bpy.ops.wm.obj_import(filepath=str(MESH[0]))
+    else:
+        from tests.sample.posed_figure import build
+
+        build(levels=3)
+    bpy.context.view_layer.objects.active = figure()
 
 
 def figure():
@@ -77,8 +88,7 @@ def session():
         filepath=str(PACKAGE), repo="user_default", enable_on_install=True, overwrite=True
     )
     bpy.data.batch_remove([*bpy.data.objects])
-    bpy.ops.wm.obj_import(filepath=str(MESH))
-    bpy.context.view_layer.objects.active = figure()
+    add_figure()
     with bpy.context.temp_override(window=hand.window, area=hand.area(), region=hand.region("WINDOW")):
         bpy.ops.view3d.view_selected()
     bpy.ops.ed.undo_push(message="Import")
@@ -252,9 +262,8 @@ def meanwhile(before):
 
 def gaps():
     """A large mesh, and the longest time between two ticks of a timer on the main thread."""
-    bpy.ops.wm.obj_import(filepath=str(MESH))
+    add_figure()
     obj = figure()
-    bpy.context.view_layer.objects.active = obj
     while len(obj.data.vertices) < 150_000:
         obj.modifiers.new("Finer", "SUBSURF").levels = 1
         bpy.ops.object.modifier_apply(modifier="Finer")
