@@ -6,8 +6,7 @@ import bpy
 import numpy as np
 
 from ..core import CanonicalFormError
-from .distance_fields import selected_vertices
-from .mesh_reading import object_mode
+from .mesh_reading import object_mode, selected_vertices
 from .records import record_of
 
 CHOSEN_GROUP = "Chosen Feature Points"

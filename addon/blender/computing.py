@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import bpy
 import numpy as np
 
-from ..core import CanonicalForm, CanonicalFormError, FeaturePatches, Settings, canonical_form, feature_patches
-from ..core.measures import summary
-from ..core.monitor import Cancelled, Progress
+from ..core import CanonicalFormError, Settings
 from .chosen_features import members_of
 from .mesh_reading import Reading, found_again, object_mode, read_object, require_unchanged
 from .new_objects import add_result_object
@@ -20,6 +18,10 @@ from .palette import Colours, colours_of
 from .records import required_key
 from .result_writing import clear_results, refill_form, write_results
 from .undeforming import show_at
+
+if TYPE_CHECKING:
+    from ..core import CanonicalForm, FeaturePatches
+    from ..core.monitor import Cancelled, Progress
 
 STEPS = ("FORM", "PATCHES", "FEATURES")
 
@@ -100,6 +102,8 @@ class FormTask:
         CanonicalFormError
             If the only mesh cannot be used, or the run was cancelled; the message says what to do.
         """
+        from ..core import canonical_form, feature_patches
+
         count = len(self.readings)
         work = canonical_form if self.request.step == "FORM" else feature_patches
         for number, (reading, settings) in enumerate(zip(self.readings, self.settings, strict=True)):
@@ -167,7 +171,7 @@ class FormTask:
                 write_results(target, found, colours, request.value, report, patches)
                 return target.name
             write_results(obj, found, colours, request.value, report, patches)
-            if reading.deformed and isinstance(found, CanonicalForm):
+            if reading.deformed and request.step == "FORM":
                 _write_undeformed(obj, found, request.value)
         return obj.name
 
@@ -252,7 +256,7 @@ def _with_features(obj: bpy.types.Object, request: Request) -> Settings:
     return replace(request.settings, feature_points=members)
 
 
-def _write_undeformed(obj: bpy.types.Object, found: CanonicalForm, value: float) -> None:
+def _write_undeformed(obj: bpy.types.Object, found: Any, value: float) -> None:
     """Fill the key so that the form is what the modifiers show."""
     key = required_key(obj.data)
     try:
@@ -265,6 +269,9 @@ def _write_undeformed(obj: bpy.types.Object, found: CanonicalForm, value: float)
 
 
 def _report(reading: Reading, found: CanonicalForm | FeaturePatches, hausdorff: bool) -> dict[str, Any]:
+    from ..core import CanonicalForm
+    from ..core.measures import summary
+
     report: dict[str, Any] = {
         "vertices": len(reading.vertices),
         "faces": len(reading.faces),

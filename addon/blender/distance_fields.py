@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import json
+from typing import TYPE_CHECKING
 
 import bpy
 import numpy as np
 
 from ..core import CanonicalFormError
-from ..core.fields import distance_field
-from ..core.monitor import Cancelled, Progress
-from ..core.surface import FloatArray, IntArray
-from .mesh_reading import found_again, object_mode, read_object, require_unchanged
+from .mesh_reading import found_again, object_mode, read_object, require_unchanged, selected_vertices
 from .palette import ramp, with_isolines
 from .records import colour_print, group_prints
+
+if TYPE_CHECKING:
+    from ..core.monitor import Cancelled, Progress
+    from ..core.surface import FloatArray
 
 NAMES = {  # of the colours and the vertex group, by the core's name of the kind
     "heat": "Heat Geodesic",
@@ -66,6 +68,8 @@ class DistanceTask:
         CanonicalFormError
             If the mesh cannot be used, or the run was cancelled; the message says what to do.
         """
+        from ..core.fields import distance_field
+
         reading = self._reading
         self._field = distance_field(reading.vertices, reading.faces, self._sources, self.kind, progress, cancelled)
 
@@ -86,24 +90,6 @@ class DistanceTask:
         with object_mode(obj):
             require_unchanged(obj, self._reading)
             return _write_field(obj, NAMES[self.kind], self._field, self.isolines)
-
-
-def selected_vertices(mesh: bpy.types.Mesh) -> IntArray:
-    """List the selected vertices of a mesh.
-
-    Parameters
-    ----------
-    mesh : bpy.types.Mesh
-        The mesh, with its objects in Object Mode.
-
-    Returns
-    -------
-    (s,) ndarray of int
-        Vertex indices.
-    """
-    chosen = np.empty(len(mesh.vertices), dtype=bool)
-    mesh.vertices.foreach_get("select", chosen)
-    return np.flatnonzero(chosen)
 
 
 def _write_field(obj: bpy.types.Object, name: str, field: FloatArray, isolines: int) -> str:

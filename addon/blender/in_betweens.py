@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import bpy
 import numpy as np
 
 from ..core import CanonicalFormError
-from ..core.surface import FloatArray
 from .records import keep_record, key_print, named_key, record_of, required_key, required_record
+
+if TYPE_CHECKING:
+    from ..core.surface import FloatArray
 
 PROPERTY = "Pose to Form"  # a property of the shape keys' own data, so that it goes wherever the keys go
 IN_BETWEEN = "Canonical Form {:.0%}"

@@ -5,13 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import bpy
 import numpy as np
 
 from ..core import CanonicalFormError
-from ..core.surface import FloatArray, IntArray
 from .records import fingerprint, named_key, record_of
+
+if TYPE_CHECKING:
+    from ..core.surface import FloatArray, IntArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,6 +148,24 @@ def read_shown(obj: bpy.types.Object) -> tuple[FloatArray, IntArray]:
         return vertices.reshape(-1, 3).astype(np.float64), _triangles(mesh)
     finally:
         shown.to_mesh_clear()
+
+
+def selected_vertices(mesh: bpy.types.Mesh) -> IntArray:
+    """List the selected vertices of a mesh.
+
+    Parameters
+    ----------
+    mesh : bpy.types.Mesh
+        The mesh, with its objects in Object Mode.
+
+    Returns
+    -------
+    (s,) ndarray of int
+        Vertex indices.
+    """
+    chosen = np.empty(len(mesh.vertices), dtype=bool)
+    mesh.vertices.foreach_get("select", chosen)
+    return np.flatnonzero(chosen)
 
 
 def found_again(reading: Reading) -> bpy.types.Object:

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import bpy
 import numpy as np
 
-from ..core import CanonicalForm, FeaturePatches
-from ..core.surface import FloatArray, IntArray
 from .in_betweens import remove_in_betweens
-from .palette import Colours
 from .records import (
     RECORD,
     colour_print,
@@ -26,6 +23,11 @@ from .records import (
     restore_selection,
     selection_of,
 )
+
+if TYPE_CHECKING:
+    from ..core import CanonicalForm, FeaturePatches
+    from ..core.surface import FloatArray, IntArray
+    from .palette import Colours
 
 SHAPE_KEY = "Canonical Form"
 FEATURE_GROUP = "Feature Points"
@@ -64,6 +66,8 @@ def write_results(
     patches : bool
         Whether the patches are written, or the feature points only.
     """
+    from ..core import CanonicalForm
+
     mesh = obj.data
     form = found.vertices if isinstance(found, CanonicalForm) else None
     old = record_of(mesh)

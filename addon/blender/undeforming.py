@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import bpy
 import numpy as np
 
 from ..core import CanonicalFormError
-from ..core.surface import FloatArray
 from .mesh_reading import read_shown
+
+if TYPE_CHECKING:
+    from ..core.surface import FloatArray
 
 _STEPS = 6
 _CLOSE = 1e-4  # of the size of the mesh: as near as the shown vertices have to come

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import bpy
 import numpy as np
 
 from ..core import CanonicalFormError
-from ..core.limbs import limb_shapes
-from ..core.monitor import Cancelled, Monitor, Progress
-from ..core.surface import FloatArray
 from .in_betweens import PROPERTY, animated, has_in_betweens, remove_in_betweens, write_in_betweens
 from .mesh_reading import found_again, object_mode, read_object, require_unchanged
 from .records import keep_record, named_key, record_of, required_key, required_record
 from .result_writing import patches_of, refill_key, whole_form_of
+
+if TYPE_CHECKING:
+    from ..core.monitor import Cancelled, Progress
+    from ..core.surface import FloatArray
 
 
 def limbs_of(mesh: bpy.types.Mesh) -> list[bool]:
@@ -104,6 +107,9 @@ class VariantTask:
         CancelledError
             If `cancelled` returned True.
         """
+        from ..core.limbs import limb_shapes
+        from ..core.monitor import Monitor
+
         reading, monitor = self._reading, Monitor(progress, cancelled)
         chosen = np.array(self.limbs)[self._patches]
         ways = np.arange(1, self.in_betweens + 2) / (self.in_betweens + 1)

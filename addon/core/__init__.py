@@ -1,6 +1,7 @@
 """The method itself: arrays in, arrays out, numpy and scipy only."""
 
-from .canonical import CanonicalForm, canonical_form
+from typing import TYPE_CHECKING, Any
+
 from .errors import (
     CancelledError,
     CanonicalFormError,
@@ -9,8 +10,11 @@ from .errors import (
     SolverError,
     TooLargeError,
 )
-from .recognition import FeaturePatches, feature_patches
 from .settings import Settings
+
+if TYPE_CHECKING:
+    from .canonical import CanonicalForm, canonical_form
+    from .recognition import FeaturePatches, feature_patches
 
 __all__ = [
     "CancelledError",
@@ -25,3 +29,16 @@ __all__ = [
     "canonical_form",
     "feature_patches",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """Import the computation when it is first asked for, so that enabling the extension stays instant."""
+    if name in ("CanonicalForm", "canonical_form"):
+        from . import canonical
+
+        return getattr(canonical, name)
+    if name in ("FeaturePatches", "feature_patches"):
+        from . import recognition
+
+        return getattr(recognition, name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -2,14 +2,14 @@
 
 import bpy
 
-from .. import command_line
-
 
 class _Command:
     handle: object | None = None
 
 
 def _run(arguments: list[str]) -> int:
+    from .. import command_line
+
     return command_line.main(arguments)
 
 

@@ -2,16 +2,20 @@
 
 # no `from __future__ import annotations`: Blender reads the annotations below as properties
 
+from typing import TYPE_CHECKING
+
 import bpy
 from bpy.props import EnumProperty
 
-from ..blender.computing import FormTask, Request, clear_from
 from ..blender.mesh_reading import refusal
 from ..blender.records import RECORD, record_of
 from ..core import CanonicalFormError
 from .job_operator import JobOperator
 from .properties import MethodProperties, RequestProperties, list_patches, settings_of
 from .viewport import restore_shading, show_colours
+
+if TYPE_CHECKING:
+    from ..blender.computing import FormTask
 
 
 class OBJECT_OT_canonical_form(JobOperator, MethodProperties, RequestProperties, bpy.types.Operator):
@@ -37,8 +41,10 @@ class OBJECT_OT_canonical_form(JobOperator, MethodProperties, RequestProperties,
         """Refuse with a reason where the active object cannot be used."""
         return allowed(cls, cls.busy() or refusal(context.object))
 
-    def task(self, context: bpy.types.Context) -> FormTask:
+    def task(self, context: bpy.types.Context) -> "FormTask":
         """Read the active and the other selected meshes."""
+        from ..blender.computing import FormTask, Request
+
         objects, self._refused = chosen_objects(context)
         request = Request(
             settings=settings_of(self),
@@ -50,7 +56,7 @@ class OBJECT_OT_canonical_form(JobOperator, MethodProperties, RequestProperties,
         )
         return FormTask(objects, request)
 
-    def written(self, context: bpy.types.Context, task: FormTask, outcome: list[str], interactive: bool) -> None:
+    def written(self, context: bpy.types.Context, task: "FormTask", outcome: list[str], interactive: bool) -> None:
         """Tell what was found, warnings first."""
         for sentence in (*self._refused, *task.errors):
             self.report({"WARNING"}, sentence)
@@ -81,6 +87,8 @@ class OBJECT_OT_canonical_form_clear(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Remove the results."""
+        from ..blender.computing import clear_from
+
         for obj in chosen_objects(context)[0]:
             try:
                 left = clear_from(obj)
@@ -142,7 +150,7 @@ def allowed(operator: type, reason: str | None) -> bool:
     return reason is None
 
 
-def _told(task: FormTask, outcome: list[str]) -> str:
+def _told(task: "FormTask", outcome: list[str]) -> str:
     """Say in one line what was found."""
     reports = [report for report in task.reports if report]
     seconds = sum(sum(report["timings"].values()) for report in reports)

@@ -2,17 +2,21 @@
 
 # no `from __future__ import annotations`: Blender reads the annotations below as properties
 
+from typing import TYPE_CHECKING
+
 import bpy
 from bpy.props import EnumProperty, IntProperty, StringProperty
 
 from ..blender.chosen_features import CHOSEN_GROUP, choose_features
-from ..blender.distance_fields import DistanceTask
 from ..blender.mesh_reading import refusal
 from ..core import CanonicalFormError
 from .job_operator import JobOperator
 from .operators import allowed
 from .properties import DISTANCES
 from .viewport import show_colours
+
+if TYPE_CHECKING:
+    from ..blender.distance_fields import DistanceTask
 
 
 class OBJECT_OT_canonical_form_choose(bpy.types.Operator):
@@ -79,11 +83,13 @@ class OBJECT_OT_canonical_form_distance(JobOperator, bpy.types.Operator):
         """Refuse with a reason where the active object cannot be used."""
         return allowed(cls, cls.busy() or refusal(context.object))
 
-    def task(self, context: bpy.types.Context) -> DistanceTask:
+    def task(self, context: bpy.types.Context) -> "DistanceTask":
         """Read the mesh and what is selected."""
+        from ..blender.distance_fields import DistanceTask
+
         return DistanceTask(context.object, self.kind, self.isolines)
 
-    def written(self, context: bpy.types.Context, task: DistanceTask, outcome: str, interactive: bool) -> None:
+    def written(self, context: bpy.types.Context, task: "DistanceTask", outcome: str, interactive: bool) -> None:
         """Say where the distances are."""
         self.report({"INFO"}, f"Distances are in the colours and the vertex group {outcome}.")
         if interactive:

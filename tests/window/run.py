@@ -16,7 +16,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 CACHE = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "canonical-form"
 OWN_ROOT = Path(os.environ.get("CANONICAL_FORM_BLENDER_ROOT", CACHE / "blender-root"))
-PACKAGES = ("blender", "xvfb", "xauth", "imagemagick", "libgl1-mesa-dri", "libegl1")
+PACKAGES = ("blender", "python3-numpy", "xvfb", "xauth", "imagemagick", "libgl1-mesa-dri", "libegl1")
 SUITE = "trixie"  # the Debian whose Blender is 4.2 or later
 NO_BLENDER = 77
 INSIDE = """

@@ -32,6 +32,7 @@ def add_figure():
     else:
         from tests.sample.posed_figure import build
 
+        bpy.context.view_layer.update()
         build(levels=3)
     bpy.context.view_layer.objects.active = figure()
 
