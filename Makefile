@@ -1,5 +1,5 @@
 python = .venv/bin/python
-.PHONY: environment run test check package docs bench test-window
+.PHONY: environment run test check package docs bench test-window guide-pictures
 
 environment:
 	@for each in python3 python3.11 python3.13; do \
@@ -28,3 +28,7 @@ bench: environment
 
 test-window: environment
 	$(python) tests/window/run.py $(if $(BLENDER),--blender $(BLENDER)) $(if $(MESH),--mesh $(MESH))
+
+guide-pictures: environment
+	$(python) tests/window/run.py --session tests/window/guide_pictures.py --pictures docs/pictures/guide \
+	  $(if $(BLENDER),--blender $(BLENDER))

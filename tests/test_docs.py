@@ -58,3 +58,18 @@ def test_the_core_imports_no_blender_and_files_stay_small():
         text = path.read_text()
         assert "core" not in path.parts or not re.search(r"^\s*(import|from) bpy", text, flags=re.MULTILINE), path
         assert text.count("\n") <= 400, path
+
+
+def test_every_operator_and_panel_option_is_in_the_guides():
+    from addon.interface import properties
+
+    guide = (ROOT / "docs" / "user-guide.md").read_text()
+    scripting = (ROOT / "docs" / "scripting.md").read_text()
+    for owner in (properties.MethodProperties, properties.RequestProperties):
+        for definition in owner.__annotations__.values():
+            name = definition.keywords["name"]
+            assert name in guide or name == "Vertex Group", name
+    source = "".join(path.read_text() for path in (ROOT / "addon" / "interface").glob("*.py"))
+    for name in re.findall(r'bl_idname = "object\.(\w+)"', source):
+        if name not in ("canonical_form_cancel", "canonical_form_choose"):
+            assert f"bpy.ops.object.{name}(" in scripting, name

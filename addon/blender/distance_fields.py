@@ -11,13 +11,14 @@ import numpy as np
 from ..core import CanonicalFormError
 from .mesh_reading import found_again, object_mode, read_object, require_unchanged, selected_vertices
 from .palette import ramp, with_isolines
-from .records import colour_print, group_prints
+from .records import colour_print, free_name, group_prints
 
 if TYPE_CHECKING:
     from ..core.monitor import Cancelled, Progress
     from ..core.surface import FloatArray
 
-NAMES = {  # of the colours and the vertex group, by the core's name of the kind
+WEIGHTS = "{} Weights"  # the vertex group: one of the colours' own name would hide them from the view
+NAMES = {  # of the colours, by the core's name of the kind
     "heat": "Heat Geodesic",
     "fast_marching": "Fast Marching",
     "biharmonic": "Biharmonic Distance",
@@ -101,14 +102,14 @@ def _write_field(obj: bpy.types.Object, name: str, field: FloatArray, isolines: 
     colour_names, group_names = ours.setdefault("colours", {}), ours.setdefault("groups", {})
     attribute = mesh.color_attributes.get(name)
     if attribute is None or colour_names.get(name) != colour_print(attribute):
-        attribute = mesh.color_attributes.new(name=name, type="FLOAT_COLOR", domain="POINT")
+        attribute = mesh.color_attributes.new(name=free_name(obj, name), type="FLOAT_COLOR", domain="POINT")
     attribute.data.foreach_set("color", colours.astype(np.float32).ravel())
-    colour_names[attribute.name] = colour_print(attribute)
-    mesh.color_attributes.active_color_name = attribute.name
-    if name not in obj.vertex_groups or group_names.get(name) != group_prints(obj, {name: None})[name]:
-        group = obj.vertex_groups.new(name=name)
-    else:
-        group = obj.vertex_groups[name]
+    shown = str(attribute.name)  # the attribute itself moves in memory when others are added
+    colour_names[shown] = colour_print(attribute)
+    mesh.color_attributes.active_color_name = shown
+    weights_name = WEIGHTS.format(name)
+    ours_still = group_prints(obj, {weights_name: None}).get(weights_name, "") == group_names.get(weights_name)
+    group = obj.vertex_groups[weights_name] if ours_still else obj.vertex_groups.new(name=weights_name)
     largest = float(field.max())
     weights = np.round(field / (largest if largest > 0 else 1.0), 3)
     for weight in np.unique(weights):  # at most 1,001 calls, whatever the number of vertices
@@ -117,4 +118,4 @@ def _write_field(obj: bpy.types.Object, name: str, field: FloatArray, isolines: 
     obj.vertex_groups.active_index = group.index
     mesh[_MARK] = json.dumps(ours)
     mesh.update()
-    return str(attribute.name)
+    return shown

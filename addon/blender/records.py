@@ -243,6 +243,26 @@ def group_prints(obj: bpy.types.Object, names: dict[str, Any]) -> dict[str, str]
     return {name: members_print(np.array(members[index]), np.array(weights[index])) for index, name in found.items()}
 
 
+def free_name(obj: bpy.types.Object, name: str) -> str:
+    """Give colours a name that no vertex group has: the group would hide them from the view.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        The object.
+    name : str
+        Name wanted for a colour attribute.
+
+    Returns
+    -------
+    str
+        That name, or a longer one.
+    """
+    while name in obj.vertex_groups:
+        name += " Colours"
+    return name
+
+
 def selection_of(obj: bpy.types.Object) -> dict[str, str | None]:
     """Note which key, group and colours are active, by name, since removing shifts the numbers.
 

@@ -12,6 +12,7 @@ from .records import (
     RECORD,
     colour_print,
     fingerprint,
+    free_name,
     group_prints,
     keep_record,
     key_print,
@@ -103,7 +104,7 @@ def write_results(
             group.add(vertices.tolist(), 1.0, "REPLACE")
             record["groups"][group.name] = members_print(np.sort(vertices), np.ones(len(vertices)))
         for name, field in fields:
-            attribute = mesh.color_attributes.new(name=name, type="FLOAT_COLOR", domain="POINT")
+            attribute = mesh.color_attributes.new(name=free_name(obj, name), type="FLOAT_COLOR", domain="POINT")
             record["colours"][attribute.name] = None
             attribute.data.foreach_set("color", field.ravel())
             record["colours"][attribute.name] = colour_print(attribute)

@@ -86,7 +86,9 @@ class VIEW3D_PT_canonical_form_result(_Tab, bpy.types.Panel):
             layout.prop(key, "value", text="Pose to Form", slider=True)
             row = layout.row(align=True)
             chosen = context.scene.canonical_form
-            button = row.operator(OBJECT_OT_canonical_form_in_betweens.bl_idname, icon="IPO_EASE_IN_OUT")
+            button = row.operator(
+                OBJECT_OT_canonical_form_in_betweens.bl_idname, text="In-betweens", icon="IPO_EASE_IN_OUT"
+            )
             button.count = chosen.in_betweens
             row.prop(chosen, "in_betweens")
         _draw_report(layout.column(align=True), record["report"])
@@ -153,7 +155,9 @@ class VIEW3D_PT_canonical_form_features(_Tab, bpy.types.Panel):
         layout, chosen, obj = self.layout, context.scene.canonical_form, context.object
         layout.use_property_split = True
         layout.use_property_decorate = False
-        layout.row().prop(chosen, "feature_source", expand=True)
+        row = layout.row()
+        row.use_property_split = False
+        row.prop(chosen, "feature_source", expand=True)
         if chosen.feature_source == "DETECTED":
             layout.prop(chosen, "feature_count")
             row = layout.row()

@@ -91,7 +91,7 @@ class OBJECT_OT_canonical_form_distance(JobOperator, bpy.types.Operator):
 
     def written(self, context: bpy.types.Context, task: "DistanceTask", outcome: str, interactive: bool) -> None:
         """Say where the distances are."""
-        self.report({"INFO"}, f"Distances are in the colours and the vertex group {outcome}.")
+        self.report({"INFO"}, f"Distances are in the colours {outcome} and a vertex group.")
         if interactive:
             show_colours(context)
 

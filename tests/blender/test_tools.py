@@ -99,7 +99,7 @@ def test_distances_are_shown(figure_object, kind):
     select(obj, {10})
     assert bpy.ops.object.canonical_form_distance(kind=kind) == {"FINISHED"}
     field = distance_field(*read_mesh(obj.data), [10], kind)
-    group = obj.vertex_groups[NAMES[kind]]
+    group = obj.vertex_groups[f"{NAMES[kind]} Weights"]
     weights = np.array([group.weight(index) for index in range(len(obj.data.vertices))])
     np.testing.assert_allclose(weights, field / field.max(), atol=6e-4)
     colours = np.frombuffer(flat(obj.data.color_attributes[NAMES[kind]].data, "color", 4), np.float32).reshape(-1, 4)
@@ -115,10 +115,10 @@ def test_distances_that_the_user_changed_are_kept(figure_object):
     obj = figure_object
     select(obj, {10})
     bpy.ops.object.canonical_form_distance(kind="heat")
-    obj.vertex_groups["Heat Geodesic"].add([3], 0.123, "REPLACE")
+    obj.vertex_groups["Heat Geodesic Weights"].add([3], 0.123, "REPLACE")
     obj.data.color_attributes["Heat Geodesic"].data[3].color = (1, 0, 0, 1)
     bpy.ops.object.canonical_form_distance(kind="heat")
-    assert obj.vertex_groups["Heat Geodesic"].weight(3) == pytest.approx(0.123)
+    assert obj.vertex_groups["Heat Geodesic Weights"].weight(3) == pytest.approx(0.123)
     assert len(obj.vertex_groups) == len(obj.data.color_attributes) == 2
 
 
