@@ -79,11 +79,8 @@ class Articulation:
             turned_back.transpose(0, 2, 1), (after[self._j] - after[self._i])[:, :, None]
         )[:, :, 0]
         whole_turn, shift = self._carried(self._turned, after)
-        self._left = np.einsum(  # what the frames leave of the form, turned back into the pose
-            "ij,ijk->ik",
-            self._form - np.einsum("ij,ijk->ik", self._points, whole_turn) - shift,
-            np.linalg.inv(whole_turn),
-        )
+        left = self._form - np.einsum("ij,ijk->ik", self._points, whole_turn) - shift
+        self._left = np.einsum("ij,ikj->ik", left, nearest_rotations(whole_turn))  # of the form, turned into the pose
 
     def at(self, amount: FloatArray | float, way: float = 1.0) -> FloatArray:
         """Place all vertices a part of the way from the pose to the form.
@@ -118,7 +115,8 @@ class Articulation:
         self._monitor.check()
         turn, shift = self._carried(turned, placed)
         share = everywhere[:, None]
-        result = np.einsum("ij,ijk->ik", self._points + share * self._left, turn) + shift
+        result = np.einsum("ij,ijk->ik", self._points, turn) + shift
+        result += share * np.einsum("ij,ijk->ik", self._left, nearest_rotations(turn))
         if (everywhere == 0).any():
             still = everywhere == 0
             result[still] = self._points[still]

@@ -85,7 +85,7 @@ def band_stretch(points, faces, form, chosen):
 
 
 @pytest.mark.parametrize(
-    "name", ["man/walk1_04.obj", "woman/benchmark_00.obj", "horse/horse_gallop_f00.obj", "bear/bear_run_f12.obj"]
+    "name", ["man/walk1_04.obj", "woman/zombieWalk1_10.obj", "horse/horse_gallop_f00.obj", "bear/bear_run_f12.obj"]
 )
 def test_one_limb_moves_alone_and_stretches_less_than_the_whole_form_does(real_mesh, name):
     points, faces = real_mesh(name)
