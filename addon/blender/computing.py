@@ -11,17 +11,19 @@ import numpy as np
 
 from ..core import CanonicalFormError, Settings
 from .chosen_features import members_of
+from .in_betweens import has_in_betweens, write_in_betweens
 from .mesh_reading import Reading, found_again, object_mode, read_object, require_unchanged
 from .new_objects import add_result_object
 from .object_warnings import object_warnings
 from .palette import Colours, colours_of
-from .records import required_key
+from .records import required_key, required_record
 from .result_writing import clear_results, refill_form, write_results
 from .undeforming import show_at
 
 if TYPE_CHECKING:
     from ..core import CanonicalForm, FeaturePatches
     from ..core.monitor import Cancelled, Progress
+    from ..core.surface import FloatArray
 
 STEPS = ("FORM", "PATCHES", "FEATURES")
 
@@ -82,12 +84,15 @@ class FormTask:
         self.found: list[CanonicalForm | FeaturePatches | None] = []
         self.reports: list[dict[str, Any]] = []
         self.colours: list[Colours | None] = []
+        self.shapes: list[list[FloatArray]] = []
+        self._in_betweens: list[int] = []  # of an earlier run, to be made anew
         self.errors: list[str] = []
         first = {obj.data: obj for obj in reversed(objects)}
         with object_mode(objects[0]):
             for obj in reversed(list(first.values())):
                 self.readings.append(read_object(obj, request.deformed))
                 self.settings.append(_with_features(obj, request))
+                self._in_betweens.append(_in_betweens_to_keep(obj, request))
 
     def compute(self, progress: Progress | None = None, cancelled: Cancelled | None = None) -> None:
         """Compute everything; touches no data of Blender's.
@@ -103,6 +108,8 @@ class FormTask:
             If the only mesh cannot be used, or the run was cancelled; the message says what to do.
         """
         from ..core import canonical_form, feature_patches
+        from ..core.limbs import limb_shapes
+        from ..core.monitor import Monitor
 
         count = len(self.readings)
         work = canonical_form if self.request.step == "FORM" else feature_patches
@@ -115,6 +122,7 @@ class FormTask:
             self.found.append(None)
             self.reports.append({})
             self.colours.append(None)
+            self.shapes.append([])
             try:
                 found = work(reading.vertices, reading.faces, settings, told, cancelled)
             except CanonicalFormError as error:
@@ -123,6 +131,14 @@ class FormTask:
                 self.errors.append(f"{reading.name}: {error}")
                 continue
             self.found[-1] = found
+            if self._in_betweens[number]:
+                steps = self._in_betweens[number] + 1
+                whole = np.ones(len(reading.vertices), dtype=bool)
+                ways = [way / steps for way in range(1, steps)]
+                form = found.vertices  # type: ignore[union-attr]
+                self.shapes[-1] = limb_shapes(
+                    reading.vertices, reading.faces, form, whole, ways, Monitor(None, cancelled)
+                )
             self.colours[-1] = colours_of(found.adf, found.patches, reading.faces)
             self.reports[-1] = _report(reading, found, self.request.hausdorff)
 
@@ -140,11 +156,15 @@ class FormTask:
             If nothing could be written; the message says why.
         """
         done: list[str] = []
-        for reading, found, colours, report in zip(self.readings, self.found, self.colours, self.reports, strict=True):
+        for number, (reading, found, colours) in enumerate(zip(self.readings, self.found, self.colours, strict=True)):
             if found is None or colours is None:
                 continue
             try:
-                done.append(self._write_one(reading, found, colours, report))
+                done.append(self._write_one(reading, found, colours, self.reports[number]))
+                if self.shapes[number]:
+                    obj = found_again(reading)
+                    with object_mode(obj):
+                        write_in_betweens(obj, self.shapes[number])
             except CanonicalFormError as error:
                 self.errors.append(str(error))
         if not done:
@@ -233,6 +253,13 @@ def clear_from(obj: bpy.types.Object) -> list[str]:
     """
     with object_mode(obj):
         return clear_results(obj)
+
+
+def _in_betweens_to_keep(obj: bpy.types.Object, request: Request) -> int:
+    """Count the keys between pose and form that are to be made anew with the form."""
+    if request.new_object or request.deformed or request.step != "FORM" or not has_in_betweens(obj.data):
+        return 0
+    return len(required_record(obj.data)["between"])
 
 
 def _with_features(obj: bpy.types.Object, request: Request) -> Settings:

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 PROPERTY = "Pose to Form"  # a property of the shape keys' own data, so that it goes wherever the keys go
 IN_BETWEEN = "Canonical Form {:.0%}"
+_EXPRESSION = "max(0, 1 - abs(s * {} - {}))"  # simple enough for Blender to run it without Python
 
 
 def write_in_betweens(obj: bpy.types.Object, shapes: list[FloatArray]) -> None:
@@ -60,7 +61,7 @@ def write_in_betweens(obj: bpy.types.Object, shapes: list[FloatArray]) -> None:
         variable.targets[0].id_type = "KEY"
         variable.targets[0].id = keys
         variable.targets[0].data_path = f'["{PROPERTY}"]'
-        driver.expression = f"max(0, 1 - abs(s * {steps} - {number}))"  # simple enough to run without Python
+        driver.expression = _EXPRESSION.format(steps, number)
     obj.active_shape_key_index = active
     keep_record(mesh, record)
     keys.update_tag()
@@ -90,7 +91,11 @@ def remove_in_betweens(obj: bpy.types.Object) -> list[str]:
         active_name = active.name if active else None
         value = keys.get(PROPERTY, record["value"])
         for curve in list(keys.animation_data.drivers) if keys.animation_data is not None else ():
-            if any(each.targets[0].data_path == f'["{PROPERTY}"]' for each in curve.driver.variables):
+            driven = any(
+                each.targets[0].id == keys and each.targets[0].data_path == f'["{PROPERTY}"]'
+                for each in curve.driver.variables
+            )
+            if driven and curve.driver.expression.startswith(_EXPRESSION.split("{")[0]):
                 keys.animation_data.drivers.remove(curve)  # also that of a key which the user has renamed
         for name, known in record["between"].items():
             key = keys.key_blocks.get(name)

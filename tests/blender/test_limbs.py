@@ -83,17 +83,44 @@ def test_in_betweens_of_a_limb_are_made_anew(formed):
     assert len(keys_of(formed)) == 3
 
 
-@pytest.mark.parametrize("remove", ["clear", "run"])
-def test_clear_and_a_second_run_take_in_betweens_away(figure_object, remove):
+def test_clear_takes_in_betweens_away(figure_object):
     before = snapshot(figure_object)
     bpy.ops.object.canonical_form(**QUICK)
     bpy.ops.object.canonical_form_in_betweens(count=2)
-    if remove == "run":
-        bpy.ops.object.canonical_form(**QUICK)
-        assert [key.name for key in keys_of(figure_object)] == ["Basis", "Canonical Form"]
-        assert figure_object.data.shape_keys.animation_data is None
     bpy.ops.object.canonical_form_clear()
     assert snapshot(figure_object) == before
+
+
+def test_a_second_run_makes_in_betweens_anew_and_keeps_their_animation(figure_object):
+    before = snapshot(figure_object)
+    bpy.ops.object.canonical_form(**QUICK)
+    bpy.ops.object.canonical_form_in_betweens(count=2)
+    keys = figure_object.data.shape_keys
+    keys.keyframe_insert(f'["{PROPERTY}"]', frame=1)
+    names = [key.name for key in keys.key_blocks]
+    first = points_of(keys.key_blocks[2]).copy()
+    bpy.ops.object.canonical_form(**QUICK, value=0.5, feature_points="3, 200")
+    assert [key.name for key in keys.key_blocks] == names
+    assert keys[PROPERTY] == 0.5
+    assert keys.animation_data.action is not None
+    assert not (points_of(keys.key_blocks[2]) == first).all()
+    keys.animation_data.action = None
+    bpy.ops.object.canonical_form_clear()
+    assert snapshot(figure_object) == before
+
+
+def test_drivers_of_the_users_are_left_alone(formed):
+    bpy.ops.object.canonical_form_in_betweens(count=1)
+    keys = formed.data.shape_keys
+    mine = formed.shape_key_add(name="Mine", from_mix=False)
+    driver = mine.driver_add("value").driver
+    driver.expression = "s / 2"
+    variable = driver.variables.new()
+    variable.name = "s"
+    variable.targets[0].id_type, variable.targets[0].id = "KEY", keys
+    variable.targets[0].data_path = f'["{PROPERTY}"]'
+    bpy.ops.object.canonical_form_in_betweens(count=0)
+    assert [curve.driver.expression for curve in keys.animation_data.drivers] == ["s / 2"]
 
 
 def test_an_animated_key_is_not_driven(formed):
