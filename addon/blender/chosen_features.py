@@ -54,11 +54,16 @@ def choose_features(obj: bpy.types.Object, how: str, group_name: str) -> tuple[s
             raise CanonicalFormError(
                 f"That would make {len(now):,} feature points. Select single vertices, one a limb, {_MOST} in all."
             )
+        if group is not None and (group.lock_weight or (how == "SET" and _is_painted(obj, group))):
+            raise CanonicalFormError(
+                f"The vertex group {group.name} is locked or has weights of its own. Choose another group."
+            )
         active = obj.vertex_groups.active.name if obj.vertex_groups.active else None
+        before = set(members_of(obj, group.name)) if group is not None else set()
         if group is None:
             group = obj.vertex_groups.new(name=group_name)
-        group.remove(list(range(len(obj.data.vertices))))
-        group.add(now.tolist(), 1.0, "REPLACE")
+        group.remove(sorted(before - set(now.tolist())))
+        group.add(sorted(set(now.tolist()) - before), 1.0, "REPLACE")
         if active is not None:
             obj.vertex_groups.active_index = obj.vertex_groups.find(active)
         return group.name, len(now)
@@ -85,6 +90,11 @@ def members_of(obj: bpy.types.Object, group_name: str) -> list[int]:
         for vertex in obj.data.vertices
         if any(part.group == index and part.weight > 0 for part in vertex.groups)
     ]
+
+
+def _is_painted(obj: bpy.types.Object, group: bpy.types.VertexGroup) -> bool:
+    """Tell whether a group has weights between 0 and 1: it is for something else then."""
+    return any(0 < group.weight(index) < 1 for index in members_of(obj, group.name))
 
 
 def _detected(obj: bpy.types.Object) -> list[int]:

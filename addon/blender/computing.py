@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING, Any
 import bpy
 import numpy as np
 
-from ..core import CanonicalFormError, Settings
+from ..core import CanonicalFormError, Settings, TooLargeError
 from .chosen_features import members_of
-from .in_betweens import has_in_betweens, write_in_betweens
+from .in_betweens import animated, has_in_betweens, write_in_betweens
 from .mesh_reading import Reading, found_again, object_mode, read_object, require_unchanged
 from .new_objects import add_result_object
 from .object_warnings import object_warnings
 from .palette import Colours, colours_of
-from .records import required_key, required_record
-from .result_writing import clear_results, refill_form, write_results
-from .undeforming import show_at
+from .records import required_record
+from .result_writing import clear_results, write_results
+from .undeforming import positions_before
 
 if TYPE_CHECKING:
     from ..core import CanonicalForm, FeaturePatches
@@ -87,12 +87,20 @@ class FormTask:
         self.shapes: list[list[FloatArray]] = []
         self._in_betweens: list[int] = []  # of an earlier run, to be made anew
         self.errors: list[str] = []
-        first = {obj.data: obj for obj in reversed(objects)}
+        apart = request.deformed or request.new_object  # results of objects that share a mesh do not meet
+        first = {obj if apart else obj.data: obj for obj in reversed(objects)}
         with object_mode(objects[0]):
             for obj in reversed(list(first.values())):
-                self.readings.append(read_object(obj, request.deformed))
-                self.settings.append(_with_features(obj, request))
-                self._in_betweens.append(_in_betweens_to_keep(obj, request))
+                try:
+                    settings, in_betweens = _with_features(obj, request), _in_betweens_to_keep(obj, request)
+                    self.readings.append(read_object(obj, request.deformed))
+                except CanonicalFormError as error:
+                    if len(first) == 1:
+                        raise
+                    self.errors.append(str(error))
+                    continue
+                self.settings.append(settings)
+                self._in_betweens.append(in_betweens)
 
     def compute(self, progress: Progress | None = None, cancelled: Cancelled | None = None) -> None:
         """Compute everything; touches no data of Blender's.
@@ -124,7 +132,7 @@ class FormTask:
             self.colours.append(None)
             self.shapes.append([])
             try:
-                found = work(reading.vertices, reading.faces, settings, told, cancelled)
+                found = _worked(work, reading, settings, told, cancelled)
             except CanonicalFormError as error:
                 if count == 1 or (cancelled is not None and cancelled()):
                     raise
@@ -190,9 +198,9 @@ class FormTask:
                 target = add_result_object(obj, reading)
                 write_results(target, found, colours, request.value, report, patches)
                 return target.name
-            write_results(obj, found, colours, request.value, report, patches)
             if reading.deformed and request.step == "FORM":
-                _write_undeformed(obj, found, request.value)
+                found = replace(found, vertices=positions_before(obj, found.vertices))  # type: ignore[arg-type, union-attr]
+            write_results(obj, found, colours, request.value, report, patches)
         return obj.name
 
 
@@ -255,8 +263,24 @@ def clear_from(obj: bpy.types.Object) -> list[str]:
         return clear_results(obj)
 
 
+def _worked(work: Any, reading: Reading, settings: Settings, told: Progress, cancelled: Cancelled | None) -> Any:
+    """Compute, and say so where the machine has not enough memory after all."""
+    try:
+        return work(reading.vertices, reading.faces, settings, told, cancelled)
+    except MemoryError as error:
+        raise TooLargeError(
+            f"The memory of this machine is not enough for {reading.name}. Close other files, or decimate the mesh."
+        ) from error
+
+
 def _in_betweens_to_keep(obj: bpy.types.Object, request: Request) -> int:
     """Count the keys between pose and form that are to be made anew with the form."""
+    if request.step != "FORM" and not request.new_object:
+        reason = animated(obj.data)
+        if reason is not None or has_in_betweens(obj.data):
+            raise CanonicalFormError(
+                f"This step would take the form of {obj.name} away, and it is animated or has in-betweens. Clear first."
+            )
     if request.new_object or request.deformed or request.step != "FORM" or not has_in_betweens(obj.data):
         return 0
     return len(required_record(obj.data)["between"])
@@ -281,18 +305,6 @@ def _with_features(obj: bpy.types.Object, request: Request) -> Settings:
             f"The vertex group {group.name} has {len(members):,} vertices. Choose one of 200 at most."
         )
     return replace(request.settings, feature_points=members)
-
-
-def _write_undeformed(obj: bpy.types.Object, found: Any, value: float) -> None:
-    """Fill the key so that the form is what the modifiers show."""
-    key = required_key(obj.data)
-    try:
-        show_at(obj, key, found.vertices)
-    except CanonicalFormError:
-        clear_results(obj)
-        raise
-    refill_form(obj, key)
-    key.value = value
 
 
 def _report(reading: Reading, found: CanonicalForm | FeaturePatches, hausdorff: bool) -> dict[str, Any]:

@@ -11,7 +11,7 @@ import numpy as np
 from ..core import CanonicalFormError
 from .mesh_reading import found_again, object_mode, read_object, require_unchanged, selected_vertices
 from .palette import ramp, with_isolines
-from .records import colour_print, free_name, group_prints
+from .records import DISTANCES, colour_print, free_name, group_prints
 
 if TYPE_CHECKING:
     from ..core.monitor import Cancelled, Progress
@@ -24,7 +24,6 @@ NAMES = {  # of the colours, by the core's name of the kind
     "biharmonic": "Biharmonic Distance",
     "commute_time": "Commute Time",
 }
-_MARK = "canonical_form_distances"  # fingerprints of what we wrote, by name
 
 
 class DistanceTask:
@@ -98,24 +97,26 @@ def _write_field(obj: bpy.types.Object, name: str, field: FloatArray, isolines: 
     colours = ramp(field)
     if isolines:
         colours = with_isolines(colours, field, isolines)
-    ours: dict[str, dict[str, str]] = json.loads(mesh.get(_MARK, "{}"))  # kind: name: fingerprint
-    colour_names, group_names = ours.setdefault("colours", {}), ours.setdefault("groups", {})
-    attribute = mesh.color_attributes.get(name)
-    if attribute is None or colour_names.get(name) != colour_print(attribute):
+    ours: dict[str, list[str]] = json.loads(mesh.get(DISTANCES, "{}"))  # what it is: its name and fingerprint
+    shown, known = ours.get(f"{name} colours", ["", ""])
+    attribute = mesh.color_attributes.get(shown)
+    if attribute is None or known != colour_print(attribute):
         attribute = mesh.color_attributes.new(name=free_name(obj, name), type="FLOAT_COLOR", domain="POINT")
-    attribute.data.foreach_set("color", colours.astype(np.float32).ravel())
     shown = str(attribute.name)  # the attribute itself moves in memory when others are added
-    colour_names[shown] = colour_print(attribute)
+    attribute.data.foreach_set("color", colours.astype(np.float32).ravel())
+    ours[f"{name} colours"] = [shown, colour_print(attribute)]
     mesh.color_attributes.active_color_name = shown
-    weights_name = WEIGHTS.format(name)
-    ours_still = group_prints(obj, {weights_name: None}).get(weights_name, "") == group_names.get(weights_name)
-    group = obj.vertex_groups[weights_name] if ours_still else obj.vertex_groups.new(name=weights_name)
+    group_name, known = ours.get(f"{name} weights", ["", ""])
+    if group_prints(obj, {group_name: None}).get(group_name) == known and group_name:
+        group = obj.vertex_groups[group_name]
+    else:
+        group = obj.vertex_groups.new(name=WEIGHTS.format(name))
     largest = float(field.max())
     weights = np.round(field / (largest if largest > 0 else 1.0), 3)
     for weight in np.unique(weights):  # at most 1,001 calls, whatever the number of vertices
         group.add(np.flatnonzero(weights == weight).tolist(), float(weight), "REPLACE")
-    group_names[group.name] = group_prints(obj, {group.name: None})[group.name]
+    ours[f"{name} weights"] = [group.name, group_prints(obj, {group.name: None})[group.name]]
     obj.vertex_groups.active_index = group.index
-    mesh[_MARK] = json.dumps(ours)
+    mesh[DISTANCES] = json.dumps(ours)
     mesh.update()
     return shown

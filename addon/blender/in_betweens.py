@@ -111,7 +111,7 @@ def remove_in_betweens(obj: bpy.types.Object) -> list[str]:
         if PROPERTY in keys:
             del keys[PROPERTY]
         data = keys.animation_data
-        if data is not None and not record["animated_before"] and not data.drivers and data.action is None:
+        if data is not None and not record["animated_before"] and not (data.drivers or data.action or data.nla_tracks):
             keys.animation_data_clear()
         if active_name in keys.key_blocks:
             obj.active_shape_key_index = keys.key_blocks.find(active_name)
@@ -119,6 +119,28 @@ def remove_in_betweens(obj: bpy.types.Object) -> list[str]:
     keep_record(mesh, record)
     mesh.update()
     return left
+
+
+def changed_in_betweens(mesh: bpy.types.Mesh) -> list[str]:
+    """List the keys between pose and form that have been changed since they were made.
+
+    Parameters
+    ----------
+    mesh : bpy.types.Mesh
+        The mesh.
+
+    Returns
+    -------
+    list of str
+        Their names.
+    """
+    record, keys = record_of(mesh), mesh.shape_keys
+    if record is None or keys is None:
+        return []
+    blocks = keys.key_blocks
+    return [
+        name for name, known in record.get("between", {}).items() if name in blocks and known != key_print(blocks[name])
+    ]
 
 
 def has_in_betweens(mesh: bpy.types.Mesh) -> bool:
@@ -152,13 +174,18 @@ def animated(mesh: bpy.types.Mesh) -> str | None:
         A sentence that says what to do, or None.
     """
     keys, form = mesh.shape_keys, named_key(mesh)
-    if form is None or keys.animation_data is None:
+    if form is None:
+        return None
+    if PROPERTY in keys and not has_in_betweens(mesh):
+        return f"The shape keys have a property {PROPERTY} of your own. Rename it first, then add in-betweens."
+    if keys.animation_data is None:
         return None
     path = f'key_blocks["{bpy.utils.escape_identifier(form.name)}"].value'
     curves = list(keys.animation_data.drivers)
-    action = keys.animation_data.action
-    if action is not None:
-        curves += list(_curves(action))
+    actions = [keys.animation_data.action]
+    actions += [strip.action for track in keys.animation_data.nla_tracks for strip in track.strips]
+    for action in actions:
+        curves += [] if action is None else _curves(action)
     if any(curve.data_path == path for curve in curves):
         return f"The shape key {form.name} is animated or driven. Remove its animation first, then add in-betweens."
     return None

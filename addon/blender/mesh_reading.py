@@ -120,7 +120,7 @@ def read_object(obj: bpy.types.Object, deformed: bool = False) -> Reading:
     vertices, faces = read_mesh(obj.data)
     mark = _mesh_print(obj.data)
     if deformed:
-        with _without_result(obj.data):
+        with without_result(obj.data):
             vertices, faces = read_shown(obj)
     return Reading(obj.name, obj.session_uid, vertices, faces, mark, deformed)
 
@@ -139,8 +139,18 @@ def read_shown(obj: bpy.types.Object) -> tuple[FloatArray, IntArray]:
         Positions in the object's own space.
     faces : (m, 3) ndarray of int
         Triangles.
+
+    Raises
+    ------
+    CanonicalFormError
+        If Blender does not evaluate the object, since it is switched off in the views.
     """
-    shown = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    graph = bpy.context.evaluated_depsgraph_get()
+    shown = obj.evaluated_get(graph)
+    if shown.original == shown or obj.name not in graph.objects:
+        raise CanonicalFormError(
+            f"{obj.name} is switched off in the views, so nothing is shown. Switch it on, or set Mesh to Base Mesh."
+        )
     mesh = shown.to_mesh()
     try:
         vertices = np.empty(3 * len(mesh.vertices), dtype=np.float32)
@@ -187,7 +197,7 @@ def found_again(reading: Reading) -> bpy.types.Object:
         If it was deleted, renamed, put into a state that cannot be written to, or its mesh was changed.
     """
     obj = bpy.data.objects.get(reading.name)
-    if obj is None or obj.session_uid != reading.uid:
+    if obj is None or obj.session_uid != reading.uid or not obj.users_scene:
         raise CanonicalFormError(
             f"{reading.name} was deleted or renamed while its form was computed. Nothing was written; run again."
         )
@@ -212,7 +222,12 @@ def require_unchanged(obj: bpy.types.Object, reading: Reading) -> None:
     CanonicalFormError
         If its vertices or faces are others.
     """
-    if _mesh_print(obj.data) != reading.print:
+    same = _mesh_print(obj.data) == reading.print
+    if same and reading.deformed:
+        with without_result(obj.data):
+            vertices, faces = read_shown(obj)
+        same = np.array_equal(vertices, reading.vertices) and np.array_equal(faces, reading.faces)
+    if not same:
         raise CanonicalFormError(
             f"{reading.name} was edited while its form was computed. Nothing was written; run again."
         )
@@ -238,23 +253,46 @@ def object_mode(obj: bpy.types.Object) -> Iterator[None]:
         If Blender cannot leave the object's mode.
     """
     mode = obj.mode
-    if mode != "OBJECT":
-        try:
-            bpy.ops.object.mode_set(mode="OBJECT")
-        except RuntimeError as error:
-            raise CanonicalFormError(
-                f"{obj.name} cannot leave its mode. Switch to Object Mode and run again."
-            ) from error
+    if mode == "OBJECT":
+        yield
+        return
+    if not obj.visible_get():
+        raise CanonicalFormError(
+            f"{obj.name} is hidden and in another mode. Show it, or leave its mode, and run again."
+        )
+    layer = bpy.context.view_layer
+    together = [other for other in layer.objects if other.mode == mode]  # several objects may be edited at once
+    selected = [other for other in layer.objects if other.select_get()]
+    try:
+        bpy.ops.object.mode_set(mode="OBJECT")
+    except RuntimeError as error:
+        raise CanonicalFormError(f"{obj.name} cannot leave its mode. Switch to Object Mode and run again.") from error
     try:
         yield
     finally:
-        if mode != "OBJECT":
-            bpy.ops.object.mode_set(mode=mode)
+        if mode == "EDIT":
+            for other in layer.objects:
+                other.select_set(other in together)
+        bpy.ops.object.mode_set(mode=mode)
+        if mode == "EDIT":
+            for other in layer.objects:
+                other.select_set(other in selected)
 
 
 @contextmanager
-def _without_result(mesh: bpy.types.Mesh) -> Iterator[None]:
-    """Leave the keys of an earlier run out of what is shown: a form is made of the pose, not of a form."""
+def without_result(mesh: bpy.types.Mesh) -> Iterator[None]:
+    """Leave the keys of an earlier run out of what is shown: a form is made of the pose, not of a form.
+
+    Parameters
+    ----------
+    mesh : bpy.types.Mesh
+        The mesh.
+
+    Yields
+    ------
+    None
+        Control, while they are muted.
+    """
     record = record_of(mesh)
     names = [] if record is None else [*record["key"], *record.get("between", {})]
     keys = [

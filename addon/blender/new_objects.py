@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
-from .mesh_reading import Reading
+from .mesh_reading import Reading, without_result
 from .records import keep_record, record_of
 from .result_writing import clear_results
 
@@ -26,15 +26,22 @@ def add_result_object(obj: bpy.types.Object, reading: Reading) -> bpy.types.Obje
         The new object, in the same place and collections, without modifiers and shape keys.
     """
     if reading.deformed:
-        graph = bpy.context.evaluated_depsgraph_get()
-        mesh = bpy.data.meshes.new_from_object(obj.evaluated_get(graph), preserve_all_data_layers=True, depsgraph=graph)
+        with without_result(obj.data):
+            graph = bpy.context.evaluated_depsgraph_get()
+            mesh = bpy.data.meshes.new_from_object(
+                obj.evaluated_get(graph), preserve_all_data_layers=True, depsgraph=graph
+            )
     else:
         mesh = obj.data.copy()
     name = f"{obj.name} Canonical Form"
     mesh.name = name
     added = bpy.data.objects.new(name, mesh)
-    for collection in obj.users_collection:
+    open_ones = [each for each in obj.users_collection if each.library is None and each.override_library is None]
+    for collection in open_ones or [bpy.context.scene.collection]:
         collection.objects.link(added)
+    for own, slot in zip(added.material_slots, obj.material_slots, strict=False):
+        if slot.link == "OBJECT":
+            own.link, own.material = "OBJECT", slot.material
     added.matrix_world = obj.matrix_world
     record = record_of(obj.data)
     if record is not None:  # an earlier result came along

@@ -15,6 +15,8 @@ import numpy as np
 from ..core import CanonicalFormError
 
 RECORD = "canonical_form_record"
+DISTANCES = "canonical_form_distances"  # of the distance tools: names and fingerprints of what they wrote
+_FIELDS = {"report", "before", "basis", "key", "groups", "colours"}
 
 
 def record_of(mesh: bpy.types.Mesh) -> dict[str, Any] | None:
@@ -36,7 +38,9 @@ def record_of(mesh: bpy.types.Mesh) -> dict[str, Any] | None:
         record = json.loads(text) if isinstance(text, str) else None
     except json.JSONDecodeError:
         return None
-    return record if isinstance(record, dict) and "report" in record else None
+    if not isinstance(record, dict) or not record.keys() >= _FIELDS:
+        return None
+    return {"palette": [], "hidden": {}, **record}
 
 
 def keep_record(mesh: bpy.types.Mesh, record: dict[str, Any]) -> None:
@@ -285,6 +289,37 @@ def selection_of(obj: bpy.types.Object) -> dict[str, str | None]:
         "colour": colours.active_color.name if colours.active_color else None,
         "render_colour": colours[render].name if 0 <= render < len(colours) else None,
     }
+
+
+def twins_of(obj: bpy.types.Object) -> dict[bpy.types.Object, str | None]:
+    """Note the active shape keys of the other objects that share a mesh, by name.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        The object.
+
+    Returns
+    -------
+    dict of bpy.types.Object to str or None
+        Names of their active keys.
+    """
+    others = [other for other in bpy.data.objects if other.data == obj.data and other != obj]
+    return {other: other.active_shape_key and other.active_shape_key.name for other in others}
+
+
+def restore_twins(twins: dict[bpy.types.Object, str | None]) -> None:
+    """Make the same shape keys active again, as far as they are still there.
+
+    Parameters
+    ----------
+    twins : dict
+        As `twins_of` gives it.
+    """
+    for other, name in twins.items():
+        keys = other.data.shape_keys
+        if keys is not None and name is not None and name in keys.key_blocks:
+            other.active_shape_key_index = keys.key_blocks.find(name)
 
 
 def restore_selection(obj: bpy.types.Object, chosen: dict[str, str | None]) -> None:

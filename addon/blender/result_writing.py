@@ -22,7 +22,9 @@ from .records import (
     required_key,
     required_record,
     restore_selection,
+    restore_twins,
     selection_of,
+    twins_of,
 )
 
 if TYPE_CHECKING:
@@ -71,20 +73,23 @@ def write_results(
 
     mesh = obj.data
     form = found.vertices if isinstance(found, CanonicalForm) else None
-    old = record_of(mesh)
+    old, now, twins = record_of(mesh), selection_of(obj), twins_of(obj)
     kept_key = own_key(mesh) if form is not None else None
-    kept_basis = old["basis"] if old is not None and kept_key is not None else None
-    if old is not None:
-        _remove(obj, old, keep_key=kept_key is not None)
-    record: dict[str, Any] = {"report": report, "before": selection_of(obj), "basis": kept_basis, "key": {}}
+    record: dict[str, Any] = {"report": report, "before": dict(now), "basis": None, "key": {}}
     record |= {"groups": {}, "colours": {}, "hidden": {}, "palette": []}
-    if old is not None and kept_key is not None and record["before"]["shape_key"] == kept_key.name:
-        record["before"]["shape_key"] = old["before"]["shape_key"]
+    if old is not None:
+        if kept_key is not None:
+            record["basis"], record["basis_print"] = old["basis"], old.get("basis_print")
+        for kind, ours in _ours(old).items():
+            if now[kind] in ours:
+                record["before"][kind] = old["before"][kind]
+        _remove(obj, old, keep_key=kept_key is not None)
     done = False
     try:
         if form is not None:
             if mesh.shape_keys is None:
-                record["basis"] = obj.shape_key_add(name="Basis", from_mix=False).name
+                basis = obj.shape_key_add(name="Basis", from_mix=False)
+                record["basis"], record["basis_print"] = basis.name, key_print(basis)
             key = kept_key or obj.shape_key_add(name=SHAPE_KEY, from_mix=False)
             record["key"][key.name] = None
             if kept_key is None:
@@ -118,11 +123,20 @@ def write_results(
         keep_record(mesh, record)
         if not done:
             clear_results(obj)
-    restore_selection(obj, record["before"])
-    if form is not None and record["before"]["shape_key"] is None:
+    there = {
+        "shape_key": mesh.shape_keys.key_blocks.keys() if mesh.shape_keys is not None else [],
+        "group": obj.vertex_groups.keys(),
+        "colour": mesh.color_attributes.keys(),
+        "render_colour": mesh.color_attributes.keys(),
+    }
+    restore_selection(
+        obj, {kind: now[kind] if now[kind] in names else record["before"][kind] for kind, names in there.items()}
+    )
+    if form is not None and now["shape_key"] is None:
         obj.active_shape_key_index = mesh.shape_keys.key_blocks.find(key.name)
-    if record["before"]["colour"] is None:
+    if now["colour"] is None or record["before"]["colour"] is None:
         mesh.color_attributes.active_color_name = shown
+    restore_twins(twins)
     mesh.update()
 
 
@@ -140,25 +154,6 @@ def refill_key(obj: bpy.types.Object, positions: FloatArray) -> None:
     key, record = required_key(mesh), required_record(mesh)
     key.data.foreach_set("co", positions.astype(np.float32).ravel())
     record["key"][key.name] = key_print(key)
-    keep_record(mesh, record)
-    mesh.update()
-
-
-def refill_form(obj: bpy.types.Object, key: bpy.types.ShapeKey) -> None:
-    """Take what a shape key of ours holds now for the form.
-
-    Parameters
-    ----------
-    obj : bpy.types.Object
-        The object, in Object Mode.
-    key : bpy.types.ShapeKey
-        The key of the last run, filled anew.
-    """
-    mesh, record = obj.data, required_record(obj.data)
-    positions = np.empty(3 * len(key.data), dtype=np.float32)
-    key.data.foreach_get("co", positions)
-    record["key"][key.name] = key_print(key)
-    _write_hidden(mesh, record, HIDDEN_FORM, "FLOAT_VECTOR", "vector", positions)
     keep_record(mesh, record)
     mesh.update()
 
@@ -245,18 +240,13 @@ def clear_results(obj: bpy.types.Object) -> list[str]:
     record = record_of(mesh)
     if record is None:
         return []
-    chosen = selection_of(obj)
-    between = record.get("between", {})
+    chosen, ours, twins = selection_of(obj), _ours(record), twins_of(obj)
     left = _remove(obj, record)
-    for kind, ours in (
-        ("shape_key", [*record["key"], *between, record["basis"]]),
-        ("group", record["groups"]),
-        ("colour", record["colours"]),
-        ("render_colour", record["colours"]),
-    ):
-        if chosen[kind] in ours and chosen[kind] not in left:
+    for kind, names in ours.items():
+        if chosen[kind] in names and chosen[kind] not in left:
             chosen[kind] = record["before"][kind]
     restore_selection(obj, chosen)
+    restore_twins(twins)
     mesh.update()
     return left
 
@@ -268,14 +258,14 @@ def _remove(obj: bpy.types.Object, record: dict[str, Any], keep_key: bool = Fals
     keys = mesh.shape_keys
     for name, known in record["key"].items():
         key = keys.key_blocks.get(name) if keys is not None else None
-        if key is None or key == keys.reference_key or keep_key:
+        if key is None or keep_key:
             continue
-        if known in (None, key_print(key)):
+        if key != keys.reference_key and known in (None, key_print(key)):
             obj.shape_key_remove(key)
         else:
             left.append(name)
-    if keys is not None and not keep_key and record["basis"] is not None and len(keys.key_blocks) == 1:
-        obj.shape_key_clear()  # the Basis was ours too
+    if keys is not None and not keep_key and len(keys.key_blocks) == 1 and _is_own_basis(mesh, record):
+        obj.shape_key_clear()
     prints = group_prints(obj, record["groups"])
     for name, known in record["groups"].items():
         if name in prints and known in (None, prints[name]):
@@ -293,6 +283,27 @@ def _remove(obj: bpy.types.Object, record: dict[str, Any], keep_key: bool = Fals
             mesh.attributes.remove(mesh.attributes[name])
     del mesh[RECORD]
     return left
+
+
+def _ours(record: dict[str, Any]) -> dict[str, list[str | None]]:
+    """List what was written, by the kinds of `selection_of`."""
+    return {
+        "shape_key": [*record["key"], *record.get("between", {}), record["basis"]],
+        "group": [*record["groups"]],
+        "colour": [*record["colours"]],
+        "render_colour": [*record["colours"]],
+    }
+
+
+def _is_own_basis(mesh: bpy.types.Mesh, record: dict[str, Any]) -> bool:
+    """Tell whether the Basis is the one that we added, unchanged, so that nothing is lost with it."""
+    basis = mesh.shape_keys.reference_key
+    points = np.empty(3 * len(mesh.vertices), dtype=np.float32)
+    mesh.vertices.foreach_get("co", points)
+    known = record.get("basis_print")
+    return (
+        basis.name == record["basis"] and key_print(basis) == fingerprint(points) and known in (None, key_print(basis))
+    )
 
 
 def _write_hidden(

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 
 from ..core import CanonicalFormError
-from .in_betweens import PROPERTY, animated, has_in_betweens, remove_in_betweens, write_in_betweens
+from .in_betweens import PROPERTY, animated, changed_in_betweens, has_in_betweens, remove_in_betweens, write_in_betweens
 from .mesh_reading import found_again, object_mode, read_object, require_unchanged
 from .records import keep_record, named_key, record_of, required_key, required_record
 from .result_writing import patches_of, refill_key, whole_form_of
@@ -129,10 +129,14 @@ class VariantTask:
         obj = found_again(self._reading)
         with object_mode(obj):
             require_unchanged(obj, self._reading)
-            value = shown_value(obj.data)
-            left = remove_in_betweens(obj)
+            required_key(obj.data)
+            left = changed_in_betweens(obj.data)
             if left:
-                raise CanonicalFormError(f"Changed since they were made: {', '.join(left)}. They are yours now.")
+                raise CanonicalFormError(
+                    f"Changed since they were made: {', '.join(left)}. Rename them to keep them, or delete them, first."
+                )
+            value = shown_value(obj.data)
+            remove_in_betweens(obj)
             refill_key(obj, self.positions)
             record = required_record(obj.data)
             record["limbs"] = self.limbs

@@ -74,10 +74,7 @@ class Articulation:
         own = _rotation_vectors(self._turned)
         self._anchor = int(np.argmin((own**2).sum(axis=1)))  # the vertex that turns least
         self._edge_before = before[self._j] - before[self._i]
-        turned_back = (self._turned[self._i] + self._turned[self._j]) / 2
-        self._edge_after = np.linalg.solve(
-            turned_back.transpose(0, 2, 1), (after[self._j] - after[self._i])[:, :, None]
-        )[:, :, 0]
+        self._edge_after = np.einsum("ij,ikj->ik", after[self._j] - after[self._i], self._edge_turns(self._turned))
         whole_turn, shift = self._carried(self._turned, after)
         left = self._form - np.einsum("ij,ijk->ik", self._points, whole_turn) - shift
         self._left = np.einsum("ij,ikj->ik", left, nearest_rotations(whole_turn))  # of the form, turned into the pose
@@ -111,6 +108,9 @@ class Articulation:
             return (self._points if everywhere[0] == 0 else self._form) * self._unit + self._centre
         here = everywhere[self._kept]
         held = here == 0
+        if (everywhere == 0).any() and not held.any():  # none of them is worked on
+            here, held = here.copy(), here == here.min()
+            here[held] = 0.0
         turned, placed = self._turned_and_placed(here, held, way * complete[self._kept])
         self._monitor.check()
         turn, shift = self._carried(turned, placed)
@@ -161,10 +161,14 @@ class Articulation:
             if step:
                 turned = nearest_rotations(self._covariances(edge, placed))
                 turned[held] = np.eye(3)
-            pull = self._weight[:, None] * np.einsum("ij,ijk->ik", edge, (turned[self._i] + turned[self._j]) / 2)
+            pull = self._weight[:, None] * np.einsum("ij,ijk->ik", edge, self._edge_turns(turned))
             placed = solve(placed, self._summed(pull, -pull))
             self._monitor.check()
         return turned, placed
+
+    def _edge_turns(self, turned: FloatArray) -> FloatArray:
+        """Find the rotation of each edge between those of its ends."""
+        return nearest_rotations(turned[self._i] + turned[self._j])
 
     def _covariances(self, edge: FloatArray, placed: FloatArray) -> FloatArray:
         outer = (self._weight[:, None] * edge)[:, :, None] * (placed[self._j] - placed[self._i])[:, None, :]

@@ -88,7 +88,7 @@ def limb_amounts(points: FloatArray, faces: IntArray, chosen: np.ndarray) -> Flo
         1 in the limbs and 0 outside, rising smoothly over a band along their borders, measured along edges.
     """
     from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import dijkstra
+    from scipy.sparse.csgraph import connected_components, dijkstra
 
     if chosen.all() or not chosen.any():
         return chosen.astype(np.float64)
@@ -102,8 +102,15 @@ def limb_amounts(points: FloatArray, faces: IntArray, chosen: np.ndarray) -> Flo
         sources = np.unique(border[~side[border]])
         return dijkstra(graph, directed=False, indices=sources, min_only=True)
 
-    inside = depth(chosen)
-    half = min(_BAND * np.sqrt(surface_area(points, faces)), _DEEPEST * float(inside[chosen].max()))
-    signed = np.where(chosen, inside, -depth(~chosen)) / half
+    same = pairs[chosen[pairs[:, 0]] == chosen[pairs[:, 1]]]
+    sides = coo_matrix((np.ones(len(same)), (same[:, 0], same[:, 1])), shape=graph.shape)
+    part = connected_components(sides, directed=False)[
+        1
+    ]  # each limb, and each piece of the rest, has a band of its own
+    distance = np.where(chosen, depth(chosen), depth(~chosen))
+    deepest = np.zeros(int(part.max()) + 1)
+    np.maximum.at(deepest, part, distance)
+    half = np.minimum(_BAND * np.sqrt(surface_area(points, faces)), _DEEPEST * deepest[part])
+    signed = np.where(chosen, distance, -distance) / half
     share = np.clip((1 + signed) / 2, 0.0, 1.0)
     return share * share * (3 - 2 * share)

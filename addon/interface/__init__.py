@@ -12,11 +12,13 @@ from . import (
     preferences,
     properties,
     tool_operators,
+    viewport,
 )
 
 _PARTS = (
     preferences,
     properties,
+    viewport,
     job_operator,
     operators,
     limb_operators,

@@ -8,11 +8,11 @@ import bpy
 from bpy.props import EnumProperty
 
 from ..blender.mesh_reading import refusal
-from ..blender.records import RECORD, record_of
+from ..blender.records import record_of
 from ..core import CanonicalFormError
 from .job_operator import JobOperator
 from .properties import MethodProperties, RequestProperties, list_patches, settings_of
-from .viewport import restore_shading, show_colours
+from .viewport import any_result, restore_shading, show_colours
 
 if TYPE_CHECKING:
     from ..blender.computing import FormTask
@@ -35,6 +35,14 @@ class OBJECT_OT_canonical_form(JobOperator, MethodProperties, RequestProperties,
         ),
         default="FORM",
     )
+
+    @classmethod
+    def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
+        """Say what this button does."""
+        if properties.step == "FORM":
+            return cls.__doc__ or ""
+        found = "feature points" if properties.step == "FEATURES" else "feature points and patches"
+        return f"Find the {found} and stop there. An earlier form of the mesh is taken away"
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -98,7 +106,7 @@ class OBJECT_OT_canonical_form_clear(bpy.types.Operator):
             list_patches(obj.data)
             if left:
                 self.report({"WARNING"}, f"Kept, since they were changed after the run: {', '.join(left)}.")
-        if not any(RECORD in mesh for mesh in bpy.data.meshes):
+        if not any_result():
             restore_shading(context)
         return {"FINISHED"}
 
@@ -157,11 +165,12 @@ def _told(task: "FormTask", outcome: list[str]) -> str:
     if len(outcome) > 1:
         return f"{len(outcome)} objects, {seconds:.1f} s."
     report, obj = reports[0], bpy.data.objects[outcome[0]]
+    read = [reading.name for reading, found in zip(task.readings, task.reports, strict=True) if found]
     sentence = f"{len(report['feature_points'])} feature points, {seconds:.1f} s"
     if "pair_reduction" in report:
         sentence += f", {report['pair_reduction']:.0%} of the pairs saved"
     users = obj.data.users - (1 if obj.data.use_fake_user else 0)
-    if obj.name != task.readings[0].name:
+    if obj.name not in read:
         return f"{sentence}. The result is on {obj.name}."
     return f"{sentence}." + (f" {users} objects share this mesh and show it." if users > 1 else "")
 

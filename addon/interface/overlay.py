@@ -41,14 +41,20 @@ def feature_labels(obj: bpy.types.Object | None, graph: bpy.types.Depsgraph) -> 
     record = record_of(obj.data)
     if record is None:
         return []
-    shown = obj.evaluated_get(graph).data
-    if len(shown.vertices) != record["report"]["vertices"]:  # modifiers have changed the vertices
-        shown = obj.data
+    if obj.mode == "EDIT":
+        import bmesh
+
+        vertices = bmesh.from_edit_mesh(obj.data).verts
+        vertices.ensure_lookup_table()
+    else:
+        vertices = obj.evaluated_get(graph).data.vertices
+        if len(vertices) != record["report"]["vertices"]:  # modifiers have changed the vertices
+            vertices = obj.data.vertices
     palette = record["palette"] or [(1.0, 1.0, 1.0)] * len(record["report"]["feature_points"])
     return [
-        (obj.matrix_world @ shown.vertices[point].co, (*_displayed(colour), 1.0), str(number))
+        (obj.matrix_world @ vertices[point].co, (*_displayed(colour), 1.0), str(number))
         for number, (point, colour) in enumerate(zip(record["report"]["feature_points"], palette, strict=True), start=1)
-        if point < len(shown.vertices)
+        if point < len(vertices)
     ]
 
 

@@ -21,6 +21,7 @@ from .properties import METHOD_NAMES, hand_over
 from .tool_operators import OBJECT_OT_canonical_form_choose, OBJECT_OT_canonical_form_distance
 
 _MAIN = ("quality", "preserve_detail")
+_BUTTON = 1.4  # height of the main button, in that of others
 _WIDTH = 42  # letters in a line of the sidebar
 
 
@@ -44,12 +45,13 @@ class VIEW3D_PT_canonical_form(_Tab, bpy.types.Panel):
         job = OBJECT_OT_canonical_form_cancel.job
         if job is not None:
             row = layout.row(align=True)
+            row.scale_y = _BUTTON
             row.progress(factor=job.fraction, text=f"{job.fraction:.0%}  {job.stage}", type="BAR")
             row.operator(OBJECT_OT_canonical_form_cancel.bl_idname, text="", icon="X")
         else:
             count = sum(each.type == "MESH" for each in context.selected_objects)
             row = layout.row()
-            row.scale_y = 1.4
+            row.scale_y = _BUTTON
             several = f"Compute {count} Objects" if count > 1 and context.mode == "OBJECT" else "Compute"
             button = row.operator(OBJECT_OT_canonical_form.bl_idname, text=several, icon="ARMATURE_DATA")
             hand_over(chosen, button)
@@ -91,7 +93,8 @@ class VIEW3D_PT_canonical_form_result(_Tab, bpy.types.Panel):
             )
             button.count = chosen.in_betweens
             row.prop(chosen, "in_betweens")
-        _draw_report(layout.column(align=True), record["report"])
+        _draw_report(layout.column(align=True), record["report"], bool(record["palette"]))
+        layout.prop(context.scene.canonical_form, "show_points")
         layout.operator(OBJECT_OT_canonical_form_clear.bl_idname, text="Clear", icon="TRASH")
 
 
@@ -104,6 +107,7 @@ class VIEW3D_UL_canonical_form_patches(bpy.types.UIList):
         row = layout.row(align=True)
         swatch = row.row()
         swatch.ui_units_x = 1.2
+        swatch.enabled = not data.is_editmode  # colours cannot be written there
         swatch.prop(item, "colour", text="")
         button = row.operator(
             OBJECT_OT_canonical_form_select_patch.bl_idname, text=f"{item.name}  ({item.size:,})", emboss=False
@@ -140,7 +144,6 @@ class VIEW3D_PT_canonical_form_patches(_Tab, bpy.types.Panel):
         if limbs and not all(limbs):
             every = layout.operator(OBJECT_OT_canonical_form_limb.bl_idname, text="All Limbs", icon="CHECKBOX_HLT")
             every.patch = 0
-        layout.prop(context.scene.canonical_form, "show_points")
 
 
 class VIEW3D_PT_canonical_form_features(_Tab, bpy.types.Panel):
@@ -216,8 +219,9 @@ def _record(context: bpy.types.Context) -> dict | None:
     return record_of(obj.data) if obj is not None and obj.type == "MESH" else None
 
 
-def _draw_report(column: bpy.types.UILayout, report: dict) -> None:
-    lines = [f"{len(report['feature_points'])} feature points and patches, {sum(report['timings'].values()):.1f} s"]
+def _draw_report(column: bpy.types.UILayout, report: dict, patches: bool) -> None:
+    found = "feature points and patches" if patches else "feature points"
+    lines = [f"{len(report['feature_points'])} {found}, {sum(report['timings'].values()):.1f} s"]
     if "measures" in report:
         measures = report["measures"]
         lines.append(f"{report['pair_reduction']:.1%} of {report['vertices'] ** 2 / 1e6:.3g} million pairs saved")

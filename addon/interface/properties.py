@@ -263,6 +263,7 @@ def list_patches(mesh: bpy.types.Mesh) -> None:
         The mesh.
     """
     mesh.property_unset("canonical_form_patches")
+    mesh.property_unset("canonical_form_patch")
     record = record_of(mesh)
     if record is None or not record["palette"]:
         return

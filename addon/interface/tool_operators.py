@@ -62,7 +62,8 @@ class OBJECT_OT_canonical_form_choose(bpy.types.Operator):
             return {"CANCELLED"}
         context.scene.canonical_form.feature_source = "GROUP"
         context.scene.canonical_form.feature_group = name
-        self.report({"INFO"}, f"{count} feature points in the vertex group {name}.")
+        points = "1 feature point is" if count == 1 else f"{count} feature points are"
+        self.report({"INFO"}, f"{points} in the vertex group {name}. Press Compute to use them.")
         return {"FINISHED"}
 
 
@@ -91,7 +92,9 @@ class OBJECT_OT_canonical_form_distance(JobOperator, bpy.types.Operator):
 
     def written(self, context: bpy.types.Context, task: "DistanceTask", outcome: str, interactive: bool) -> None:
         """Say where the distances are."""
-        self.report({"INFO"}, f"Distances are in the colours {outcome} and a vertex group.")
+        from ..blender.distance_fields import WEIGHTS
+
+        self.report({"INFO"}, f"Distances are in the colours {outcome} and the vertex group {WEIGHTS.format(outcome)}.")
         if interactive:
             show_colours(context)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import bpy
 
+from ..blender.records import DISTANCES, RECORD
 from .preferences import switches_shading
 
 _BEFORE = "canonical_form_shading"  # of a screen: what its views were coloured by
@@ -47,3 +48,32 @@ def restore_shading(context: bpy.types.Context) -> None:
             if area.type == "VIEW_3D" and str(number) in before and area.spaces.active.shading.color_type == "VERTEX":
                 area.spaces.active.shading.color_type = before[str(number)]
         del screen[_BEFORE]
+
+
+def any_result() -> bool:
+    """Tell whether any mesh of the file shows colours of ours.
+
+    Returns
+    -------
+    bool
+        True for a result or for distances.
+    """
+    return any(RECORD in mesh or DISTANCES in mesh for mesh in bpy.data.meshes)
+
+
+@bpy.app.handlers.persistent
+def _after_undo(*_: object) -> None:
+    """Switch the views back where undo has taken the last result away."""
+    if not any_result():
+        restore_shading(bpy.context)
+
+
+def register() -> None:
+    """Listen to undo."""
+    bpy.app.handlers.undo_post.append(_after_undo)
+
+
+def unregister() -> None:
+    """Switch the views back before the extension goes."""
+    bpy.app.handlers.undo_post.remove(_after_undo)
+    restore_shading(bpy.context)

@@ -134,7 +134,7 @@ def test_an_animated_key_is_not_driven(formed):
 def test_what_the_user_changed_is_the_users(formed):
     bpy.ops.object.canonical_form_in_betweens(count=2)
     keys_of(formed)["Canonical Form 33%"].data[0].co.x += 1
-    with pytest.raises(RuntimeError, match="are yours now"):
+    with pytest.raises(RuntimeError, match="Rename them to keep them"):
         bpy.ops.object.canonical_form_limb(patch=1, only=True)
     bpy.ops.object.canonical_form_clear()
     assert [key.name for key in keys_of(formed)] == ["Basis", "Canonical Form 33%"]

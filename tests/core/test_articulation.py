@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from addon.core import CancelledError, canonical_form
+from addon.core import CancelledError, Settings, canonical_form
 from addon.core.alignment import rigid_fit
 from addon.core.articulation import Articulation
 from addon.core.limbs import limb_amounts, limb_shapes
@@ -137,3 +137,28 @@ def test_it_can_be_cancelled(figure):
     points, faces = figure
     with pytest.raises(CancelledError):
         Articulation(points, faces, points, Monitor(cancelled=lambda: True))
+
+
+def test_neighbours_that_turn_half_around_do_no_harm(sphere):
+    points, faces = sphere
+    upper = points[:, 2] > 0
+    form = np.where(upper[:, None], points * [-1.0, -1.0, 1.0], points)
+    assert np.abs(Articulation(points, faces, form).at(0.5)).max() < 3
+
+
+def test_vertices_that_are_held_but_not_worked_on_do_not_tear(sphere):
+    points, faces = sphere
+    path = Articulation(points, faces, points @ np.diag([1.0, 1.2, 0.8]))
+    amounts = np.ones(len(points))
+    amounts[np.setdiff1d(np.arange(len(points)), path._kept)[0]] = 0.0
+    shape = path.at(amounts)
+    assert edge_stretch(points, shape, faces).max() < 3
+
+
+def test_a_small_limb_has_a_band_of_its_own(figure):
+    points, faces = figure
+    found = canonical_form(points, faces, Settings(prominence=0.03))
+    for patch in range(len(found.feature_points)):
+        amounts = limb_amounts(points, faces, found.patches != patch)
+        assert amounts[found.patches == patch].min() == 0
+        assert amounts[found.patches != patch].max() == 1

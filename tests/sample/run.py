@@ -12,6 +12,8 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
 import addon  # noqa: E402
+from addon.blender.files import save_form  # noqa: E402
+from addon.blender.mesh_reading import read_mesh  # noqa: E402
 from addon.blender.records import record_of  # noqa: E402
 from tests.sample.picture import render  # noqa: E402
 from tests.sample.posed_figure import build  # noqa: E402
@@ -24,6 +26,7 @@ def main(levels: int) -> None:
     bpy.ops.wm.read_factory_settings(use_empty=True)
     addon.register()
     figure = build(levels=levels)
+    save_form(OUTPUT / "figure-posed.obj", read_mesh(figure.data)[0], figure.data)  # for any Blender
     print(f"Built a posed figure of {len(figure.data.vertices):,} vertices. Taking its pose out …", flush=True)
     bpy.ops.object.canonical_form()
     report = record_of(figure.data)["report"]
@@ -39,7 +42,10 @@ def main(levels: int) -> None:
     bpy.ops.wm.save_as_mainfile(filepath=str(blend))
     render(figure, picture)
     addon.unregister()
-    print(f"Open in Blender: {blend}\nBefore and after: {picture}")
+    print(
+        f"Open in Blender {bpy.app.version[0]}.{bpy.app.version[1]} or later: {blend}\n"
+        f"Posed, for any Blender: {OUTPUT / 'figure-posed.obj'}\nBefore and after: {picture}"
+    )
 
 
 if __name__ == "__main__":

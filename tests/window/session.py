@@ -19,7 +19,7 @@ sys.path[:0] = [str(Path(__file__).resolve().parent), str(Path(__file__).resolve
 
 from hand import UNIT, Hand  # noqa: E402
 
-ROWS = {"compute": 50, "slider": 247, "clear": 388, "toggle": 456, "cancel": 46}  # below the top, at version 4.3
+ROWS = {"compute": 50, "slider": 247, "clear": 414, "toggle": 482, "cancel": 50}  # below the top, at version 4.3
 MOST_GAP = 0.2  # seconds between two ticks of a timer while a large mesh is computed
 hand = Hand(PICTURES)
 ticks, seen = [], []
