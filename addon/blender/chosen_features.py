@@ -10,7 +10,6 @@ from .mesh_reading import object_mode, selected_vertices
 from .records import record_of
 
 CHOSEN_GROUP = "Chosen Feature Points"
-HOWS = ("SET", "ADD", "REMOVE")
 _MOST = 200  # feature points; more are a slip of the hand
 
 

@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from ..core.monitor import Cancelled, Progress
     from ..core.surface import FloatArray
 
-STEPS = ("FORM", "PATCHES", "FEATURES")
-
 
 @dataclass(frozen=True)
 class Request:
