@@ -137,10 +137,8 @@ def session():
 
     step("cancel by the button")
     yield from hand.click_until(running, range(ROWS["compute"] - 4, ROWS["compute"] + 20, 6))
-    yield from hand.click(*hand.below_top(ROWS["cancel"], 0.905))
-    asked = perf_counter()
-    while running() and perf_counter() - asked < 5:
-        yield 0.01
+    yield 1.0  # until the button is drawn
+    yield from hand.click_until(lambda: not running(), [ROWS["cancel"]] * 5, 0.905)
     bpy.context.scene.canonical_form.quality = "normal"
     yield 0.3
     assert state() == before, "the button did not cancel the run"
@@ -259,6 +257,31 @@ def meanwhile(before):
     yield 0.5
     if figure().data.shape_keys is not None:
         bpy.ops.object.canonical_form_clear()
+    yield 1.0
+    with bpy.context.temp_override(window=hand.window, area=hand.area(), region=hand.region("WINDOW")):
+        bpy.ops.object.mode_set(mode="OBJECT")  # undo has led back into Edit Mode
+    still = tuple(figure().data.vertices[0].co)
+    bpy.ops.ed.undo_push(message="Before")
+    figure().data.vertices[0].co.x += 0.1
+    figure().data.update()
+    bpy.ops.ed.undo_push(message="Move a vertex")
+    yield 0.5
+    yield from start()
+    yield from hand.over_view()
+    yield from hand.key("Z", ctrl=True)
+    yield from wait_for_the_end()
+    assert tuple(figure().data.vertices[0].co) == still, "undo does not work while a form is computed"
+    assert figure().data.shape_keys is None, "a mesh that undo changed was written to"
+    path = str(PICTURES / "meanwhile.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path, copy=True)
+    yield from start()
+    bpy.ops.wm.open_mainfile(filepath=path)
+    yield 0.5
+    assert not running(), "the job outlives its file"
+    assert figure().data.shape_keys is None
+    Path(path).unlink()
+    bpy.context.view_layer.objects.active = figure()
+    yield 0.5
     yield from start()
     bpy.data.objects.remove(figure())
     yield from wait_for_the_end()
