@@ -10,7 +10,7 @@ from .mesh_reading import object_mode, selected_vertices
 from .records import record_of
 
 CHOSEN_GROUP = "Chosen Feature Points"
-_MOST = 200  # feature points; more are a slip of the hand
+MOST_FEATURES = 200  # more are a slip of the hand
 
 
 def choose_features(obj: bpy.types.Object, how: str, group_name: str) -> tuple[str, int]:
@@ -42,27 +42,27 @@ def choose_features(obj: bpy.types.Object, how: str, group_name: str) -> tuple[s
         if not len(selected):
             raise CanonicalFormError("No vertex is selected. In Edit Mode, select a vertex at the tip of each limb.")
         group = obj.vertex_groups.get(group_name)
-        now = np.array(members_of(obj, group.name) if group is not None else _detected(obj), dtype=np.int64)
+        before = members_of(obj, group.name) if group is not None else []
+        now = np.array(before if group is not None else _detected(obj), dtype=np.int64)
         if how == "SET":
             now = selected
         elif how == "ADD":
             now = np.union1d(now, selected)
         else:
             now = np.setdiff1d(now, selected)
-        if len(now) > _MOST:
+        if len(now) > MOST_FEATURES:
             raise CanonicalFormError(
-                f"That would make {len(now):,} feature points. Select single vertices, one a limb, {_MOST} in all."
+                f"That would make {len(now):,} feature points. Select one vertex a limb, {MOST_FEATURES} in all."
             )
-        if group is not None and (group.lock_weight or (how == "SET" and _is_painted(obj, group))):
+        if group is not None and (group.lock_weight or (how == "SET" and _is_painted(group, before))):
             raise CanonicalFormError(
                 f"The vertex group {group.name} is locked or has weights of its own. Choose another group."
             )
         active = obj.vertex_groups.active.name if obj.vertex_groups.active else None
-        before = set(members_of(obj, group.name)) if group is not None else set()
         if group is None:
             group = obj.vertex_groups.new(name=group_name)
-        group.remove(sorted(before - set(now.tolist())))
-        group.add(sorted(set(now.tolist()) - before), 1.0, "REPLACE")
+        group.remove(np.setdiff1d(before, now).astype(int).tolist())
+        group.add(np.setdiff1d(now, before).astype(int).tolist(), 1.0, "REPLACE")
         if active is not None:
             obj.vertex_groups.active_index = obj.vertex_groups.find(active)
         return group.name, len(now)
@@ -91,9 +91,9 @@ def members_of(obj: bpy.types.Object, group_name: str) -> list[int]:
     ]
 
 
-def _is_painted(obj: bpy.types.Object, group: bpy.types.VertexGroup) -> bool:
+def _is_painted(group: bpy.types.VertexGroup, members: list[int]) -> bool:
     """Tell whether a group has weights between 0 and 1: it is for something else then."""
-    return any(0 < group.weight(index) < 1 for index in members_of(obj, group.name))
+    return any(0 < group.weight(index) < 1 for index in members)
 
 
 def _detected(obj: bpy.types.Object) -> list[int]:

@@ -10,8 +10,8 @@ import bpy
 import numpy as np
 
 from ..core import CanonicalFormError, Settings, TooLargeError
-from .chosen_features import members_of
-from .in_betweens import animated, has_in_betweens, write_in_betweens
+from .chosen_features import MOST_FEATURES, members_of
+from .in_betweens import animated, has_in_betweens, ways_between, write_in_betweens
 from .mesh_reading import Reading, found_again, object_mode, read_object, require_unchanged
 from .new_objects import add_result_object
 from .object_warnings import object_warnings
@@ -138,9 +138,8 @@ class FormTask:
                 continue
             self.found[-1] = found
             if self._in_betweens[number]:
-                steps = self._in_betweens[number] + 1
                 whole = np.ones(len(reading.vertices), dtype=bool)
-                ways = [way / steps for way in range(1, steps)]
+                ways = ways_between(self._in_betweens[number])
                 form = found.vertices  # type: ignore[union-attr]
                 self.shapes[-1] = limb_shapes(
                     reading.vertices, reading.faces, form, whole, ways, Monitor(None, cancelled)
@@ -298,9 +297,9 @@ def _with_features(obj: bpy.types.Object, request: Request) -> Settings:
     members = members_of(obj, group.name)
     if not members:
         raise CanonicalFormError(f"The vertex group {group.name} of {obj.name} is empty. Add feature points to it.")
-    if len(members) > 200:
+    if len(members) > MOST_FEATURES:
         raise CanonicalFormError(
-            f"The vertex group {group.name} has {len(members):,} vertices. Choose one of 200 at most."
+            f"The vertex group {group.name} has {len(members):,} vertices. Choose one of {MOST_FEATURES} at most."
         )
     return replace(request.settings, feature_points=members)
 

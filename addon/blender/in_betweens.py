@@ -18,6 +18,22 @@ IN_BETWEEN = "Canonical Form {:.0%}"
 _EXPRESSION = "max(0, 1 - abs(s * {} - {}))"  # simple enough for Blender to run it without Python
 
 
+def ways_between(count: int) -> list[float]:
+    """List the parts of the way at which keys between pose and form stand.
+
+    Parameters
+    ----------
+    count : int
+        Number of keys.
+
+    Returns
+    -------
+    list of float
+        Equal steps, without the ends 0 and 1.
+    """
+    return [number / (count + 1) for number in range(1, count + 1)]
+
+
 def write_in_betweens(obj: bpy.types.Object, shapes: list[FloatArray]) -> None:
     """Write keys between pose and form, in place of earlier ones, and drive all by one property.
 

@@ -8,7 +8,15 @@ import bpy
 import numpy as np
 
 from ..core import CanonicalFormError
-from .in_betweens import PROPERTY, animated, changed_in_betweens, has_in_betweens, remove_in_betweens, write_in_betweens
+from .in_betweens import (
+    PROPERTY,
+    animated,
+    changed_in_betweens,
+    has_in_betweens,
+    remove_in_betweens,
+    ways_between,
+    write_in_betweens,
+)
 from .mesh_reading import found_again, object_mode, read_object, require_unchanged
 from .records import keep_record, named_key, record_of, required_key, required_record
 from .result_writing import patches_of, refill_key, whole_form_of
@@ -112,10 +120,10 @@ class VariantTask:
 
         reading, monitor = self._reading, Monitor(progress, cancelled)
         chosen = np.array(self.limbs)[self._patches]
-        ways = np.arange(1, self.in_betweens + 2) / (self.in_betweens + 1)
+        ways = [*ways_between(self.in_betweens), 1.0]
         with monitor.stage("Limbs", 1.0):
             *self.shapes, self.positions = limb_shapes(
-                reading.vertices, reading.faces, self._form, chosen, ways.tolist(), monitor
+                reading.vertices, reading.faces, self._form, chosen, ways, monitor
             )
 
     def write(self) -> None:

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
 
 _WORKED_ON = 1600  # vertices whose rotations are computed; the others follow them
-_NEAR = 0.0015  # diffusion time of the rotations, as a share of the area: two edges of the coarse mesh
 _RELAXATION = 20  # alternations between rotations and positions where part of the surface is held
 
 
@@ -69,7 +68,7 @@ class Articulation:
         surface = intrinsic_delaunay(triangulated(before, worked))
         edges = triu(stiffness(surface), 1).tocoo()
         self._i, self._j, self._weight = edges.row, edges.col, np.maximum(-edges.data, 0.0)
-        self._turned = nearest_rotations(ElasticBody(surface, before, worked).covariances(after, _NEAR))  # x ↦ x R
+        self._turned = ElasticBody(surface, before, worked).turns(after)  # x ↦ x R
         self._turns = _rotation_vectors(np.einsum("nji,njk->nik", self._turned[self._i], self._turned[self._j]))
         own = _rotation_vectors(self._turned)
         self._anchor = int(np.argmin((own**2).sum(axis=1)))  # the vertex that turns least

@@ -106,6 +106,21 @@ class ElasticBody:
         """
         return self.smoothed(self._covariances(after).reshape(-1, 9), share).reshape(-1, 3, 3)
 
+    def turns(self, after: FloatArray) -> FloatArray:
+        """Find how the surroundings of every vertex have turned: the edges near it.
+
+        Parameters
+        ----------
+        after : (n, 3) ndarray of float
+            Positions of the vertices.
+
+        Returns
+        -------
+        (n, 3, 3) ndarray of float
+            Rotations, ``x ↦ x R``.
+        """
+        return nearest_rotations(self.covariances(after, _NEAR))
+
     def frames(self, after: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Find the rigid motion of the surroundings of every vertex: of the edges near it.
 
@@ -123,7 +138,7 @@ class ElasticBody:
         shift : (n, 3) ndarray of float
             t; the motion is ``x ↦ x R + t``.
         """
-        rotation = nearest_rotations(self.covariances(after, _NEAR))
+        rotation = self.turns(after)
         shift = after - np.einsum("ij,ijk->ik", self.points, rotation)
         motion = np.column_stack([rotation.reshape(-1, 9), shift]) * self.mass[:, None]
         motion = self.smoothed(motion, _NEAR)

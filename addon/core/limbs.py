@@ -104,9 +104,8 @@ def limb_amounts(points: FloatArray, faces: IntArray, chosen: np.ndarray) -> Flo
 
     same = pairs[chosen[pairs[:, 0]] == chosen[pairs[:, 1]]]
     sides = coo_matrix((np.ones(len(same)), (same[:, 0], same[:, 1])), shape=graph.shape)
-    part = connected_components(sides, directed=False)[
-        1
-    ]  # each limb, and each piece of the rest, has a band of its own
+    # each limb, and each piece of the rest, has a band of its own
+    part = connected_components(sides, directed=False)[1]
     distance = np.where(chosen, depth(chosen), depth(~chosen))
     deepest = np.zeros(int(part.max()) + 1)
     np.maximum.at(deepest, part, distance)
