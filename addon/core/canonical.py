@@ -7,27 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .alignment import keeps_outside_out, rigid_fit
-from .arrangement import inflated, laid_out, landmark_distances
-from .deformation import ElasticBody
-from .detail import carried_by_frames, detailed
-from .distances import GreensFunction
-from .heat import HeatMethod
-from .memory import require_pair_memory
+from .alignment import rigid_fit
+from .local_features import local_feature_form
 from .monitor import Cancelled, Monitor, Progress
-from .pairs import arrangement_pairs, balanced, feature_pairs, patch_pairs
-from .patches import closed_cell_faces
 from .recognition import recognised
-from .scaling import farthest_points
 from .settings import Settings
-from .smacof import minimise_stress
-from .stress import PairSet, Stress
-from .struts import struts_through
-from .surface import FloatArray, IntArray, Triangulation, surface_area, vertex_areas
-from .weight_inverse import WeightInverse
-
-_FEATURE_SHARE = 0.03  # of the feature points alone, from the input; far more would pull spikes out of the surface
-_LAYOUT_SMOOTHING = 0.02  # diffusion time of the landmarks' geodesics over that of the patches
+from .surface import FloatArray, IntArray, surface_area, vertex_areas
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,65 +96,10 @@ def canonical_form(
     settings = settings or Settings()
     monitor = Monitor(progress, cancelled)
     found = recognised(vertices, faces, settings, monitor)
-    points, triangles, surface, spectrum = found.points, found.triangles, found.surface, found.spectrum
-    features, to_features, cells = found.features, found.to_features, found.cells
-    L, M = found.stiffness, found.mass
-    patches = [triangles[closed_cell_faces(cells, triangles, index)] for index in range(len(features))]
-    require_pair_memory(len(points), [len(np.unique(patch)) for patch in patches], settings)
-    with monitor.stage("Struts", 0.44):
-        struts = None
-        if settings.heat_time is not None:
-            struts = struts_through(points, triangles, to_features, monitor)
-        body = ElasticBody(surface, points, triangles, struts)
-    with monitor.stage("Distances", 0.61):
-        green = None if settings.as_published else GreensFunction(L, M)
-        sets = patch_pairs(points, patches, cells, spectrum, green, struts, settings, monitor)
-    start = points
-    if settings.start == "intrinsic":
-        with monitor.stage("Landmarks", 0.65):
-            landmarks, to_landmarks = _landmarks(surface, features, settings, monitor)
-            distances = to_landmarks
-            if settings.smoothing > 0:
-                distances = landmark_distances(to_landmarks, landmarks, spectrum)
-        with monitor.stage("Start", 0.7):
-            layout = laid_out(distances, landmarks, points, triangles)
-            monitor.check()
-            start = inflated(body, layout, monitor)
-    with monitor.stage("Factorisation", 0.72):
-        between = None
-        if settings.start == "intrinsic" and not settings.as_published:
-            between = arrangement_pairs(landmarks, start)
-        elif len(features) > 1:
-            between = _feature_pairs(features, to_features, green or GreensFunction(L, M), found.adf, settings)
-        if between is not None:
-            if not settings.as_published:
-                share = settings.arrangement_share if settings.start == "intrinsic" else _FEATURE_SHARE
-                between = balanced(between, sets, len(points), share)
-            sets = [*sets, between]
-        pair_count = sum(len(pairs.vertices) ** 2 for pairs in sets)
-        inverse = WeightInverse(len(points), sets, monitor)
-    with monitor.stage("Embedding", 0.9):
-        stress = Stress(len(points), sets, monitor)
-        extrapolation = 0 if settings.as_published else settings.extrapolation
-        form, history = minimise_stress(
-            stress, inverse, start, settings.iterations, settings.tolerance, extrapolation, monitor
-        )
-        if _still_falls(history, settings):
-            monitor.warn(
-                f"The stress was still falling after {settings.iterations} steps. More iterations will change the form "
-                "a little further."
-            )
-        if not keeps_outside_out(body, form):
-            form = form * [1.0, 1.0, -1.0]
-    if settings.preserve_detail > 0 and not settings.as_published:
-        with monitor.stage("Detail", 0.97):
-            form = detailed(body, form, settings.preserve_detail, monitor)
+    embedded = local_feature_form(found, settings, monitor)
     with monitor.stage("Alignment", 1.0):
-        if found.coarse is not None:
-            form = carried_by_frames(found.coarse, body, form, found.whole_points)
-            monitor.check()
         features, cells, adf = found.carried_back(monitor)
-        form = form / np.sqrt(surface_area(form, found.whole_triangles))
+        form = embedded.points / np.sqrt(surface_area(embedded.points, found.whole_triangles))
         areas = vertex_areas(found.whole_points, found.whole_triangles)
         rotation, shift = rigid_fit(form, found.whole_points, areas)
         form = (form @ rotation + shift) * found.unit + found.centre
@@ -178,37 +108,9 @@ def canonical_form(
         features,
         cells,
         adf,
-        history,
-        pair_count,
-        1 - pair_count / len(found.whole_points) ** 2,
+        embedded.history,
+        embedded.pair_count,
+        1 - embedded.pair_count / len(found.whole_points) ** 2,
         monitor.timings,
         monitor.warnings,
     )
-
-
-def _landmarks(
-    surface: Triangulation, features: IntArray, settings: Settings, monitor: Monitor
-) -> tuple[IntArray, FloatArray]:
-    """Spread landmarks over the surface, the feature points first, and measure smoothed geodesics from them."""
-    time = _LAYOUT_SMOOTHING * settings.smoothing
-    heat = HeatMethod(surface, time or None, refine=False, monitor=monitor)
-    return farthest_points(heat, features, heat.distances(features), settings.landmarks, monitor)
-
-
-def _feature_pairs(
-    features: IntArray, to_features: FloatArray, green: GreensFunction, adf: FloatArray, settings: Settings
-) -> PairSet:
-    """Ask for biharmonic distances between the feature points, in the measure of geodesic ones unless as published."""
-    biharmonic = green.biharmonic_distances(features)
-    scale = 1.0  # s, by least squares
-    if not settings.as_published:
-        scale = float(np.vdot(biharmonic, to_features[features]) / np.vdot(biharmonic, biharmonic))
-    return feature_pairs(features, scale * biharmonic, adf)
-
-
-def _still_falls(history: FloatArray, settings: Settings) -> bool:
-    """Tell whether the minimisation ran out of steps before it met the tolerance, where there is one."""
-    steps = len(history) - 1
-    if settings.tolerance == 0 or not 0 < steps == settings.iterations:
-        return False
-    return bool(history[-2] - history[-1] >= settings.tolerance * history[-2])

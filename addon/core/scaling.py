@@ -112,13 +112,51 @@ def least_squares_scaling(
     fixed = start[landmarks]
     for _ in range(steps):
         fixed = _nearer(fixed, fixed, between) * kept
-    nearness = 1 / np.maximum(distances, 1e-3 * distances.max()) ** 2  # the others first move along with the landmarks
+    layout = placed_around(distances, landmarks, fixed, start, depth, steps // 3)
+    return np.asarray(layout - layout.mean(axis=0))
+
+
+def placed_around(
+    distances: FloatArray,
+    landmarks: IntArray,
+    fixed: FloatArray,
+    start: FloatArray,
+    depth: float = 1.0,
+    steps: int = 20,
+) -> FloatArray:
+    """Place every point by its distances from landmarks whose places are known: SMACOF, each point for itself.
+
+    Parameters
+    ----------
+    distances : (n, l) ndarray of float
+        Distance of every point from each landmark.
+    landmarks : (l,) ndarray of int
+        The landmarks among the points.
+    fixed : (l, 3) ndarray of float
+        Their places.
+    start : (n, 3) ndarray of float
+        The points before the landmarks went to their places; the others first move along with those near them.
+    depth : float
+        What is kept of the third coordinate in each step, 0 to 1.
+    steps : int
+        Number of steps.
+
+    Returns
+    -------
+    (n, 3) ndarray of float
+        The points.
+
+    References
+    ----------
+    De Leeuw, "Applications of convex analysis to multidimensional scaling", 1977.
+    """
+    nearness = 1 / np.maximum(distances, 1e-3 * distances.max()) ** 2
     layout = start + product(nearness, fixed - start[landmarks]) / nearness.sum(axis=1)[:, None]
     layout[landmarks] = fixed
-    for _ in range(steps // 3):
-        layout = _nearer(layout, fixed, distances) * kept
+    for _ in range(steps):
+        layout = _nearer(layout, fixed, distances) * np.array([1.0, 1.0, depth])
         layout[landmarks] = fixed
-    return np.asarray(layout - layout.mean(axis=0))
+    return layout
 
 
 def _nearer(points: FloatArray, fixed: FloatArray, distances: FloatArray) -> FloatArray:
