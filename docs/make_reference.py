@@ -12,10 +12,12 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 TARGET = ROOT / "docs" / "api.md"
 MODULES = (  # in the order of the data
-    "canonical", "recognition", "local_features", "embedding", "settings", "errors", "surface", "coarsening", "delaunay", "laplacian", "spectrum",
-    "features", "heat", "patches", "distances", "struts", "pairs", "scaling", "arrangement", "stress", "products",
-    "weight_inverse", "smacof", "deformation", "detail", "articulation", "limbs", "fast_marching", "fields",
-    "alignment", "measures", "memory", "monitor",
+    "canonical", "recognition", "local_features", "embedding", "settings", "errors", "surface", "coarsening",
+    "delaunay", "laplacian", "spectrum", "features", "heat", "patches", "distances", "struts", "pairs", "scaling",
+    "arrangement", "stress", "products", "weight_inverse", "smacof", "deformation", "detail", "articulation",
+    "limbs", "fast_marching", "fields", "alignment", "measures", "memory", "monitor", "rivals.choice",
+    "rivals.samples", "rivals.classical", "rivals.least_squares", "rivals.non_metric", "rivals.fast",
+    "rivals.euclidean", "rivals.one_form", "rivals.skeleton",
 )  # fmt: skip
 HEAD = """# API of the core
 
@@ -27,7 +29,10 @@ by `make docs`.
 
 def reference() -> str:
     """Assemble the page."""
-    missing = {found.name for found in pkgutil.iter_modules([str(ROOT / "addon" / "core")])} - set(MODULES)
+    core = str(ROOT / "addon" / "core")
+    found = {each.name for each in pkgutil.iter_modules([core]) if not each.ispkg}
+    found |= {f"rivals.{each.name}" for each in pkgutil.iter_modules([f"{core}/rivals"])}
+    missing = found - set(MODULES)
     if missing:
         raise SystemExit(f"not in the list of modules: {', '.join(sorted(missing))}")
     parts = [HEAD]

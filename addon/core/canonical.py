@@ -96,7 +96,12 @@ def canonical_form(
     settings = settings or Settings()
     monitor = Monitor(progress, cancelled)
     found = recognised(vertices, faces, settings, monitor)
-    embedded = local_feature_form(found, settings, monitor)
+    if settings.method == "local_features":
+        embedded = local_feature_form(found, settings, monitor)
+    else:
+        from .rivals.choice import rival_form
+
+        embedded = rival_form(found, settings, monitor)
     with monitor.stage("Alignment", 1.0):
         features, cells, adf = found.carried_back(monitor)
         form = embedded.points / np.sqrt(surface_area(embedded.points, found.whole_triangles))

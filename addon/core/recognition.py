@@ -109,6 +109,11 @@ class Recognition:
     to_features: FloatArray
     cells: IntArray
 
+    @property
+    def whole_features(self) -> IntArray:
+        """Feature points among all vertices, (k,)."""
+        return self.features if self.coarse is None else self.coarse.kept[self.features]
+
     def carried_back(self, monitor: Monitor) -> tuple[IntArray, IntArray, FloatArray]:
         """Carry what was found to all vertices.
 
@@ -133,7 +138,7 @@ class Recognition:
         """
         if self.coarse is None:
             return self.features, self.cells, self.adf
-        features = self.coarse.kept[self.features]
+        features = self.whole_features
         cells = voronoi_cells(self.coarse.carried_back(self.to_features), features, self.whole_triangles)
         monitor.check()
         return features, cells, self.coarse.carried_back(self.adf)

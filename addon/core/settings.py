@@ -7,6 +7,17 @@ from dataclasses import dataclass
 
 from .errors import InvalidSettingsError
 
+METHODS = (
+    "local_features",
+    "classical",
+    "least_squares",
+    "non_metric",
+    "fast",
+    "euclidean_random",
+    "euclidean_normalised",
+    "one_form",
+    "skeleton",
+)
 STARTS = ("intrinsic", "input")
 QUALITIES = ("draft", "normal", "full")
 _COARSE = {"draft": 700, "normal": 1600}  # vertices of the mesh that is worked on
@@ -18,6 +29,10 @@ class Settings:
 
     Attributes
     ----------
+    method : str
+        One of `METHODS`: 'local_features', the method of this project, or a rival to compare with. The rivals work on
+        all vertices: from all pairs of them at quality 'full', otherwise from landmarks. Only `landmarks`,
+        `iterations`, `tolerance`, `extrapolation` and what finds feature points matter to them.
     quality : {'draft', 'normal', 'full'}
         How much of the mesh is worked on. Draft: 700 vertices; normal: 1,600; the result is carried back to all
         vertices, at a cost that grows like their number. Full: all vertices, at a cost and memory that grow like the
@@ -62,6 +77,7 @@ class Settings:
         Most memory that may be used, in gigabytes.
     """
 
+    method: str = "local_features"
     quality: str = "normal"
     preserve_detail: float = 0.5
     diffusion_time: float = 0.15
@@ -88,6 +104,11 @@ class Settings:
         InvalidSettingsError
             With the name of the option, its range and the value given.
         """
+        _require(self.method in METHODS, "method", f"one of {', '.join(METHODS)}", self.method)
+        _require(
+            not (self.as_published and self.method != "local_features"),
+            "as_published", "off with a rival method, which has nothing to do as published", self.as_published,
+        )  # fmt: skip
         _require(self.quality in QUALITIES, "quality", "'draft', 'normal' or 'full'", self.quality)
         _require(0 <= self.preserve_detail <= 1, "preserve_detail", "from 0 to 1", self.preserve_detail)
         _require(0 < self.diffusion_time <= 50, "diffusion_time", "above 0 and at most 50", self.diffusion_time)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from itertools import pairwise
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,8 +17,28 @@ from .weight_inverse import WeightInverse
 _RELAXATION = 2.0  # how many times as far as its target a step goes: more may raise the stress
 
 
+class Pulling(Protocol):
+    """Any stress that a majorisation step can lower."""
+
+    def value_and_pull(self, points: FloatArray) -> tuple[float, FloatArray]:
+        """Compute the stress and ``(B(X) - V) X``, minus half its gradient.
+
+        Parameters
+        ----------
+        points : (n, d) ndarray of float
+            X.
+
+        Returns
+        -------
+        value : float
+            The stress.
+        pull : (n, d) ndarray of float
+            Minus half the gradient.
+        """
+
+
 def minimise_stress(
-    stress: Stress,
+    stress: Pulling,
     inverse: Callable[[FloatArray], FloatArray],
     start: FloatArray,
     iterations: int = 300,
@@ -33,7 +54,7 @@ def minimise_stress(
 
     Parameters
     ----------
-    stress : Stress
+    stress : Pulling
         The stress.
     inverse : callable
         V⁺ of the same pair sets.
