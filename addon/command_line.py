@@ -18,7 +18,7 @@ from .blender.files import open_meshes, save_blend, save_form
 from .blender.mesh_reading import refusal
 from .core import CanonicalForm, CanonicalFormError, Settings
 from .core.memory import memory_estimate
-from .core.settings import QUALITIES, STARTS
+from .core.settings import METHODS, QUALITIES, STARTS
 from .result_lines import claim_output
 
 
@@ -73,6 +73,7 @@ def _parser() -> argparse.ArgumentParser:
     compute.add_argument("--format", choices=("blend", "obj", "ply"), default="blend", help="what to write")
     compute.add_argument("--object", help="name of the one object of a file to compute (default: every mesh in it)")
     compute.add_argument("--value", type=float, default=1.0, help="value of the shape key in a .blend")
+    compute.add_argument("--method", choices=METHODS, default=default.method, help="this method or a rival")
     compute.add_argument("--quality", choices=QUALITIES, default=default.quality, help="how much is worked on")
     compute.add_argument("--preserve-detail", type=float, default=default.preserve_detail, help="0 to 1")
     compute.add_argument("--prominence", type=float, default=default.prominence, help="larger gives fewer patches")

@@ -145,7 +145,7 @@ class FormTask:
                     reading.vertices, reading.faces, form, whole, ways, Monitor(None, cancelled)
                 )
             self.colours[-1] = colours_of(found.adf, found.patches, reading.faces)
-            self.reports[-1] = _report(reading, found, self.request.hausdorff)
+            self.reports[-1] = _report(reading, found, self.request)
 
     def write(self) -> list[str]:
         """Write the results, on the main thread.
@@ -304,7 +304,7 @@ def _with_features(obj: bpy.types.Object, request: Request) -> Settings:
     return replace(request.settings, feature_points=members)
 
 
-def _report(reading: Reading, found: CanonicalForm | FeaturePatches, hausdorff: bool) -> dict[str, Any]:
+def _report(reading: Reading, found: CanonicalForm | FeaturePatches, request: Request) -> dict[str, Any]:
     from ..core import CanonicalForm
     from ..core.measures import summary
 
@@ -315,9 +315,10 @@ def _report(reading: Reading, found: CanonicalForm | FeaturePatches, hausdorff: 
         "patch_sizes": np.bincount(found.patches, minlength=len(found.feature_points)).tolist(),
     }
     if isinstance(found, CanonicalForm):
-        measures = summary(reading.vertices, found.vertices, reading.faces, hausdorff)
+        measures = summary(reading.vertices, found.vertices, reading.faces, request.hausdorff)
         stress = found.stress
         report |= {
+            "method": request.settings.method,
             "stress": {"first": float(stress[0]), "last": float(stress[-1]), "steps": len(stress) - 1},
             "pair_count": found.pair_count,
             "pair_reduction": found.pair_reduction,

@@ -10,6 +10,7 @@ from ..blender.records import named_key, record_of, required_record
 from ..blender.variants import limbs_of
 from ..core import Settings
 from ..core.memory import memory_estimate
+from ..core.settings import METHODS
 from .job_operator import OBJECT_OT_canonical_form_cancel
 from .limb_operators import (
     OBJECT_OT_canonical_form_in_betweens,
@@ -21,6 +22,7 @@ from .properties import METHOD_NAMES, hand_over
 from .tool_operators import OBJECT_OT_canonical_form_choose, OBJECT_OT_canonical_form_distance
 
 _MAIN = ("quality", "preserve_detail")
+_OURS_ALONE = ("start", "smoothing", "arrangement_share", "as_published")  # options that mean nothing to rivals
 _BUTTON = 1.4  # height of the main button, in that of others
 _WIDTH = 42  # letters in a line of the sidebar
 
@@ -55,11 +57,14 @@ class VIEW3D_PT_canonical_form(_Tab, bpy.types.Panel):
             several = f"Compute {count} Objects" if count > 1 and context.mode == "OBJECT" else "Compute"
             button = row.operator(OBJECT_OT_canonical_form.bl_idname, text=several, icon="ARMATURE_DATA")
             hand_over(chosen, button)
+        if chosen.method != METHODS[0]:
+            layout.prop(chosen, "method")
         for name in (*_MAIN, "mesh", "result"):
             layout.prop(chosen, name)
         if obj is not None and obj.type == "MESH":
             count = len(obj.data.vertices)
-            memory = memory_estimate(count, Settings(quality=chosen.quality, as_published=chosen.as_published))
+            options = {"as_published": True} if chosen.as_published else {"method": chosen.method}
+            memory = memory_estimate(count, Settings(quality=chosen.quality, landmarks=chosen.landmarks, **options))
             layout.label(text=f"{count:,} vertices, about {memory:.1f} GB", icon="MEMORY")
 
 
@@ -208,10 +213,12 @@ class VIEW3D_PT_canonical_form_advanced(_Tab, bpy.types.Panel):
         """Draw every option that the other panels do not show."""
         self.layout.use_property_split = True
         self.layout.use_property_decorate = False
-        column = self.layout.column()
+        column, chosen = self.layout.column(), context.scene.canonical_form
         for name in ("value", *METHOD_NAMES):
             if name not in (*_MAIN, "prominence", "feature_count"):
-                column.prop(context.scene.canonical_form, name)
+                row = column.row()
+                row.active = chosen.method == METHODS[0] or name not in _OURS_ALONE
+                row.prop(chosen, name)
 
 
 def _record(context: bpy.types.Context) -> dict | None:
@@ -224,6 +231,8 @@ def _draw_report(column: bpy.types.UILayout, report: dict, patches: bool) -> Non
     lines = [f"{len(report['feature_points'])} {found}, {sum(report['timings'].values()):.1f} s"]
     if "measures" in report:
         measures = report["measures"]
+        if report.get("method", METHODS[0]) != METHODS[0]:
+            lines.insert(0, f"Method: {report['method'].replace('_', ' ')}")
         lines.append(f"{report['pair_reduction']:.1%} of {report['vertices'] ** 2 / 1e6:.3g} million pairs saved")
         lines.append(f"Edge distortion: median {measures['edge_distortion_median']:.1%}")
         if measures["compactness_error"] is not None:

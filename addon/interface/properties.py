@@ -31,6 +31,26 @@ DISTANCES = (
 class MethodProperties:
     """Properties that mirror `Settings`; mixed into everything that lets the user choose them."""
 
+    method: EnumProperty(  # type: ignore[valid-type]
+        name="Method",
+        description="How the surface is unfolded",
+        items=(
+            ("local_features", "Local Features", "The method of this extension; all others are there to compare with"),
+            ("classical", "Classical MDS", "Geodesics by classical scaling: squashes limbs (Elad and Kimmel 2003)"),
+            ("least_squares", "Least-Squares MDS", "Geodesics by SMACOF with unit weights (Elad and Kimmel 2003)"),
+            ("non_metric", "Non-metric MDS", "The order of geodesics only (Kruskal 1964)"),
+            ("fast", "Fast MDS", "Geodesics from two points an axis: FastMap (Faloutsos and Lin 1995)"),
+            ("euclidean_random", "Euclidean, Random", "Vertices push each other apart (Pickup and others 2015)"),
+            (
+                "euclidean_normalised",
+                "Euclidean, Normalised",
+                "Vertices push each other apart, near ones as much as far ones (Pickup and others 2015)",
+            ),
+            ("one_form", "1-Form MDS", "Least-squares MDS, then edge vectors put together again (SHREC'15)"),
+            ("skeleton", "Skeleton", "The curve skeleton unbends and drives the mesh (Pickup and others 2016)"),
+        ),
+        default=_DEFAULT.method,
+    )
     quality: EnumProperty(  # type: ignore[valid-type]
         name="Quality",
         description="How much of the mesh is worked on",
