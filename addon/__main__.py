@@ -1,10 +1,14 @@
-"""Runs ``python -m addon`` where the bpy module is installed."""
+"""Runs ``python -m addon``: `compute` where the bpy module is installed, `evaluate` anywhere."""
 
 import sys
 
 from .result_lines import claim_output
 
 if __name__ == "__main__":
+    if sys.argv[1:2] == ["evaluate"]:
+        from .evaluation.command import main as evaluate
+
+        sys.exit(evaluate(sys.argv[2:]))
     claimed = claim_output()  # before bpy is imported: it has something to say too
     try:
         import bpy  # noqa: F401

@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from .deformation import ElasticBody
 from .surface import FloatArray
+
+if TYPE_CHECKING:
+    from scipy.spatial import KDTree
+
+_SCOUTS = 2000  # points of a cloud that are tried from every start
 
 
 def rigid_fit(
@@ -49,7 +56,7 @@ def closest_point_fit(
     """Move one point cloud rigidly onto another without known matches (multi-start ICP).
 
     Starts from the position as given and from every way to lay the principal axes onto each other; the one with the
-    least mean squared distance wins.
+    least mean squared distance wins. Of large clouds a few thousand points find the way, and all take the last steps.
 
     Parameters
     ----------
@@ -76,6 +83,8 @@ def closest_point_fit(
     from scipy.spatial import KDTree
 
     tree = KDTree(target)
+    rng = np.random.default_rng(0)
+    some = source if len(source) <= _SCOUTS else source[np.sort(rng.choice(len(source), _SCOUTS, replace=False))]
     source_centre, target_centre = source.mean(axis=0), target.mean(axis=0)
     source_axes = np.linalg.eigh(np.cov(source.T))[1]
     target_axes = np.linalg.eigh(np.cov(target.T))[1]
@@ -86,17 +95,30 @@ def closest_point_fit(
             starts.append((rotation, target_centre - source_centre @ rotation))
     best, best_error = starts[0], np.inf
     for rotation, shift in starts:
-        error = np.inf
-        for _ in range(iterations):
-            distance, match = tree.query(source @ rotation + shift)
-            previous, error = error, float(np.mean(distance**2))
-            if previous - error <= 1e-9 * previous:
-                break
-            rotation, shift = rigid_fit(source, target[match], mirror=mirror)
-        error = float(np.mean(tree.query(source @ rotation + shift)[0] ** 2))
+        *closer, error = _closer(some, target, tree, rotation, shift, iterations, mirror)
         if error < best_error:
-            best, best_error = (rotation, shift), error
-    return best
+            best, best_error = (closer[0], closer[1]), error
+    return best if some is source else _closer(source, target, tree, *best, iterations, mirror)[:2]
+
+
+def _closer(
+    source: FloatArray,
+    target: FloatArray,
+    tree: KDTree,
+    rotation: FloatArray,
+    shift: FloatArray,
+    iterations: int,
+    mirror: bool,
+) -> tuple[FloatArray, FloatArray, float]:
+    """Match each point with the nearest and fit, over and over; return the motion and the mean squared distance."""
+    error = np.inf
+    for _ in range(iterations):
+        distance, match = tree.query(source @ rotation + shift)
+        previous, error = error, float(np.mean(distance**2))
+        if previous - error <= 1e-9 * previous:
+            break
+        rotation, shift = rigid_fit(source, target[match], mirror=mirror)
+    return rotation, shift, float(np.mean(tree.query(source @ rotation + shift)[0] ** 2))
 
 
 def keeps_outside_out(body: ElasticBody, after: FloatArray) -> bool:

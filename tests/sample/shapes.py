@@ -190,3 +190,12 @@ def read_obj(path: Path):
         elif words[:1] == ["f"]:
             faces.append([int(word.split("/")[0]) - 1 for word in words[1:4]])
     return np.array(vertices), np.array(faces)
+
+
+def write_off(path: Path, vertices, faces):
+    """Write an .off file, and the folders it is in."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    lines = ["OFF", f"{len(vertices)} {len(faces)} 0"]
+    lines += [f"{x:.9g} {y:.9g} {z:.9g}" for x, y, z in np.asarray(vertices).tolist()]
+    lines += [f"3 {a} {b} {c}" for a, b, c in np.asarray(faces).tolist()]
+    path.write_text("\n".join(lines) + "\n")

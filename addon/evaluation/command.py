@@ -1,0 +1,151 @@
+"""The command line: ``python -m addon evaluate DATASET --output DIR``."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from time import perf_counter
+from typing import TextIO
+
+from ..core import CanonicalFormError
+from .dataset import Shape, shapes_in
+from .methods import DEFAULT, KNOWN, Method, chosen_methods
+from .running import Lost, compute_forms, compute_hausdorff, hausdorff_names, pending_forms
+from .scheduling import crew
+from .store import Store
+from .tables import method_table
+
+
+def main(arguments: list[str], output: TextIO | None = None) -> int:
+    """Evaluate methods on a dataset.
+
+    Parameters
+    ----------
+    arguments : list of str
+        The words after ``evaluate``.
+    output : TextIO, optional
+        Where the names of the files go that were written; standard output when left out.
+
+    Returns
+    -------
+    int
+        0 if every form was computed, 1 if one failed, 2 if nothing could be done, 130 if stopped by the keyboard.
+    """
+    try:
+        options = _parser().parse_args(arguments)
+    except SystemExit as stop:
+        return int(stop.code or 0)
+    try:
+        _require_packages(options.scheduler is not None)
+        methods = chosen_methods(_words(options.methods))
+        shapes = shapes_in(options.dataset, options.classes)
+        options.output.mkdir(parents=True, exist_ok=True)
+        store = Store(options.output)
+        lost = _computed(store, shapes, methods, options)
+        failed = _reported(store, shapes, methods, lost, options.hausdorff, output or sys.stdout)
+    except (CanonicalFormError, OSError) as error:
+        print(f"canonical_form: {error}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("canonical_form: Stopped; the same command goes on from here.", file=sys.stderr)
+        return 130
+    return int(failed > 0)
+
+
+def _words(text: str) -> list[str]:
+    """Split at commas, but not inside the settings of a method: ``ours:quality=draft,landmarks=50,fast``."""
+    words: list[str] = []
+    for part in text.split(","):
+        if "=" in part and ":" not in part and words:
+            words[-1] += f",{part}"
+        elif part:
+            words.append(part)
+    return words
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="canonical_form evaluate",
+        description="Compute forms of all shapes of a dataset by several methods, and make tables, a report and "
+        "figures. A run that was stopped or killed goes on where it was when it is started again.",
+        epilog=f"Methods: {', '.join(KNOWN)}. Settings may follow a method: ours:quality=draft,landmarks=50.",
+    )
+    parser.add_argument("dataset", type=Path, help="one folder a class; or all meshes and a file of their classes")
+    parser.add_argument("--output", type=Path, required=True, metavar="DIR", help="folder for results and tables")
+    parser.add_argument(
+        "--methods", default=",".join(DEFAULT), help="names, separated by commas (default: %(default)s)"
+    )
+    parser.add_argument("--classes", type=Path, metavar="FILE", help=".cla file, or lines 'file,class'")
+    parser.add_argument(
+        "--workers", type=int, default=os.cpu_count() or 1, metavar="N", help="processes (default: cores)"
+    )
+    parser.add_argument("--scheduler", metavar="HOST:PORT", help="use a Dask cluster instead of processes")
+    parser.add_argument(
+        "--hausdorff", type=int, default=10, metavar="N",
+        help="shapes of a class that are compared by Hausdorff distance; 0 for none (default: %(default)s)",
+    )  # fmt: skip
+    return parser
+
+
+def _require_packages(cluster: bool) -> None:
+    """Find out now what would be missing after hours."""
+    from importlib.util import find_spec
+
+    wanted = ["matplotlib", "tqdm", "threadpoolctl", *(["distributed"] if cluster else [])]
+    missing = [name for name in wanted if find_spec(name) is None]
+    if missing:
+        names = " ".join("dask[distributed]" if name == "distributed" else name for name in missing)
+        raise CanonicalFormError(f"An evaluation needs more packages. Install them with: pip install {names}")
+
+
+def _computed(store: Store, shapes: list[Shape], methods: list[Method], options: argparse.Namespace) -> Lost:
+    from tqdm import tqdm
+
+    if options.workers < 1:
+        raise CanonicalFormError("--workers must be at least 1.")
+    pending = pending_forms(store, shapes, methods)
+    missing, whole = sum(map(len, pending.values())), len(shapes) * len(methods)
+    lost: Lost = {}
+    pace: list[float] = []
+    began = perf_counter()
+    pause = 0.5 if sys.stderr.isatty() else 30.0  # seconds between two lines in a file
+    with crew(options.workers, options.scheduler) as hired:
+        with tqdm(
+            total=whole, initial=whole - missing, unit="form", desc="Forms", smoothing=0.05, mininterval=pause
+        ) as bar:
+            if missing:
+                lost = compute_forms(store, pending, hired, lambda _: bar.update(), pace)
+        rows = hausdorff_names(store, shapes, methods, options.hausdorff)
+        todo = {name: row for name, row in rows.items() if not store.has_distances(name, row[2])}
+        if rows:
+            with tqdm(
+                total=len(rows), initial=len(rows) - len(todo), unit="row", desc="Hausdorff", mininterval=pause
+            ) as bar:
+                compute_hausdorff(store, todo, hired, lambda _: bar.update(), pace)
+    spent = perf_counter() - began
+    if pace and options.scheduler is None:
+        print(
+            f"{missing} forms and {len(todo)} rows in {spent:.0f} s; the {options.workers} workers were at work for "
+            f"{sum(pace) / (options.workers * spent):.0%} of the time.",
+            file=sys.stderr,
+        )
+    return lost
+
+
+def _reported(
+    store: Store, shapes: Sequence[Shape], methods: Sequence[Method], lost: Lost, count: int, output: TextIO
+) -> int:
+    """Write tables and figures, name them, and return how many forms failed."""
+    from .figures import write_figures
+    from .report import write_report
+
+    tables = [
+        method_table(store, shapes, method, {s: why for (s, m), why in lost.items() if m == method})
+        for method in methods
+    ]
+    for path in [*write_report(store, shapes, tables, count), *write_figures(store, tables)]:
+        print(path, file=output, flush=True)
+    return sum(len(table.failures) for table in tables)

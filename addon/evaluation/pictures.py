@@ -1,0 +1,86 @@
+"""Draws meshes without a renderer: points on the surface, the nearest to the eye in each pixel, the inside in red."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..core.surface import FloatArray, IntArray, area_vectors
+
+_POINTS_A_PIXEL = 16
+_OUTSIDE, _INSIDE = np.array([205.0, 205.0, 212.0]), np.array([220.0, 60.0, 60.0])
+_LIGHT = np.array([0.3, 0.4, 0.87])
+
+
+def drawn(
+    vertices: FloatArray,
+    faces: IntArray,
+    turn: FloatArray | None = None,
+    size: int = 190,
+    colours: FloatArray | None = None,
+    extent: float | None = None,
+) -> np.ndarray:
+    """Draw one mesh, seen along the third axis.
+
+    Parameters
+    ----------
+    vertices : (n, 3) ndarray of float
+        Vertices.
+    faces : (m, 3) ndarray of int
+        Triangles.
+    turn : (3, 3) ndarray of float, optional
+        Rotation before, ``x ↦ x R``.
+    size : int
+        Width and height in pixels.
+    colours : (n, 3) ndarray of float, optional
+        Colour of every vertex, 0 to 255, for the outside of the surface.
+    extent : float, optional
+        Length that fills the picture; that of the mesh when left out.
+
+    Returns
+    -------
+    (size, size, 3) ndarray of uint8
+        The picture; what is not the mesh is white.
+    """
+    rng = np.random.default_rng(0)
+    if turn is not None:
+        vertices = vertices @ turn
+    normal = area_vectors(vertices, faces)
+    area = np.linalg.norm(normal, axis=1)
+    normal = normal / np.maximum(area, 1e-300)[:, None]
+    count = _POINTS_A_PIXEL * size * size
+    face = rng.choice(len(faces), count, p=area / area.sum())
+    u = rng.random((count, 2))
+    root = np.sqrt(u[:, :1])
+    at = np.concatenate([1 - root, root * (1 - u[:, 1:]), root * u[:, 1:]], axis=1)
+    points = np.einsum("ij,ijk->ik", at, vertices[faces[face]])
+    middle = (points.max(axis=0) + points.min(axis=0)) / 2
+    extent = extent or float((points.max(axis=0) - points.min(axis=0))[:2].max()) * 1.08
+    pixel = np.clip(((points - middle) / extent * [1, -1, 0] + 0.5)[:, :2] * size, 0, size - 1).astype(int)
+    shade = np.minimum(0.25 + 0.75 * np.abs(normal[face] @ _LIGHT), 1.0)
+    outside = _OUTSIDE if colours is None else np.einsum("ij,ijk->ik", at, colours[faces[face]])
+    colour = np.where(normal[face][:, 2:] > 0, outside, _INSIDE) * shade[:, None]
+    image = np.full((size, size, 3), 255, np.uint8)
+    order = np.argsort(points[:, 2], kind="stable")
+    image[pixel[order, 1], pixel[order, 0]] = colour[order].astype(np.uint8)
+    return image
+
+
+def upright(vertices: FloatArray) -> FloatArray:
+    """Find a rotation that shows a shape at its widest: its longest axis upwards, its shortest towards the eye.
+
+    Parameters
+    ----------
+    vertices : (n, 3) ndarray of float
+        Vertices.
+
+    Returns
+    -------
+    (3, 3) ndarray of float
+        R, proper; ``x ↦ x R``.
+    """
+    axes = np.linalg.eigh(np.cov(vertices.T))[1]
+    turn = axes[:, [1, 2, 0]]
+    turn = turn * np.where(turn[np.abs(turn).argmax(axis=0), np.arange(3)] < 0, -1.0, 1.0)
+    if np.linalg.det(turn) < 0:
+        turn[:, 2] *= -1
+    return turn

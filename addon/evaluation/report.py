@@ -1,0 +1,289 @@
+"""Writes the tables of an evaluation as CSV and Markdown."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .dataset import Shape
+from .descriptor import DEGREES, SHELLS
+from .methods import INPUT
+from .running import hausdorff_shapes, row_name
+from .store import Store
+from .tables import MethodTable
+
+FIGURES = (
+    "vertices", "faces", "features", "pair_count", "compactness", "compactness_error", "edge_distortion_median",
+    "edge_distortion_95", "hausdorff", "warnings",
+)  # fmt: skip
+
+
+def write_report(store: Store, shapes: Sequence[Shape], tables: Sequence[MethodTable], count: int) -> list[Path]:
+    """Write all tables. Times and memory stand in files of their own; all else is the same in every run.
+
+    Parameters
+    ----------
+    store : Store
+        Where to, and where the Hausdorff distances are.
+    shapes : sequence of Shape
+        The dataset.
+    tables : sequence of MethodTable
+        The results by method.
+    count : int
+        Number of shapes of a class in the Hausdorff matrices.
+
+    Returns
+    -------
+    list of Path
+        The files.
+    """
+    labels = sorted({shape.label for shape in shapes})
+    matrices = {
+        (table.method.name, label): _hausdorff_matrix(store, shapes, table, label, count)
+        for table in tables
+        for label in labels
+    }
+    files = {
+        "results.csv": _csv(
+            ["class", "shape", "method", *FIGURES, "error"],
+            (
+                [shape.label, shape.name, table.method.name]
+                + [_number(table.rows.get(shape, {}).get(figure)) for figure in FIGURES]
+                + [table.failures.get(shape, "")]
+                for table in tables
+                for shape in shapes
+            ),
+        ),
+        "classes.csv": _csv(_CLASS_HEAD, (_class_line(table, label) for table in tables for label in labels)),
+        "methods.csv": _csv(_METHOD_HEAD, (_method_line(table, matrices, labels) for table in tables)),
+        "costs.csv": _csv(
+            ["class", "shape", "method", "vertices", "seconds", "all_seconds", "memory_megabytes"],
+            (
+                [shape.label, shape.name, table.method.name, table.rows[shape]["vertices"]]
+                + [_number(cost.get(name)) for name in ("seconds", "all_seconds", "memory")]
+                for table in tables
+                for shape, cost in table.costs.items()
+            ),
+        ),
+        "report.md": report_text(shapes, tables, matrices),
+        "costs.md": costs_text(tables),
+    }
+    for table in tables:
+        names = [f"{shape.label}/{shape.name}" for shape in table.rows]
+        files[f"descriptor-distances-{table.method.name}.csv"] = _csv(
+            ["", *names], ([name, *map(_number, row)] for name, row in zip(names, table.distances, strict=True))
+        )
+    for (name, label), (some, matrix) in matrices.items():
+        if len(some) > 1:
+            files[f"hausdorff-{name}-{label}.csv"] = _csv(
+                ["", *(shape.name for shape in some)],
+                ([shape.name, *map(_number, row)] for shape, row in zip(some, matrix, strict=True)),
+            )
+    return [store.write_text(name, text) for name, text in files.items()]
+
+
+_CLASS_HEAD = (
+    "method", "class", "shapes", "compactness_error_mean_e4", "compactness_error_deviation_e4",
+    "edge_distortion_median_mean", "edge_distortion_95_mean", "hausdorff_mean", "pose_ratio", "pose_ratio_mirrored",
+)  # fmt: skip
+_METHOD_HEAD = (
+    "method", "done", "failed", "compactness_error_mean_e4", "compactness_error_deviation_e4",
+    "edge_distortion_median_mean", "edge_distortion_95_mean", "hausdorff_mean", "hausdorff_within_classes",
+    "pose_ratio", "pose_ratio_mirrored", "nearest_neighbour", "first_tier", "second_tier", "discounted_gain",
+)  # fmt: skip
+
+
+def _class_line(table: MethodTable, label: str) -> list[str]:
+    error = 1e4 * table.values("compactness_error", label)
+    pose = table.poses.get(label)
+    return [
+        table.method.name,
+        label,
+        str(len(table.values("vertices", label))),
+        *map(_number, [_mean(error), _deviation(error)]),
+        *(_number(_mean(table.values(name, label))) for name in _MEANS),
+        *map(_number, [pose.ratio, pose.ratio_mirrored] if pose else [None, None]),
+    ]
+
+
+_MEANS = ("edge_distortion_median", "edge_distortion_95", "hausdorff")
+
+
+def _method_line(table: MethodTable, matrices: dict[tuple[str, str], Any], labels: list[str]) -> list[str]:
+    error = 1e4 * table.values("compactness_error")
+    within = [_mean(_upper(matrices[table.method.name, label][1])) for label in labels]
+    found = table.found
+    return [
+        table.method.name,
+        str(len(table.rows)),
+        str(len(table.failures)),
+        *map(_number, [_mean(error), _deviation(error)]),
+        *(_number(_mean(table.values(name))) for name in _MEANS),
+        _number(_mean(np.array([each for each in within if np.isfinite(each)]))),
+        *map(_number, [table.pose_ratio(), table.pose_ratio(mirrored=True)]),
+        *map(_number, [found.nearest_neighbour, found.first_tier, found.second_tier, found.discounted_gain]),
+    ]
+
+
+def report_text(shapes: Sequence[Shape], tables: Sequence[MethodTable], matrices: dict[tuple[str, str], Any]) -> str:
+    """Write the report in Markdown.
+
+    Parameters
+    ----------
+    shapes : sequence of Shape
+        The dataset.
+    tables : sequence of MethodTable
+        The results by method.
+    matrices : dict
+        Hausdorff matrices by method and class.
+
+    Returns
+    -------
+    str
+        The report.
+    """
+    labels = sorted({shape.label for shape in shapes})
+    sizes = [len([shape for shape in shapes if shape.label == label]) for label in labels]
+    lines = [
+        "# Evaluation",
+        "",
+        f"{len(shapes)} shapes in {len(labels)} classes: "
+        + ", ".join(f"{label} ({size})" for label, size in zip(labels, sizes, strict=True))
+        + ".",
+        "",
+        "Compactness errors are times 10⁻⁴; Hausdorff distances in units of sqrt(area), after rigid alignment; edge "
+        "distortion is |stretch − 1|; the pose ratio is the distance between the forms of a class over that between "
+        f"its poses. Retrieval compares spherical harmonic descriptors ({SHELLS} shells, {DEGREES} degrees) of the "
+        "forms; *input* is the meshes as they are. Times and memory: [costs](costs.md).",
+        "",
+        "## All classes",
+        "",
+        _markdown(
+            ["method", "compactness error", "deviation", "edges, median", "95 %", "Hausdorff to input",
+             "within classes", "pose ratio", "mirrored", "NN", "1st tier", "2nd tier", "DCG", "failed"],
+            ([line[0], *(_short(word) for word in line[3:]), line[2]]
+             for line in (_method_line(table, matrices, labels) for table in tables)),
+        ),
+    ]  # fmt: skip
+    lines += ["", "## Compactness error by class, mean ± deviation", "", _by_class(tables, labels, _error_text)]
+    lines += ["", "## Pose ratio by class (mirror images allowed)", "", _by_class(tables, labels, _pose_text)]
+    lines += ["", "## Hausdorff distance within the classes, mean", ""]
+    lines += [
+        _by_class(tables, labels, lambda t, label: _short(_number(_mean(_upper(matrices[t.method.name, label][1])))))
+    ]
+    lines += ["", "## Methods", ""]
+    lines += [f"- *{table.method.name}*: {table.method.source}" for table in tables]
+    failed = [(table.method.name, shape, why) for table in tables for shape, why in table.failures.items()]
+    if failed:
+        lines += ["", "## Not done", ""]
+        lines += [f"- {name}, {shape.label}/{shape.name}: {why}" for name, shape, why in failed]
+    return "\n".join(lines) + "\n"
+
+
+def costs_text(tables: Sequence[MethodTable]) -> str:
+    """Write seconds and memory in Markdown, by number of vertices.
+
+    Parameters
+    ----------
+    tables : sequence of MethodTable
+        The results by method.
+
+    Returns
+    -------
+    str
+        The page.
+    """
+    sizes = sorted({round(float(row["vertices"]), -3) for table in tables for row in table.rows.values()})
+    head = ["method", *(f"{int(size):,} vertices" for size in sizes), "peak memory"]
+
+    def line(table: MethodTable) -> list[str]:
+        words = [table.method.name]
+        for size in sizes:
+            seconds = [cost["seconds"] for shape, cost in table.costs.items()
+                       if round(float(table.rows[shape]["vertices"]), -3) == size]  # fmt: skip
+            words.append(f"{np.median(seconds):.2f} s" if seconds else "")
+        memory = [cost["memory"] for cost in table.costs.values() if cost.get("memory") is not None]
+        return [*words, f"{max(memory):,.0f} MB" if memory else ""]
+
+    shown = [table for table in tables if table.method.name != INPUT]
+    return (
+        "# What it cost\n\nMedian seconds a mesh on one thread, without reading and measuring, by thousands of "
+        "vertices; for rivals without the search for feature points, which is for show only. Peak memory beyond what "
+        f"the process had before.\n\n{_markdown(head, map(line, shown))}\n"
+    )
+
+
+def _error_text(table: MethodTable, label: str) -> str:
+    error = 1e4 * table.values("compactness_error", label)
+    return f"{_short(_number(_mean(error)))} ± {_short(_number(_deviation(error)))}" if len(error) else ""
+
+
+def _pose_text(table: MethodTable, label: str) -> str:
+    pose = table.poses.get(label)
+    if pose is None or not np.isfinite(pose.apart):
+        return ""
+    return f"{_short(_number(pose.ratio))} ({_short(_number(pose.ratio_mirrored))})"
+
+
+def _matrix_text(matrix: np.ndarray) -> str:
+    return _short(_number(_mean(_upper(matrix))))
+
+
+def _by_class(tables: Sequence[MethodTable], labels: list[str], text: Any) -> str:
+    return _markdown(
+        ["method", *labels], ([table.method.name, *(text(table, label) for label in labels)] for table in tables)
+    )
+
+
+def _hausdorff_matrix(
+    store: Store, shapes: Sequence[Shape], table: MethodTable, label: str, count: int
+) -> tuple[list[Shape], np.ndarray]:
+    some = hausdorff_shapes(store, shapes, table.method, label, count)
+    matrix = np.full((len(some),) * 2, np.nan)
+    np.fill_diagonal(matrix, 0.0)
+    for first in range(len(some) - 1):
+        row = store.distances(row_name(table.method, label, first))
+        if row is not None and len(row) == len(some) - first - 1:
+            matrix[first, first + 1 :] = matrix[first + 1 :, first] = row
+    return some, matrix
+
+
+def _upper(matrix: np.ndarray) -> np.ndarray:
+    values = matrix[np.triu_indices(len(matrix), 1)]
+    return values[np.isfinite(values)]
+
+
+def _mean(values: np.ndarray) -> float:
+    return float(values.mean()) if len(values) else float("nan")
+
+
+def _deviation(values: np.ndarray) -> float:
+    return float(values.std(ddof=1)) if len(values) > 1 else float("nan")
+
+
+def _number(value: Any) -> str:
+    if value is None or (isinstance(value, float) and np.isnan(value)):
+        return ""
+    return f"{value:.9g}" if isinstance(value, float | np.floating) else str(value)
+
+
+def _short(word: str) -> str:
+    return f"{float(word):.3f}" if word else ""
+
+
+def _csv(head: Sequence[str], lines: Iterable[Sequence[Any]]) -> str:
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow(head)
+    writer.writerows(lines)
+    return stream.getvalue()
+
+
+def _markdown(head: Sequence[str], lines: Iterable[Sequence[str]]) -> str:
+    rows = [head, ["---"] * len(head), *lines]
+    return "\n".join("| " + " | ".join(row) + " |" for row in rows)

@@ -1,0 +1,106 @@
+"""Measures of retrieval from a matrix of distances between shapes (Shilane et al., 2004)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..core.surface import FloatArray
+
+
+@dataclass(frozen=True)
+class Retrieval:
+    """How well shapes of one class find each other, means over all queries, 0 to 1.
+
+    Attributes
+    ----------
+    nearest_neighbour : float
+        Share of the queries whose nearest shape is of their class.
+    first_tier : float
+        Share of the query's class, of c others, among the c nearest.
+    second_tier : float
+        The same among the 2 c nearest.
+    discounted_gain : float
+        Discounted cumulative gain, over that of a perfect order.
+    queries : int
+        Number of queries: shapes that are not alone in their class.
+    """
+
+    nearest_neighbour: float
+    first_tier: float
+    second_tier: float
+    discounted_gain: float
+    queries: int
+
+
+def retrieval(distances: FloatArray, classes: Sequence[str]) -> Retrieval:
+    """Let every shape look for the others of its class.
+
+    Parameters
+    ----------
+    distances : (n, n) ndarray of float
+        Distances between the shapes; the query itself is left out. Equal distances count in the order of the shapes.
+    classes : sequence of str
+        Class of each shape.
+
+    Returns
+    -------
+    Retrieval
+        The measures; nan without a query.
+
+    References
+    ----------
+    Shilane, Min, Kazhdan and Funkhouser, "The Princeton Shape Benchmark", 2004.
+    """
+    labels = np.asarray(classes)
+    rows = []
+    for query in range(len(labels)):
+        others = np.delete(np.arange(len(labels)), query)
+        order = others[np.argsort(distances[query, others], kind="stable")]
+        hit = labels[order] == labels[query]
+        members = int(hit.sum())
+        if not members:
+            continue
+        worth = 1 / np.log2(np.maximum(np.arange(1, len(order) + 1), 2))  # 1, 1, 1 / log2 3, …
+        rows.append(
+            [
+                float(hit[0]),
+                hit[:members].mean(),
+                hit[: 2 * members].sum() / members,
+                worth[hit].sum() / worth[:members].sum(),
+            ]
+        )
+    nearest, first, second, gain = np.mean(rows, axis=0).tolist() if rows else [float("nan")] * 4
+    return Retrieval(nearest, first, second, gain, queries=len(rows))
+
+
+def precision_at_recall(distances: FloatArray, classes: Sequence[str], steps: int = 20) -> FloatArray:
+    """Compute the precision at evenly spaced recalls, the mean over all queries.
+
+    Parameters
+    ----------
+    distances : (n, n) ndarray of float
+        Distances between the shapes.
+    classes : sequence of str
+        Class of each shape.
+    steps : int
+        Number of recalls: 1 / steps, 2 / steps … 1.
+
+    Returns
+    -------
+    (steps,) ndarray of float
+        Precision: the best at that recall or a higher one.
+    """
+    labels = np.asarray(classes)
+    curves = []
+    for query in range(len(labels)):
+        others = np.delete(np.arange(len(labels)), query)
+        hit = labels[others[np.argsort(distances[query, others], kind="stable")]] == labels[query]
+        rank = np.flatnonzero(hit) + 1
+        if len(rank):
+            precision = np.maximum.accumulate((np.arange(1, len(rank) + 1) / rank)[::-1])[::-1]
+            wanted = np.ceil(np.arange(1, steps + 1) / steps * len(rank) - 1e-9).astype(int) - 1
+            curves.append(precision[wanted])
+    return np.mean(curves, axis=0) if curves else np.full(steps, np.nan)

@@ -1,0 +1,236 @@
+"""Runs what is not done yet: forms and their measures first, then Hausdorff distances within the classes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import cast
+
+import numpy as np
+
+from ..core import CanonicalFormError
+from .dataset import Shape
+from .methods import INPUT, KNOWN, Method
+from .reading import read_triangles
+from .scheduling import Crew, Work
+from .store import Store, digest, key_of
+from .tables import evenly
+from .work import Outcome, hausdorff_row, measured
+
+Told = Callable[[str], object]
+Lost = dict[tuple[Shape, Method], str]
+
+
+def pending_forms(
+    store: Store, shapes: Sequence[Shape], methods: Sequence[Method]
+) -> dict[Shape, list[tuple[Method, str]]]:
+    """List what has to be computed.
+
+    Parameters
+    ----------
+    store : Store
+        The results so far.
+    shapes : sequence of Shape
+        The dataset.
+    methods : sequence of Method
+        The methods.
+
+    Returns
+    -------
+    dict of Shape to list of (Method, str)
+        Methods to run on each shape, with the keys to keep their results under.
+    """
+    pending: dict[Shape, list[tuple[Method, str]]] = {}
+    for shape in shapes:
+        keys = [(method, key_of(shape.path, method)) for method in methods]
+        missing = [(method, key) for method, key in keys if not store.has(shape, method, key)]
+        if missing:
+            pending[shape] = missing
+    return pending
+
+
+def compute_forms(
+    store: Store, pending: dict[Shape, list[tuple[Method, str]]], crew: Crew, told: Told, pace: list[float]
+) -> Lost:
+    """Compute and keep all forms that are missing.
+
+    Parameters
+    ----------
+    store : Store
+        Takes the results.
+    pending : dict
+        From `pending_forms`.
+    crew : Crew
+        The workers.
+    told : callable
+        Called with a name for each result.
+    pace : list of float
+        Takes the seconds that each result took its worker.
+
+    Returns
+    -------
+    dict of (Shape, Method) to str
+        Reasons of results that were lost with their worker; a second run tries these again.
+
+    Raises
+    ------
+    CanonicalFormError
+        If the crew is lost.
+    """
+    lost: Lost = {}
+    faces_of: dict[Shape, np.ndarray] = {}
+    keys = {(shape, method): key for shape, wanted in pending.items() for method, key in wanted}
+
+    def work() -> Iterator[tuple[object, Work]]:
+        for shape, wanted in pending.items():
+            try:
+                vertices, faces = read_triangles(shape.path)
+            except (CanonicalFormError, OSError, RuntimeError) as error:  # RuntimeError: Blender itself refuses
+                reason = " ".join(str(error).replace(str(shape.path), shape.path.name).split())
+                for method, key in wanted:
+                    store.keep(shape, method, key, Outcome({"error": reason}, {}))
+                    told(f"{method.name} {shape.name}")
+                continue
+            for method, _ in wanted:
+                if method.name == INPUT:
+                    faces_of[shape] = faces
+                yield (shape, method), (measured, (vertices, faces, method))
+
+    for name, result in crew.results(work()):
+        shape, method = cast(tuple[Shape, Method], name)
+        if isinstance(result, Outcome):
+            faces = faces_of.pop(shape, None) if method.name == INPUT else None
+            store.keep(shape, method, keys[shape, method], result, faces)
+            pace.append(float(result.cost["all_seconds"] or 0.0))
+        else:
+            lost[shape, method] = _reason(result)
+        told(f"{method.name} {shape.name}")
+    return lost
+
+
+def hausdorff_names(
+    store: Store, shapes: Sequence[Shape], methods: Sequence[Method], count: int
+) -> dict[str, tuple[Method, list[Shape], str]]:
+    """List the rows of the Hausdorff matrices: each of some shapes of a class against those after it.
+
+    Parameters
+    ----------
+    store : Store
+        The forms.
+    shapes : sequence of Shape
+        The dataset.
+    methods : sequence of Method
+        The methods.
+    count : int
+        Number of shapes of a class at most; below 2 there are no matrices.
+
+    Returns
+    -------
+    dict of str to (Method, list of Shape, str)
+        By name of the row: the method, the shapes, and the key to keep the row under.
+    """
+    rows: dict[str, tuple[Method, list[Shape], str]] = {}
+    for method in methods:
+        for label in sorted({shape.label for shape in shapes}):
+            some = hausdorff_shapes(store, shapes, method, label, count)
+            keys = [str(store.key_of_result(shape, method)) for shape in some]
+            for first in range(len(some) - 1):
+                rows[row_name(method, label, first)] = (method, some[first:], digest(*keys[first:]))
+    return rows
+
+
+def hausdorff_shapes(store: Store, shapes: Sequence[Shape], method: Method, label: str, count: int) -> list[Shape]:
+    """Choose the shapes of a class that are compared with each other.
+
+    Parameters
+    ----------
+    store : Store
+        The forms.
+    shapes : sequence of Shape
+        The dataset.
+    method : Method
+        The method.
+    label : str
+        The class.
+    count : int
+        Number of shapes at most.
+
+    Returns
+    -------
+    list of Shape
+        Those with a form, evenly chosen.
+    """
+    done = []
+    for shape in shapes:
+        result = store.result(shape, method) if shape.label == label and count > 1 else None
+        if result is not None and "error" not in result["row"]:
+            done.append(shape)
+    return evenly(done, count) if done else []
+
+
+def row_name(method: Method, label: str, first: int) -> str:
+    """Name a row of a Hausdorff matrix.
+
+    Parameters
+    ----------
+    method : Method
+        The method.
+    label : str
+        The class.
+    first : int
+        Number of the row.
+
+    Returns
+    -------
+    str
+        Its name in the store.
+    """
+    return f"hausdorff/{method.name}/{label}/{first}"
+
+
+def compute_hausdorff(
+    store: Store, rows: dict[str, tuple[Method, list[Shape], str]], crew: Crew, told: Told, pace: list[float]
+) -> None:
+    """Measure and keep the rows of the Hausdorff matrices that are missing.
+
+    Parameters
+    ----------
+    store : Store
+        Has the forms and takes the rows.
+    rows : dict
+        From `hausdorff_names`, those that are missing.
+    crew : Crew
+        The workers.
+    told : callable
+        Called with a name for each row.
+    pace : list of float
+        Takes the seconds that each row took its worker.
+
+    Raises
+    ------
+    CanonicalFormError
+        If the crew is lost.
+    """
+
+    def work() -> Iterator[tuple[object, Work]]:
+        for name, (method, some, _) in rows.items():
+            forms = [
+                (
+                    np.asarray(store.array(shape, method, "form"), dtype=np.float64),
+                    np.asarray(store.array(shape, KNOWN[INPUT], "faces")),
+                )
+                for shape in some
+            ]
+            yield name, (hausdorff_row, (forms,))
+
+    for name, result in crew.results(work()):
+        if not isinstance(result, Exception):
+            distances, seconds = result
+            store.keep_distances(str(name), rows[str(name)][2], distances)
+            pace.append(seconds)
+        told(str(name))
+
+
+def _reason(error: object) -> str:
+    if isinstance(error, CanonicalFormError):
+        return str(error)
+    return f"{type(error).__name__}: {error}"

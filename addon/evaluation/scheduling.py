@@ -1,0 +1,278 @@
+"""Hands work to processes of this machine or to a Dask cluster, and gets by without those that die."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+import zipfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, Protocol
+
+from ..core import CanonicalFormError
+from .work import end_with_parent
+
+_ATTEMPTS = 3  # times that a piece of work may cost its worker the life before it is given up
+_AHEAD = 2  # pieces waiting for each worker
+_PATIENCE = "20s"  # for an answer of the scheduler
+Work = tuple[Callable[..., Any], tuple[Any, ...]]
+
+
+class LostError(CanonicalFormError):
+    """A piece of work was given up because its worker died again and again."""
+
+
+class Crew(Protocol):
+    """Workers that take pieces of work in order and give results back in any."""
+
+    def results(self, work: Iterator[tuple[object, Work]]) -> Iterator[tuple[object, Any]]:
+        """Run all the work.
+
+        Parameters
+        ----------
+        work : iterator of (object, (callable, tuple))
+            A name, and a function with its arguments; drawn from when a worker will soon need it.
+
+        Yields
+        ------
+        (object, object)
+            The name, and the result or the exception in its place.
+        """
+
+
+class LocalCrew:
+    """Processes of this machine, each on one thread.
+
+    Parameters
+    ----------
+    count : int
+        Number of processes.
+    """
+
+    def __init__(self, count: int) -> None:
+        self._count = count
+        self._pool: Any = None
+
+    def _started(self) -> Any:
+        from concurrent.futures import ProcessPoolExecutor
+        from multiprocessing import get_context
+
+        for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
+            os.environ[name] = "1"  # the processes inherit it; this one has its libraries loaded
+        return ProcessPoolExecutor(self._count, get_context("spawn"), end_with_parent)
+
+    def results(self, work: Iterator[tuple[object, Work]]) -> Iterator[tuple[object, Any]]:
+        """Run all the work.
+
+        Parameters
+        ----------
+        work : iterator of (object, (callable, tuple))
+            Names and work.
+
+        Yields
+        ------
+        (object, object)
+            The name, and the result or the exception in its place.
+        """
+        from concurrent.futures import FIRST_COMPLETED, wait
+        from concurrent.futures.process import BrokenProcessPool
+
+        under_way: dict[Any, tuple[object, Work]] = {}
+        again: list[tuple[object, Work]] = []
+        died: dict[object, int] = {}
+        suspects: list[tuple[object, Work]] = []  # one of them may kill its worker: each runs alone
+        self._pool = self._pool or self._started()
+        more = True
+        while True:
+            room = 1 if suspects else self._count * _AHEAD
+            while len(under_way) < room and (suspects or again or more):
+                if suspects:
+                    piece = suspects.pop()
+                elif again:
+                    piece = again.pop()
+                else:
+                    drawn = next(work, None)
+                    if drawn is None:
+                        more = False
+                        break
+                    piece = drawn
+                try:
+                    under_way[self._pool.submit(piece[1][0], *piece[1][1])] = piece
+                except BrokenProcessPool:
+                    again.append(piece)
+                    break
+            if not under_way and not again and not suspects and not more:
+                return
+            broken = False
+            for future in wait(under_way, return_when=FIRST_COMPLETED).done if under_way else ():
+                piece = under_way.pop(future)
+                try:
+                    result = future.result()
+                except BrokenProcessPool:
+                    broken = True
+                    under_way[future] = piece
+                    break
+                except Exception as error:
+                    result = error
+                yield piece[0], result
+            if broken or (not under_way and again):
+                self._pool.shutdown(wait=True)
+                self._pool = self._started()
+                for piece in under_way.values():
+                    died[piece[0]] = died.get(piece[0], 0) + 1
+                    if died[piece[0]] >= _ATTEMPTS:
+                        yield piece[0], LostError(f"The worker process died {_ATTEMPTS} times (out of memory?).")
+                    else:
+                        suspects.append(piece)
+                under_way.clear()
+
+    def processes(self) -> list[int]:
+        """Name the processes that work at the moment.
+
+        Returns
+        -------
+        list of int
+            Their numbers.
+        """
+        return list(self._pool._processes or ()) if self._pool is not None else []
+
+    def close(self) -> None:
+        """End the processes, whatever they are at."""
+        if self._pool is not None:
+            working = list((self._pool._processes or {}).values())
+            self._pool.shutdown(wait=False, cancel_futures=True)
+            for process in working:
+                process.terminate()
+            for process in working:
+                process.join()
+            self._pool = None
+
+
+class DaskCrew:
+    """An existing Dask cluster. Its workers need numpy and scipy; this code is sent to them.
+
+    Parameters
+    ----------
+    address : str
+        Host and port of the scheduler.
+
+    Raises
+    ------
+    CanonicalFormError
+        If Dask is not installed or the scheduler does not answer.
+    """
+
+    def __init__(self, address: str) -> None:
+        try:
+            from distributed import Client
+        except ImportError as error:
+            raise CanonicalFormError("A cluster needs Dask: pip install 'dask[distributed]'.") from error
+        try:
+            self._client = Client(address if "://" in address else f"tcp://{address}", timeout=_PATIENCE)
+        except OSError as error:
+            raise CanonicalFormError(f"No Dask scheduler answers at {address}.") from error
+        with tempfile.TemporaryDirectory() as folder:
+            self._client.upload_file(str(packed(Path(folder))), load=False)
+
+    def results(self, work: Iterator[tuple[object, Work]]) -> Iterator[tuple[object, Any]]:
+        """Run all the work; what a lost worker had is given to another by the scheduler.
+
+        Parameters
+        ----------
+        work : iterator of (object, (callable, tuple))
+            Names and work.
+
+        Yields
+        ------
+        (object, object)
+            The name, and the result or the exception in its place.
+
+        Raises
+        ------
+        CanonicalFormError
+            If the scheduler is lost.
+        """
+        from distributed import KilledWorker, as_completed
+
+        names: dict[Any, object] = {}
+        running = as_completed([], with_results=False)
+
+        def submit_some() -> None:
+            threads = sum(self._client.nthreads().values())
+            while len(names) < max(threads, 1) * _AHEAD:
+                piece = next(work, None)
+                if piece is None:
+                    return
+                future = self._client.submit(piece[1][0], *piece[1][1], pure=False)
+                names[future.key] = piece[0]
+                running.add(future)
+
+        submit_some()
+        try:
+            for future in running:
+                name = names.pop(future.key)
+                if future.status == "cancelled":
+                    raise CanonicalFormError("The Dask scheduler is lost. Start the evaluation again to go on.")
+                error = future.exception()
+                if isinstance(error, KilledWorker):
+                    error = LostError("The Dask workers that had it died again and again (out of memory?).")
+                result = future.result() if error is None else error
+                future.release()
+                yield name, result
+                submit_some()
+        except OSError as error:
+            raise CanonicalFormError("The Dask scheduler is lost. Start the evaluation again to go on.") from error
+
+    def close(self) -> None:
+        """Leave the cluster as it is."""
+        self._client.close()
+
+
+@contextmanager
+def crew(workers: int, scheduler: str | None) -> Iterator[LocalCrew | DaskCrew]:
+    """Hire workers and let them go in the end.
+
+    Parameters
+    ----------
+    workers : int
+        Number of processes on this machine.
+    scheduler : str or None
+        Host and port of a Dask scheduler to use instead.
+
+    Yields
+    ------
+    LocalCrew or DaskCrew
+        The workers.
+
+    Raises
+    ------
+    CanonicalFormError
+        If Dask is not installed or the scheduler does not answer.
+    """
+    hired = LocalCrew(workers) if scheduler is None else DaskCrew(scheduler)
+    try:
+        yield hired
+    finally:
+        hired.close()
+
+
+def packed(folder: Path) -> Path:
+    """Pack the code that workers need into a file that Python can import from.
+
+    Parameters
+    ----------
+    folder : Path
+        Where to put it.
+
+    Returns
+    -------
+    Path
+        The file.
+    """
+    package = Path(__file__).resolve().parents[1]
+    target = folder / "canonical_form_workers.zip"
+    with zipfile.ZipFile(target, "w") as archive:
+        for source in sorted(package.rglob("*.py")):
+            archive.write(source, Path(package.name) / source.relative_to(package))
+    return target

@@ -1,0 +1,210 @@
+"""Puts the results of an evaluation together: by method, by class, pose, retrieval and Hausdorff distances."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from ..core.alignment import rigid_fit
+from ..core.surface import FloatArray, surface_area
+from .dataset import Shape
+from .methods import INPUT, KNOWN, Method
+from .retrieval import Retrieval, retrieval
+from .store import Store
+
+_POSES = 30  # of a class are compared with each other at most, evenly chosen
+
+
+@dataclass(frozen=True)
+class PoseRatio:
+    """How far the forms of a class are apart, over how far its poses are; nan where the vertex order is not shared.
+
+    Attributes
+    ----------
+    apart : float
+        Mean root mean square distance of two forms, in units of sqrt(area).
+    apart_mirrored : float
+        The same where a mirror image may be used.
+    poses_apart : float
+        The same of the meshes in their poses.
+    """
+
+    apart: float = float("nan")
+    apart_mirrored: float = float("nan")
+    poses_apart: float = float("nan")
+
+    @property
+    def ratio(self) -> float:
+        """The ratio, with proper rotations only."""
+        return self.apart / self.poses_apart
+
+    @property
+    def ratio_mirrored(self) -> float:
+        """The ratio, mirror images allowed."""
+        return self.apart_mirrored / self.poses_apart
+
+
+@dataclass(frozen=True, eq=False)
+class MethodTable:
+    """What the tables say of one method.
+
+    Attributes
+    ----------
+    method : Method
+        The method.
+    rows : dict of Shape to dict
+        Figures of each shape that was done.
+    costs : dict of Shape to dict
+        Seconds and memory of each.
+    failures : dict of Shape to str
+        Reasons of those that were not.
+    poses : dict of str to PoseRatio
+        By class.
+    found : Retrieval
+        Retrieval over all that was done.
+    distances : (n, n) ndarray of float
+        Between the descriptors of the shapes that were done, in their order.
+    """
+
+    method: Method
+    rows: dict[Shape, dict[str, Any]]
+    costs: dict[Shape, dict[str, Any]]
+    failures: dict[Shape, str]
+    poses: dict[str, PoseRatio]
+    found: Retrieval
+    distances: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
+
+    def values(self, name: str, label: str | None = None) -> FloatArray:
+        """Collect one figure of all shapes.
+
+        Parameters
+        ----------
+        name : str
+            The figure.
+        label : str, optional
+            A class; all classes when left out.
+
+        Returns
+        -------
+        (s,) ndarray of float
+            The values that there are.
+        """
+        kept = [row[name] for shape, row in self.rows.items() if label in (None, shape.label)]
+        return np.array([value for value in kept if value is not None], dtype=np.float64)
+
+    def pose_ratio(self, mirrored: bool = False) -> float:
+        """Sum over the classes that share a vertex order, forms over poses.
+
+        Parameters
+        ----------
+        mirrored : bool
+            Whether mirror images are allowed.
+
+        Returns
+        -------
+        float
+            The ratio of the sums; nan if there is no such class.
+        """
+        usable = [each for each in self.poses.values() if np.isfinite(each.apart) and each.poses_apart > 0]
+        if not usable:
+            return float("nan")
+        return sum(e.apart_mirrored if mirrored else e.apart for e in usable) / sum(e.poses_apart for e in usable)
+
+
+def method_table(store: Store, shapes: Sequence[Shape], method: Method, lost: dict[Shape, str]) -> MethodTable:
+    """Read the results of a method and put them together.
+
+    Parameters
+    ----------
+    store : Store
+        The results.
+    shapes : sequence of Shape
+        The dataset.
+    method : Method
+        The method.
+    lost : dict of Shape to str
+        Reasons of shapes whose result was lost with a worker, or that could not be read.
+
+    Returns
+    -------
+    MethodTable
+        The table.
+    """
+    rows: dict[Shape, dict[str, Any]] = {}
+    costs: dict[Shape, dict[str, Any]] = {}
+    failures: dict[Shape, str] = {}
+    for shape in shapes:
+        result = None if shape in lost else store.result(shape, method)
+        if result is None or "error" in result["row"]:
+            failures[shape] = lost.get(shape, "No result.") if result is None else str(result["row"]["error"])
+        else:
+            rows[shape], costs[shape] = result["row"], result["cost"]
+    labels = sorted({shape.label for shape in rows})
+    poses = {label: _pose_ratio(store, [s for s in rows if s.label == label], method) for label in labels}
+    distances = descriptor_distances(np.array([store.array(shape, method, "descriptor") for shape in rows]))
+    found = retrieval(distances, [shape.label for shape in rows])
+    return MethodTable(method, rows, costs, failures, poses, found, distances)
+
+
+def descriptor_distances(descriptors: FloatArray) -> FloatArray:
+    """Measure the Euclidean distances between descriptors.
+
+    Parameters
+    ----------
+    descriptors : (n, d) ndarray of float
+        The descriptors.
+
+    Returns
+    -------
+    (n, n) ndarray of float
+        Distances.
+    """
+    from scipy.spatial.distance import pdist, squareform
+
+    if len(descriptors) < 2:
+        return np.zeros((len(descriptors),) * 2)
+    return np.asarray(squareform(pdist(descriptors)))
+
+
+def evenly(shapes: Sequence[Shape], count: int) -> list[Shape]:
+    """Choose some of many, evenly, the first among them.
+
+    Parameters
+    ----------
+    shapes : sequence of Shape
+        All.
+    count : int
+        How many at most.
+
+    Returns
+    -------
+    list of Shape
+        Those chosen, in their order.
+    """
+    places = np.unique(np.linspace(0, len(shapes) - 1, min(count, len(shapes))).round().astype(int))
+    return [shapes[place] for place in places]
+
+
+def _pose_ratio(store: Store, shapes: list[Shape], method: Method) -> PoseRatio:
+    some = evenly(shapes, _POSES)
+    kept = [store.array(shape, KNOWN[INPUT], "faces") for shape in some]
+    faces = [each for each in kept if each is not None]
+    if len(some) < 2 or len(faces) < len(some) or not all(np.array_equal(each, faces[0]) for each in faces):
+        return PoseRatio()
+    means = []
+    for which, mirror in ((method, False), (method, True), (KNOWN[INPUT], False)):
+        unit = []
+        for shape in some:
+            form = np.asarray(store.array(shape, which, "form"), dtype=np.float64)
+            unit.append(form / np.sqrt(surface_area(form, faces[0])))
+        means.append(float(np.mean([_apart(one, two, mirror) for one, two in itertools.combinations(unit, 2)])))
+    return PoseRatio(*means)
+
+
+def _apart(one: FloatArray, two: FloatArray, mirror: bool) -> float:
+    rotation, shift = rigid_fit(one, two, mirror=mirror)
+    return float(np.sqrt(((one @ rotation + shift - two) ** 2).sum(axis=1).mean()))

@@ -1,0 +1,174 @@
+"""What a worker does: one form and its measures, or the Hausdorff distances of one shape from others."""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from contextlib import nullcontext
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..core import CanonicalFormError, Settings, canonical_form
+from ..core.measures import hausdorff, summary
+from ..core.surface import FloatArray, IntArray, surface_area
+from .descriptor import harmonic_descriptor
+from .methods import RECOGNITION, Method
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """What came of one shape and one method.
+
+    Attributes
+    ----------
+    row : dict
+        Figures that the same mesh and settings give again, to the bit; ``error`` with the reason where there are none.
+    cost : dict
+        Figures that differ from run to run: ``seconds`` of the method alone, ``all_seconds`` with all that is
+        measured, ``memory`` in megabytes (None where it is not known).
+    form : (n, 3) ndarray of float32 or None
+        The form.
+    descriptor : (d,) ndarray of float or None
+        The form's descriptor.
+    """
+
+    row: dict[str, Any]
+    cost: dict[str, float | None]
+    form: np.ndarray | None = None
+    descriptor: FloatArray | None = None
+
+
+def measured(vertices: FloatArray, faces: IntArray, method: Method) -> Outcome:
+    """Compute one form on one thread and measure it.
+
+    Parameters
+    ----------
+    vertices : (n, 3) ndarray of float
+        The mesh.
+    faces : (m, 3) ndarray of int
+        Its triangles.
+    method : Method
+        The method.
+
+    Returns
+    -------
+    Outcome
+        The figures; an error of the method is one of them.
+    """
+    began = time.perf_counter()
+    peak = _Peak()
+    seconds = 0.0
+    row: dict[str, Any] = {"vertices": len(vertices), "faces": len(faces)}
+    form, described = None, None
+    try:
+        with one_thread():
+            after, row_of_form, seconds = _computed(vertices, faces, method.settings)
+            memory = peak.megabytes()
+            row |= row_of_form
+            row |= {name: _plain(value) for name, value in summary(vertices, after, faces).items()}
+            described = harmonic_descriptor(after, faces)
+            form = after.astype(np.float32)
+    except (CanonicalFormError, MemoryError) as error:
+        row["error"] = " ".join(str(error).split()) or type(error).__name__
+        memory = peak.megabytes()
+    cost = {"seconds": seconds, "all_seconds": time.perf_counter() - began, "memory": memory}
+    return Outcome(row, cost, form, described)
+
+
+def _computed(
+    vertices: FloatArray, faces: IntArray, settings: Settings | None
+) -> tuple[FloatArray, dict[str, Any], float]:
+    if settings is None:
+        return vertices, {"features": None, "pair_count": None, "warnings": 0}, 0.0
+    began = time.perf_counter()
+    form = canonical_form(vertices, faces, settings)
+    seconds = time.perf_counter() - began
+    if settings.method != "local_features":  # feature points are found for show only
+        seconds -= sum(form.timings.get(stage, 0.0) for stage in RECOGNITION)
+    row = {"features": len(form.feature_points), "pair_count": form.pair_count, "warnings": len(form.warnings)}
+    return form.vertices, row, seconds
+
+
+def _plain(value: float) -> float | None:
+    return None if np.isnan(value) else float(value)
+
+
+def hausdorff_row(forms: list[tuple[FloatArray, IntArray]]) -> tuple[list[float], float]:
+    """Measure how far the first of some shapes is from the others, after rigid alignment, mirror images allowed.
+
+    Parameters
+    ----------
+    forms : list of ((n, 3) ndarray of float, (m, 3) ndarray of int)
+        Shapes, each scaled to unit area first.
+
+    Returns
+    -------
+    distances : list of float
+        Hausdorff distances of the second, third … from the first, in units of sqrt(area).
+    seconds : float
+        How long it took.
+    """
+    began = time.perf_counter()
+    with one_thread():
+        scaled = [vertices / np.sqrt(surface_area(vertices, faces)) for vertices, faces in forms]
+        distances = [hausdorff(scaled[0], other, mirror=True) for other in scaled[1:]]
+    return distances, time.perf_counter() - began
+
+
+def one_thread() -> Any:
+    """Keep linear algebra on one thread: no worker slows another, and all machines of a kind give the same bits.
+
+    Returns
+    -------
+    context manager
+        In which it holds; does nothing where threadpoolctl is missing and the environment has to see to it.
+    """
+    try:
+        from threadpoolctl import threadpool_limits
+    except ImportError:
+        return nullcontext()
+    return threadpool_limits(1)
+
+
+class _Peak:
+    """The most memory that this process has taken since the object was made, beyond what it had; Linux only."""
+
+    def __init__(self) -> None:
+        self._before = None
+        if sys.platform == "linux":
+            try:
+                Path("/proc/self/clear_refs").write_text("5")  # forget the peak so far
+            except OSError:
+                return
+            self._before = _kilobytes("VmRSS")
+
+    def megabytes(self) -> float | None:
+        if self._before is None:
+            return None
+        return max(_kilobytes("VmHWM") - self._before, 0) / 1e3
+
+
+def _kilobytes(name: str) -> int:
+    lines = Path("/proc/self/status").read_text().splitlines()
+    return int(next(line.split()[1] for line in lines if line.startswith(name + ":")))
+
+
+def end_with_parent() -> None:
+    """Leave the keyboard to the process that started this one, and end when that is gone, killed or not."""
+    import signal
+    from threading import Thread
+
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+    parent = os.getppid()
+
+    def watch() -> None:
+        while os.getppid() == parent:
+            time.sleep(0.5)
+        os._exit(1)
+
+    Thread(target=watch, daemon=True).start()

@@ -1,0 +1,200 @@
+import csv
+import io
+import os
+import shutil
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from addon.evaluation import scheduling
+from addon.evaluation.command import main
+from addon.evaluation.methods import KNOWN
+from addon.evaluation.report import FIGURES
+from addon.evaluation.scheduling import LocalCrew, LostError
+from addon.evaluation.tables import evenly
+from addon.evaluation.work import hausdorff_row, measured
+from tests.sample import shapes
+from tests.sample.shapes import write_off
+
+METHODS = "ours,fast"
+
+
+@pytest.fixture(scope="module")
+def run(dataset, tmp_path_factory):
+    """A finished evaluation."""
+    folder = tmp_path_factory.mktemp("evaluation")
+    written = io.StringIO()
+    code = main([str(dataset), "--output", str(folder), "--methods", METHODS, "--workers", "2"], written)
+    return folder, code, written.getvalue().splitlines()
+
+
+def rows_of(path):
+    return list(csv.DictReader(path.read_text().splitlines()))
+
+
+def test_everything_is_written_and_named(run):
+    folder, code, written = run
+    assert code == 0
+    names = {path.rsplit("/", 1)[1] for path in written}
+    assert names >= {
+        "results.csv", "classes.csv", "methods.csv", "costs.csv", "report.md", "costs.md", "precision-recall.png",
+        "compactness-error.png", "gallery.png", "descriptor-distances-ours.csv", "hausdorff-fast-egg.csv",
+    }  # fmt: skip
+    assert names == {path.name for path in folder.iterdir() if path.is_file()}
+    for line in written:
+        assert line.startswith(str(folder))
+
+
+def test_every_form_has_a_row(run):
+    rows = rows_of(run[0] / "results.csv")
+    assert len(rows) == 3 * 9
+    assert list(rows[0]) == ["class", "shape", "method", *FIGURES, "error"]
+    for row in rows:
+        assert row["error"] == ""
+        assert float(row["compactness"]) > 0
+        assert float(row["compactness_error"]) >= 0
+        assert float(row["hausdorff"]) >= 0
+        if row["method"] == "input":
+            assert float(row["compactness_error"]) == 0
+        else:
+            assert int(row["features"]) >= 1
+    costs = rows_of(run[0] / "costs.csv")
+    assert all(float(row["seconds"]) > 0 for row in costs if row["method"] != "input")
+
+
+def test_tables_are_what_the_forms_say(run, dataset):
+    folder = run[0]
+    rows = [row for row in rows_of(folder / "results.csv") if row["method"] == "fast"]
+    error = 1e4 * np.array([float(row["compactness_error"]) for row in rows])
+    line = next(row for row in rows_of(folder / "methods.csv") if row["method"] == "fast")
+    assert float(line["compactness_error_mean_e4"]) == pytest.approx(error.mean())
+    assert float(line["compactness_error_deviation_e4"]) == pytest.approx(error.std(ddof=1))
+    ours = next(row for row in rows_of(folder / "methods.csv") if row["method"] == "ours")
+    given = next(row for row in rows_of(folder / "methods.csv") if row["method"] == "input")
+    assert float(given["pose_ratio"]) == pytest.approx(1)
+    assert float(ours["pose_ratio"]) > 0
+    assert float(ours["nearest_neighbour"]) > 0.8
+    matrix = np.array(
+        [row[1:] for row in csv.reader((folder / "hausdorff-ours-bell.csv").read_text().splitlines())][1:]
+    )
+    matrix = matrix.astype(float)
+    np.testing.assert_array_equal(matrix, matrix.T)
+    assert (matrix[np.triu_indices(3, 1)] > 0).all()
+    report = (folder / "report.md").read_text()
+    assert "bell (3), egg (3), figure (3)" in report
+    assert "| ours |" in report
+
+
+def test_a_second_run_does_nothing_and_writes_the_same(run, dataset, tables_of):
+    folder = run[0]
+    before, times = tables_of(folder), {p: p.stat().st_mtime_ns for p in (folder / "results").rglob("*.npz")}
+    assert len(times) == 3 * 9 + 3 * 3 * 2
+    assert main([str(dataset), "--output", str(folder), "--methods", METHODS, "--workers", "1"], io.StringIO()) == 0
+    assert tables_of(folder) == before
+    assert times == {p: p.stat().st_mtime_ns for p in (folder / "results").rglob("*.npz")}
+
+
+def test_what_changed_is_done_again(run, dataset, tmp_path, tables_of):
+    folder, data = tmp_path / "out", tmp_path / "data"
+    shutil.copytree(run[0], folder)
+    shutil.copytree(dataset, data)
+    vertices, faces = shapes.sphere(2)
+    write_off(data / "egg" / "egg1.off", vertices * [1, 2, 3], faces)
+    (folder / "results" / "fast" / "bell" / "bell0.npz").write_bytes(b"half a fi")
+    (folder / "results" / "fast" / "bell" / ".bell1.npz.77.partial").write_bytes(b"x")
+    times = {p: p.stat().st_mtime_ns for p in (folder / "results").rglob("*.npz")}
+    assert main([str(data), "--output", str(folder), "--methods", METHODS, "--workers", "1"], io.StringIO()) == 0
+    again = {p for p in times if p.stat().st_mtime_ns != times[p]}
+    forms = {p for p in again if "hausdorff" not in p.parts}
+    assert forms == {folder / "results" / m / "egg" / "egg1.npz" for m in ("input", "ours", "fast")} | {
+        folder / "results" / "fast" / "bell" / "bell0.npz"
+    }
+    assert {p.parent.name for p in again - forms} <= {"egg", "bell"}
+    assert not list((folder / "results").rglob("*.partial"))
+
+
+def test_a_mesh_that_fails_is_a_row_with_its_reason(dataset, tmp_path):
+    data = tmp_path / "data"
+    shutil.copytree(dataset / "egg", data / "egg")
+    vertices, faces = shapes.sphere(1)
+    write_off(
+        data / "odd" / "two.off",
+        np.concatenate([vertices, vertices + 9]),
+        np.concatenate([faces, faces + len(vertices)]),
+    )
+    (data / "odd" / "cut.off").write_text("OFF\n9 9 0\n0 0 0\n")
+    code = main([str(data), "--output", str(tmp_path / "out"), "--methods", "fast", "--workers", "1"], io.StringIO())
+    assert code == 1
+    rows = {(row["shape"], row["method"]): row["error"] for row in rows_of(tmp_path / "out" / "results.csv")}
+    assert "cut short" in rows["cut", "fast"]
+    assert "loose" in rows["two", "fast"] or "parts" in rows["two", "fast"]
+    assert rows["egg0", "fast"] == ""
+    assert "## Not done" in (tmp_path / "out" / "report.md").read_text()
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [(["none"], "is not a folder"), (["--methods", "hers"], "There is no method 'hers'"),
+     (["--workers", "0"], "--workers must be at least 1"),
+     (["--scheduler", "127.0.0.1:9"], "No Dask scheduler answers")],
+)  # fmt: skip
+def test_words_that_make_no_sense(dataset, tmp_path, capsys, monkeypatch, words, message):
+    monkeypatch.setattr(scheduling, "_PATIENCE", "2s")
+    where = [] if words == ["none"] else [str(dataset)]
+    assert main([*where, *words, "--output", str(tmp_path / "out")], io.StringIO()) == 2
+    assert message in capsys.readouterr().err
+
+
+def test_it_runs_as_a_command_without_blender(dataset, tmp_path):
+    (tmp_path / "bpy.py").write_text("raise ImportError('no Blender here')")
+    environment = {**os.environ, "PYTHONPATH": str(tmp_path)}
+    done = subprocess.run(
+        [sys.executable, "-m", "addon", "evaluate", str(dataset), "--output", str(tmp_path / "out"),
+         "--methods", "fast", "--workers", "1", "--hausdorff", "0"],
+        capture_output=True, text=True, env=environment, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert str(tmp_path / "out" / "report.md") in done.stdout.splitlines()
+    assert "Forms: 100%" in done.stderr
+    assert not list((tmp_path / "out").glob("hausdorff*"))
+
+
+def died():
+    os._exit(9)
+
+
+def test_work_that_kills_its_worker_is_given_up_and_harms_no_other():
+    crew = LocalCrew(2)
+    pieces = [("good", (len, ([1, 2],))), ("bad", (died, ())), ("worse", (len, (3,))), ("fine", (len, ([],)))]
+    results = dict(crew.results(iter(pieces)))
+    crew.close()
+    assert results["good"] == 2
+    assert results["fine"] == 0
+    assert isinstance(results["bad"], LostError)
+    assert isinstance(results["worse"], TypeError)
+
+
+def test_forms_measured_by_a_worker_are_on_one_thread_and_named():
+    vertices, faces = shapes.figure(11)
+    outcome = measured(vertices, faces, KNOWN["fast"])
+    assert outcome.form.shape == vertices.shape
+    assert outcome.cost["seconds"] <= outcome.cost["all_seconds"]
+    assert outcome.cost["memory"] is None or outcome.cost["memory"] >= 0
+    broken = measured(vertices, faces[:0], KNOWN["fast"])
+    assert broken.form is None
+    assert broken.row["error"]
+
+
+def test_hausdorff_rows_do_not_know_size_place_or_side(rotation):
+    vertices, faces = shapes.figure(11)
+    moved = 3 * vertices @ rotation + 2.0
+    distances, _ = hausdorff_row([(vertices, faces), (moved, faces), (vertices * [-1, 1, 1], faces[:, ::-1])])
+    np.testing.assert_allclose(distances, 0, atol=1e-6)
+
+
+def test_some_are_chosen_evenly():
+    assert evenly("abcdefghij", 4) == ["a", "d", "g", "j"]
+    assert evenly("abc", 9) == ["a", "b", "c"]
+    assert evenly("abc", 1) == ["a"]
