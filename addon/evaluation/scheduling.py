@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import os
+import pickle
 import tempfile
-import zipfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Protocol
 
 from ..core import CanonicalFormError
+from .shipping import packed_code, remote_runner, unpacked
 from .work import end_with_parent
 
 _ATTEMPTS = 3  # times that a piece of work may cost its worker the life before it is given up
@@ -173,7 +174,9 @@ class DaskCrew:
         except OSError as error:
             raise CanonicalFormError(f"No Dask scheduler answers at {address}.") from error
         with tempfile.TemporaryDirectory() as folder:
-            self._client.upload_file(str(packed(Path(folder))), load=False)
+            code, self._name = packed_code(Path(folder))
+            self._client.upload_file(str(code))  # to those that come later too
+        self._run = remote_runner(self._name)
 
     def results(self, work: Iterator[tuple[object, Work]]) -> Iterator[tuple[object, Any]]:
         """Run all the work; what a lost worker had is given to another by the scheduler.
@@ -204,7 +207,7 @@ class DaskCrew:
                 piece = next(work, None)
                 if piece is None:
                     return
-                future = self._client.submit(piece[1][0], *piece[1][1], pure=False)
+                future = self._client.submit(self._run, pickle.dumps(piece[1]), pure=False)
                 names[future.key] = piece[0]
                 running.add(future)
 
@@ -217,7 +220,7 @@ class DaskCrew:
                 error = future.exception()
                 if isinstance(error, KilledWorker):
                     error = LostError("The Dask workers that had it died again and again (out of memory?).")
-                result = future.result() if error is None else error
+                result = unpacked(future.result(), self._name) if error is None else error
                 future.release()
                 yield name, result
                 submit_some()
@@ -255,24 +258,3 @@ def crew(workers: int, scheduler: str | None) -> Iterator[LocalCrew | DaskCrew]:
         yield hired
     finally:
         hired.close()
-
-
-def packed(folder: Path) -> Path:
-    """Pack the code that workers need into a file that Python can import from.
-
-    Parameters
-    ----------
-    folder : Path
-        Where to put it.
-
-    Returns
-    -------
-    Path
-        The file.
-    """
-    package = Path(__file__).resolve().parents[1]
-    target = folder / "canonical_form_workers.zip"
-    with zipfile.ZipFile(target, "w") as archive:
-        for source in sorted(package.rglob("*.py")):
-            archive.write(source, Path(package.name) / source.relative_to(package))
-    return target

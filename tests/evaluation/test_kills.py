@@ -1,6 +1,7 @@
 """An evaluation survives SIGKILL of itself, of a local worker and of a Dask worker, at random moments."""
 
 import io
+import json
 import os
 import random
 import shutil
@@ -97,8 +98,7 @@ def cluster(tmp_path):
     """Address of a real Dask scheduler, and the nannies of its two workers."""
     pytest.importorskip("distributed")
     file = tmp_path / "scheduler.json"
-    environment = {**os.environ, "DASK_DISTRIBUTED__ADMIN__TICK__LIMIT": "60s"}
-    environment.pop("PYTHONPATH", None)
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}  # they get the code sent
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "env": environment, "cwd": tmp_path}
     dask = [shutil.which("dask", path=str(Path(sys.executable).parent))]
     scheduler = subprocess.Popen(
@@ -112,8 +112,6 @@ def cluster(tmp_path):
     ]  # fmt: skip
     try:
         wait_for(file.exists)
-        import json
-
         yield json.loads(file.read_text())["address"].removeprefix("tcp://"), nannies
     finally:
         for process in (*nannies, scheduler):
