@@ -88,6 +88,7 @@ def _parser() -> argparse.ArgumentParser:
     compute.add_argument(
         "--arrangement-share", type=float, default=default.arrangement_share, help="weight of the landmarks"
     )
+    compute.add_argument("--unbending", type=float, default=default.unbending, help="push of the landmarks in the end")
     compute.add_argument("--iterations", type=int, default=default.iterations, help="most steps")
     compute.add_argument("--tolerance", type=float, default=default.tolerance, help="relative change to stop at")
     compute.add_argument("--extrapolation", type=int, default=default.extrapolation, help="earlier steps to use")

@@ -14,7 +14,7 @@ TARGET = ROOT / "docs" / "api.md"
 MODULES = (  # in the order of the data
     "canonical", "recognition", "local_features", "embedding", "settings", "errors", "surface", "coarsening",
     "delaunay", "laplacian", "spectrum", "features", "heat", "patches", "distances", "struts", "pairs", "scaling",
-    "arrangement", "stress", "products", "weight_inverse", "smacof", "deformation", "detail", "articulation",
+    "arrangement", "stress", "products", "weight_inverse", "smacof", "pushing", "deformation", "detail", "articulation",
     "limbs", "fast_marching", "fields", "alignment", "measures", "memory", "monitor", "rivals.choice",
     "rivals.samples", "rivals.classical", "rivals.least_squares", "rivals.non_metric", "rivals.fast",
     "rivals.euclidean", "rivals.one_form", "rivals.skeleton",

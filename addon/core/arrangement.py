@@ -45,7 +45,9 @@ def landmark_distances(geodesic: FloatArray, landmarks: IntArray, spectrum: Spec
     return np.sqrt((1 - _BIHARMONIC_SHARE) * squared + _BIHARMONIC_SHARE * scale * biharmonic)
 
 
-def laid_out(distances: FloatArray, landmarks: IntArray, points: FloatArray, faces: IntArray) -> FloatArray:
+def laid_out(
+    distances: FloatArray, landmarks: IntArray, points: FloatArray, faces: IntArray
+) -> tuple[FloatArray, float]:
     """Lay the surface out in space by classical scaling, outside out, without choosing between mirror images.
 
     Distances don't know left from right. Where the layout encloses a volume, its sign tells the mirror images apart:
@@ -66,8 +68,10 @@ def laid_out(distances: FloatArray, landmarks: IntArray, points: FloatArray, fac
 
     Returns
     -------
-    (n, 3) ndarray of float
+    layout : (n, 3) ndarray of float
         The layout, along its principal axes.
+    depth : float
+        What the third axis is worth, from 0 where mirror images are a tie to 1 where they are none.
     """
     projected = landmark_scaling(distances, landmarks)
     projected -= projected.mean(axis=0)
@@ -76,7 +80,7 @@ def laid_out(distances: FloatArray, landmarks: IntArray, points: FloatArray, fac
     sure = float(np.clip((abs(handed) - _TIE) / (_SURE - _TIE), 0.0, 1.0))
     if sure < 1:
         layout = least_squares_scaling(distances, landmarks, projected * [1.0, 1.0, sure], sure)
-    return layout * [1.0, 1.0, np.sign(handed)]
+    return layout * [1.0, 1.0, np.sign(handed)], sure
 
 
 def handedness(layout: FloatArray, faces: IntArray) -> float:

@@ -15,6 +15,7 @@ from .memory import require_pair_memory
 from .monitor import Monitor
 from .pairs import arrangement_pairs, balanced, feature_pairs, patch_pairs
 from .patches import closed_cell_faces
+from .pushing import Pushing
 from .recognition import Recognition
 from .scaling import farthest_points
 from .settings import Settings
@@ -77,7 +78,7 @@ def local_feature_form(found: Recognition, settings: Settings, monitor: Monitor)
             if settings.smoothing > 0:
                 distances = landmark_distances(to_landmarks, landmarks, spectrum)
         with monitor.stage("Start", 0.7):
-            layout = laid_out(distances, landmarks, points, triangles)
+            layout, depth = laid_out(distances, landmarks, points, triangles)
             monitor.check()
             start = inflated(body, layout, monitor)
     with monitor.stage("Factorisation", 0.72):
@@ -106,6 +107,10 @@ def local_feature_form(found: Recognition, settings: Settings, monitor: Monitor)
             )
         if not keeps_outside_out(body, form):
             form = form * [1.0, 1.0, -1.0]
+    if settings.unbending > 0 and settings.start == "intrinsic" and not settings.as_published:
+        with monitor.stage("Unbending", 0.93):
+            pushing = Pushing(points, triangles, landmarks, settings.unbending, depth)
+            form = pushing.lowered(form, settings, monitor)[0]
     if settings.preserve_detail > 0 and not settings.as_published:
         with monitor.stage("Detail", 0.97):
             form = detailed(body, form, settings.preserve_detail, monitor)

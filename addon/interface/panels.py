@@ -22,7 +22,13 @@ from .properties import METHOD_NAMES, hand_over
 from .tool_operators import OBJECT_OT_canonical_form_choose, OBJECT_OT_canonical_form_distance
 
 _MAIN = ("quality", "preserve_detail")
-_OURS_ALONE = ("start", "smoothing", "arrangement_share", "as_published")  # options that mean nothing to rivals
+_OURS_ALONE = (
+    "start",
+    "smoothing",
+    "arrangement_share",
+    "unbending",
+    "as_published",
+)  # options that mean nothing to rivals
 _BUTTON = 1.4  # height of the main button, in that of others
 _WIDTH = 42  # letters in a line of the sidebar
 

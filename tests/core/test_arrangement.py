@@ -22,7 +22,7 @@ def layout_of(vertices, faces):
     spectrum = compute_spectrum(stiffness(surface), mass(surface), 60)
     heat = HeatMethod(surface, 0.005, refine=False)
     landmarks, distances = farthest_points(heat, np.array([0]), heat.distances([0]), 60, Monitor())
-    return laid_out(landmark_distances(distances, landmarks, spectrum), landmarks, points, faces)
+    return laid_out(landmark_distances(distances, landmarks, spectrum), landmarks, points, faces)[0]
 
 
 def test_volume_and_closedness():

@@ -1,3 +1,5 @@
+from itertools import combinations
+
 import numpy as np
 import pytest
 from scipy.optimize import isotonic_regression
@@ -12,9 +14,9 @@ from addon.core.heat import heat_geodesics
 from addon.core.measures import compactness_error, edge_stretch
 from addon.core.memory import memory_estimate
 from addon.core.monitor import Monitor
+from addon.core.pushing import LinkStress, Pushing
 from addon.core.rivals.choice import RIVALS
 from addon.core.rivals.classical import leading_scaling
-from addon.core.rivals.euclidean import LinkStress, pushed_apart
 from addon.core.rivals.fast import fast_map
 from addon.core.rivals.least_squares import unit_smacof
 from addon.core.rivals.non_metric import non_metric_scaling
@@ -224,7 +226,8 @@ def test_pushing_apart_straightens_a_bent_tube():
     vertices = vertices / np.sqrt(surface_area(vertices, faces))
     samples = np.arange(0, len(vertices), 20)
     settings = Settings(tolerance=1e-6, iterations=2000)
-    form, _ = pushed_apart(vertices, faces, samples, False, settings, Monitor())
+    form, history = Pushing(vertices, faces, samples, 0.005).lowered(vertices, settings, Monitor())
+    assert (np.diff(history) <= 0).all()
     i, j = vertex_pairs(faces).T
     kept = np.linalg.norm(form[i] - form[j], axis=1) / np.linalg.norm(vertices[i] - vertices[j], axis=1)
     assert np.median(np.abs(kept - 1)) < 0.12
@@ -291,3 +294,23 @@ def test_all_pairs_of_a_large_mesh_are_refused_before_they_are_computed(figure):
         canonical_form(*figure, Settings(method="classical", quality="full", memory_limit=0.02))
     assert memory_estimate(13_000, Settings(method="classical", quality="full")) > 6
     assert memory_estimate(13_000, Settings(method="classical")) < 0.5
+
+
+def test_unbending_takes_more_of_the_pose_out_of_our_form_and_lengthens_it(real_mesh):
+    meshes = [real_mesh(f"horse/{name}.obj") for name in ("bind", "horse_gallop_f00", "horse_idle_04_f76")]
+    apart, long = [], []
+    for unbending in (0.0, 0.02):
+        forms = [canonical_form(*mesh, Settings(unbending=unbending, tolerance=1e-5)).vertices for mesh in meshes]
+        fits = [(one, two, *rigid_fit(one, two)) for one, two in combinations(forms, 2)]
+        apart.append(np.mean([np.sqrt(((a @ turn + shift - b) ** 2).sum(axis=1).mean()) for a, b, turn, shift in fits]))
+        long.append(np.linalg.norm(np.ptp(forms[0], axis=0)))
+    assert apart[1] < 0.9 * apart[0]
+    assert long[1] > 1.05 * long[0]
+
+
+def test_a_push_without_depth_leaves_the_third_axis_alone():
+    vertices, faces = bent_tube()
+    vertices = vertices / np.sqrt(surface_area(vertices, faces))
+    pushing = Pushing(vertices, faces, np.arange(0, len(vertices), 20), 0.02, depth=0.0)
+    flat = vertices * [1.0, 1.0, 0.0]
+    assert np.abs(pushing.lowered(flat, Settings(iterations=20), Monitor())[0][:, 2]).max() < 1e-12
