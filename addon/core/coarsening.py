@@ -120,6 +120,7 @@ def coarsened(
         leaving, onto, rank = leaving[chosen], onto[chosen], rank[chosen]
         corners = _corners(faces, leaving, count)
         good = _harmless(points, corners, links, leaving, onto, rank)
+        good &= ~_strands(corners, leaving, onto, np.bincount(faces.ravel(), minlength=count))
         patience[leaving[~good]] += 1
         stuck = stuck + 1 if np.count_nonzero(good) < 0.005 * left else 0
         going = np.flatnonzero(good)
@@ -299,6 +300,20 @@ def _harmless(
     thin = (size_after < _THINNEST * longest) & (size_after < size_before)
     good[owner[turned | thin]] = False
     return good
+
+
+def _strands(
+    corners: tuple[IntArray, IntArray, IntArray], leaving: IntArray, onto: IntArray, valence: IntArray
+) -> np.ndarray:
+    """Tell which removals would leave a vertex without a triangle: the tip of an ear, or where pieces just touch."""
+    owner, one, two = corners
+    closes = (one == onto[owner]) | (two == onto[owner])
+    owner, tip = owner[closes], np.where(one == onto[owner], two, one)[closes]
+    lost = np.bincount(tip, minlength=len(valence)) + np.bincount(onto[owner], minlength=len(valence))
+    brought = valence[leaving] - np.bincount(owner, minlength=len(leaving))
+    stranded = (brought < 1) & (lost[onto] >= valence[onto])
+    stranded[owner[lost[tip] >= valence[tip]]] = True
+    return stranded
 
 
 def _mean_value_weights(

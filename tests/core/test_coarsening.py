@@ -91,3 +91,16 @@ def test_rounding_decides_nothing_on_a_symmetric_mesh(rotation, scale):
 def test_it_stops_when_asked(figure):
     with pytest.raises(CancelledError):
         coarsened(*figure, 600, monitor=Monitor(None, lambda: True))
+
+
+def test_no_vertex_is_left_without_a_triangle():
+    vertices, faces = shapes.grid(40, 30)
+    rng = np.random.default_rng(0)
+    vertices[:, 2] = 0.01 * rng.normal(size=len(vertices))
+    ragged = faces[rng.random(len(faces)) > 0.12]  # ears, bow ties and pieces that hang by one vertex
+    largest = np.argmax(np.bincount(component_labels(len(vertices), ragged)[ragged[:, 0]]))
+    ragged = ragged[component_labels(len(vertices), ragged)[ragged[:, 0]] == largest]
+    used, corners = np.unique(ragged, return_inverse=True)
+    coarse = coarsened(vertices[used], corners.reshape(-1, 3), 250)
+    assert len(coarse.kept) < 600
+    np.testing.assert_array_equal(np.unique(coarse.faces), np.arange(len(coarse.kept)))
