@@ -1,5 +1,5 @@
 python = .venv/bin/python
-.PHONY: environment run test check package docs bench test-window guide-pictures
+.PHONY: environment run test check package docs bench evaluate figures test-window guide-pictures
 
 environment:
 	@for each in python3 python3.11 python3.13; do \
@@ -25,6 +25,12 @@ docs: environment
 bench: environment
 	$(python) tests/benchmarks/form_tables.py $(DATA)
 	$(python) tests/benchmarks/contact_sheet.py build/benchmarks/gallery.npz docs/pictures/contact-sheet.png
+
+evaluate: environment
+	$(python) -m addon evaluate $(DATA) --output build/evaluation
+
+figures: environment
+	$(python) tests/figures/run.py $(DATA)
 
 test-window: environment
 	$(python) tests/window/run.py $(if $(BLENDER),--blender $(BLENDER)) $(if $(MESH),--mesh $(MESH))

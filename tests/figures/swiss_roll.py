@@ -65,7 +65,7 @@ def draw(_models):
         grid[kind].triplot(plane[:, 0], plane[:, 1], faces, linewidth=0.3, color="0.3")
         grid[kind].set_aspect("equal")
         grid[kind].set_title(
-            f"classical scaling, {kind}\ndistances {error.mean():.1%} wrong, unrolled {apart:.3f} of the width off",
+            f"classical scaling, {kind}\ndistances {error.mean():.1%} off, places {apart:.1%} of the width",
             fontsize=9,
         )  # fmt: skip
         figures[kind] = {"distance_error": float(error.mean()), "apart": apart, "seconds": seconds}
@@ -74,9 +74,11 @@ def draw(_models):
         for extrapolation, style in ((0, "--"), (6, "-")):
             history = smacof(table, start, iterations=300, tolerance=0.0, extrapolation=extrapolation)[1]
             how = "extrapolated" if extrapolation else "plain steps"
-            grid["steps"].plot(history / history[0], style, label=f"{kind}, {how}", color=COLOURS[kind])
+            grid["steps"].plot(
+                np.arange(1, len(history) + 1), history / history[0], style, label=f"{kind}, {how}", color=COLOURS[kind]
+            )
             figures[kind][how] = int(np.argmax(history < 1.01 * history.min()))
-    grid["steps"].set(xlabel="step of SMACOF", ylabel="stress, of the first", yscale="log", xscale="symlog")
+    grid["steps"].set(xlabel="steps of SMACOF + 1", ylabel="stress, of the first", yscale="log", xscale="log")
     grid["steps"].legend(fontsize=8)
     for kind, curve in curves.items():
         share = np.linspace(0, 1, 400)
