@@ -30,6 +30,8 @@ def main(here: bool) -> list[Path]:
         cwd=ROOT, capture_output=True, text=True, check=True,
     ).stdout.split()  # fmt: skip
     for name in tracked:
+        if name.startswith("addon/evaluation/"):  # for researchers, from the source
+            continue
         (stage / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(ROOT / name, stage / name)
     (stage / "wheels").mkdir()
@@ -83,7 +85,7 @@ def blender_builder() -> Path:
 def check_content(path: Path) -> None:
     """Refuse a zip that holds anything but the code, the manifest, the licence and wheels, or an empty folder."""
     names = zipfile.ZipFile(path).namelist()
-    wanted = re.compile(r"(__init__\.py|blender_manifest\.toml|LICENSE|addon/.+\.py|wheels/.+\.whl)$")
+    wanted = re.compile(r"(__init__\.py|blender_manifest\.toml|LICENSE|addon/(?!evaluation/).+\.py|wheels/.+\.whl)$")
     odd = [name for name in names if not name.endswith("/") and not wanted.match(name)]
     if odd or "addon/core/canonical.py" not in names or not any(name.startswith("wheels/") for name in names):
         sys.exit(f"{path.name} does not hold what it should: {odd or names}")

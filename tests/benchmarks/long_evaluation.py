@@ -1,7 +1,7 @@
 """Evaluates many meshes and watches: ``long_evaluation.py DATASET OUTPUT``; says throughput, overhead and memory.
 
 Overhead is the share of the workers' time in which they were not at work on a form. Memory is that of the run and all
-its processes, proportional set size; its growth compares the second tenth of the run with the last, medians.
+its processes, resident set size; its growth compares the second tenth of the run with the last, medians.
 """
 
 import re
@@ -24,7 +24,7 @@ def main(dataset, output, *more):
     began = time.perf_counter()
     while process.poll() is None:
         try:
-            each = [one.memory_full_info().pss / 1e6 for one in [watched, *watched.children(recursive=True)]]
+            each = [one.memory_info().rss / 1e6 for one in [watched, *watched.children(recursive=True)]]
             samples.append((time.perf_counter() - began, sum(each), each[0]))
         except psutil.NoSuchProcess:
             continue
