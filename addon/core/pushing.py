@@ -90,7 +90,8 @@ class Pushing:
     samples : (s,) ndarray of int
         The vertices that push each other.
     strength : float
-        Sum of the pushes, over the forces of all edges stretched by their length.
+        Sum of the pushes, in units of sqrt(area); an edge that is longer than it should be by d pulls with d. How much
+        a mesh gives way hardly depends on how fine it is.
     depth : float
         How much of a push along the third axis counts, 0 to 1.
     normalised : bool
@@ -115,7 +116,7 @@ class Pushing:
         push = np.ones(len(pairs))
         if normalised:
             push /= np.maximum(np.linalg.norm(points[pairs[:, 0]] - points[pairs[:, 1]], axis=1), _LEAST)
-        push *= strength * lengths.sum() / (_FAR * push.sum())
+        push *= strength / (_FAR * push.sum())
         far, even = np.full(len(pairs), _FAR), np.ones(len(edges))
         self._kept = LinkStress(edges, lengths, even, count)
         self._pushed = LinkStress(pairs, far, push, count)

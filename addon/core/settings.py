@@ -65,7 +65,7 @@ class Settings:
     arrangement_share : float
         How much the other landmarks pull at a landmark, as a share of the weight with which its patch holds it.
     unbending : float
-        How strongly the landmarks push each other apart in the end, against the lengths of the edges. 0.02 lengthens
+        How strongly the landmarks push each other apart in the end, against the lengths of the edges. 3 lengthens
         thin limbs by a sixth and takes more of the pose out, which helps to find shapes of one kind; 0: not at all.
     iterations : int
         Most majorisation steps.
@@ -124,7 +124,7 @@ class Settings:
         _require(self.landmarks >= 4, "landmarks", "at least 4", self.landmarks)
         _require(0 <= self.smoothing <= 10, "smoothing", "from 0 to 10", self.smoothing)
         _require(0 <= self.arrangement_share <= 100, "arrangement_share", "from 0 to 100", self.arrangement_share)
-        _require(0 <= self.unbending <= 1, "unbending", "from 0 to 1", self.unbending)
+        _require(0 <= self.unbending <= 100, "unbending", "from 0 to 100", self.unbending)
         _require(self.iterations >= 0, "iterations", "at least 0", self.iterations)
         _require(self.tolerance >= 0, "tolerance", "at least 0", self.tolerance)
         _require(self.extrapolation >= 0, "extrapolation", "at least 0", self.extrapolation)

@@ -45,7 +45,7 @@ _PICKUP = "Pickup, Sun, Rosin and Martin 2015"
 _ALL = [
     Method("input", None, "the mesh in its pose"),
     Method("ours", Settings(), "this project, default"),
-    Method("ours-unbent", Settings(unbending=0.02, tolerance=1e-5), "this project, unbending 0.02"),
+    Method("ours-unbent", Settings(unbending=3.0, tolerance=1e-5), "this project, unbending 3"),
     Method("ours-full", Settings(quality="full"), "this project, quality Full"),
     Method("ours-draft", Settings(quality="draft"), "this project, quality Draft"),
     Method("ours-published", Settings(as_published=True), "the paper to the letter"),

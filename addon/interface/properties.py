@@ -148,12 +148,11 @@ class MethodProperties:
     unbending: FloatProperty(  # type: ignore[valid-type]
         name="Unbending",
         description="How strongly the landmarks push each other apart in the end; more takes more of the pose out, and "
-        "lengthens thin limbs. 0.02 suits the search for shapes of one kind",
+        "lengthens thin limbs. 3 suits the search for shapes of one kind",
         default=_DEFAULT.unbending,
         min=0.0,
-        max=1.0,
-        soft_max=0.1,
-        precision=3,
+        max=100.0,
+        soft_max=10.0,
     )
     iterations: IntProperty(  # type: ignore[valid-type]
         name="Iterations",

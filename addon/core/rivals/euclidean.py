@@ -10,7 +10,7 @@ from ..pushing import Pushing
 from ..settings import Settings
 from .samples import WholeSurface
 
-_PUSH = 0.005  # strength; edges are then stretched by 5 to 10 %
+_PUSH = 1.0  # strength; edges are then stretched by 5 to 10 %
 
 
 def _form(whole: WholeSurface, settings: Settings, monitor: Monitor, normalised: bool) -> Embedding:
