@@ -226,7 +226,7 @@ def test_pushing_apart_straightens_a_bent_tube():
     vertices = vertices / np.sqrt(surface_area(vertices, faces))
     samples = np.arange(0, len(vertices), 20)
     settings = Settings(tolerance=1e-6, iterations=2000)
-    form, history = Pushing(vertices, faces, samples, 1.0).lowered(vertices, settings, Monitor())
+    form, history = Pushing(vertices, faces, samples, 0.5).lowered(vertices, settings, Monitor())
     assert (np.diff(history) <= 0).all()
     i, j = vertex_pairs(faces).T
     kept = np.linalg.norm(form[i] - form[j], axis=1) / np.linalg.norm(vertices[i] - vertices[j], axis=1)
