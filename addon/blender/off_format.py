@@ -43,7 +43,7 @@ def read_off(path: Path) -> tuple[FloatArray, list[list[int]]]:
                 f"{path.name} announces {vertex_count} vertices and {face_count} faces but holds {len(body)} lines. "
                 "It may be cut short."
             )
-        vertices = np.array([[float(word) for word in words[:3]] for words in body[:vertex_count]]).reshape(-1, 3)
+        vertices = np.array([words[:3] for words in body[:vertex_count]], dtype=np.float64).reshape(-1, 3)
         polygons = []
         for words in body[vertex_count : vertex_count + face_count]:
             corners = [int(word) for word in words[1 : 1 + int(words[0])]]

@@ -13,7 +13,7 @@ from typing import TextIO
 from ..core import CanonicalFormError
 from .dataset import Shape, shapes_in
 from .methods import DEFAULT, KNOWN, Method, chosen_methods
-from .running import Lost, compute_forms, compute_hausdorff, hausdorff_names, pending_forms
+from .running import Lost, Rows, compute_forms, compute_hausdorff, hausdorff_rows, pending_forms
 from .scheduling import crew
 from .store import Store
 from .tables import method_table
@@ -44,8 +44,7 @@ def main(arguments: list[str], output: TextIO | None = None) -> int:
         shapes = shapes_in(options.dataset, options.classes)
         options.output.mkdir(parents=True, exist_ok=True)
         store = Store(options.output)
-        lost = _computed(store, shapes, methods, options)
-        failed = _reported(store, shapes, methods, lost, options.hausdorff, output or sys.stdout)
+        failed = _evaluated(store, shapes, methods, options, output or sys.stdout)
     except (CanonicalFormError, OSError) as error:
         print(f"canonical_form: {error}", file=sys.stderr)
         return 2
@@ -101,30 +100,29 @@ def _require_packages(cluster: bool) -> None:
         raise CanonicalFormError(f"An evaluation needs more packages. Install them with: pip install {names}")
 
 
-def _computed(store: Store, shapes: list[Shape], methods: list[Method], options: argparse.Namespace) -> Lost:
+def _evaluated(
+    store: Store, shapes: list[Shape], methods: list[Method], options: argparse.Namespace, output: TextIO
+) -> int:
+    """Do what is missing, write everything, and return how much failed."""
     from tqdm import tqdm
 
     if options.workers < 1:
         raise CanonicalFormError("--workers must be at least 1.")
-    pending = pending_forms(store, shapes, methods)
+    pending, lost = pending_forms(store, shapes, methods)
     missing, whole = sum(map(len, pending.values())), len(shapes) * len(methods)
-    lost: Lost = {}
     pace: list[float] = []
     began = perf_counter()
-    pause = 0.5 if sys.stderr.isatty() else 30.0  # seconds between two lines in a file
+    style = {"smoothing": 0.05, "mininterval": 0.5 if sys.stderr.isatty() else 30.0}  # seconds; in a file not so often
     with crew(options.workers, options.scheduler) as hired:
-        with tqdm(
-            total=whole, initial=whole - missing, unit="form", desc="Forms", smoothing=0.05, mininterval=pause
-        ) as bar:
+        with tqdm(total=whole, initial=whole - missing, unit="form", desc="Forms", **style) as bar:
             if missing:
-                lost = compute_forms(store, pending, hired, lambda _: bar.update(), pace)
-        rows = hausdorff_names(store, shapes, methods, options.hausdorff)
+                lost |= compute_forms(store, pending, hired, lambda _: bar.update(), pace)
+        rows = hausdorff_rows(store, shapes, methods, options.hausdorff)
         todo = {name: row for name, row in rows.items() if not store.has_distances(name, row[2])}
+        lost_rows: dict[str, str] = {}
         if rows:
-            with tqdm(
-                total=len(rows), initial=len(rows) - len(todo), unit="row", desc="Hausdorff", mininterval=pause
-            ) as bar:
-                compute_hausdorff(store, todo, hired, lambda _: bar.update(), pace)
+            with tqdm(total=len(rows), initial=len(rows) - len(todo), unit="row", desc="Hausdorff", **style) as bar:
+                lost_rows = compute_hausdorff(store, todo, hired, lambda _: bar.update(), pace)
     spent = perf_counter() - began
     if pace and options.scheduler is None:
         print(
@@ -132,11 +130,17 @@ def _computed(store: Store, shapes: list[Shape], methods: list[Method], options:
             f"{sum(pace) / (options.workers * spent):.0%} of the time.",
             file=sys.stderr,
         )
-    return lost
+    return len(lost_rows) + _reported(store, shapes, methods, lost, rows, lost_rows, output)
 
 
 def _reported(
-    store: Store, shapes: Sequence[Shape], methods: Sequence[Method], lost: Lost, count: int, output: TextIO
+    store: Store,
+    shapes: Sequence[Shape],
+    methods: Sequence[Method],
+    lost: Lost,
+    rows: Rows,
+    lost_rows: dict[str, str],
+    output: TextIO,
 ) -> int:
     """Write tables and figures, name them, and return how many forms failed."""
     from .figures import write_figures
@@ -146,6 +150,6 @@ def _reported(
         method_table(store, shapes, method, {s: why for (s, m), why in lost.items() if m == method})
         for method in methods
     ]
-    for path in [*write_report(store, shapes, tables, count), *write_figures(store, tables)]:
+    for path in [*write_report(store, shapes, tables, rows, lost_rows), *write_figures(store, tables)]:
         print(path, file=output, flush=True)
     return sum(len(table.failures) for table in tables)

@@ -76,6 +76,12 @@ def shapes_in(folder: Path, classes: Path | None = None) -> list[Shape]:
     if not pairs:
         raise InvalidMeshError(f"{folder} holds no mesh ({', '.join(SUFFIXES)}), in it or in a folder a class in it.")
     shapes: dict[tuple[str, str], Shape] = {}
+    meant: dict[str, str] = {}
+    for label, _ in pairs:
+        if meant.setdefault(_safe(label), label) != label:
+            raise InvalidMeshError(
+                f"The classes {meant[_safe(label)]!r} and {label!r} would have the same name in the tables. Rename one."
+            )
     for label, path in sorted(pairs, key=lambda pair: (pair[0], pair[1].name)):
         label, name = _safe(label), _safe(path.stem)
         if (label, name) in shapes:
@@ -94,14 +100,18 @@ def _safe(name: str) -> str:
 
 def _labelled(paths: list[Path], classes: Path) -> dict[Path, str]:
     try:
-        text = classes.read_text(errors="replace")
+        text = classes.read_text(encoding="utf-8", errors="replace")
     except OSError as error:
         raise InvalidMeshError(f"{classes} cannot be read ({error.strerror}).") from error
     if text.lstrip().upper().startswith("PSB"):
         return _by_number(paths, _read_cla(text, classes), classes)
     by_name = {path.name: path for path in paths} | {path.stem: path for path in paths}
     labelled = {}
-    for row in csv.reader(text.splitlines()):
+    try:
+        rows = list(csv.reader(text.splitlines()))
+    except csv.Error as error:
+        raise InvalidMeshError(f"{classes.name} is neither a .cla file nor lines 'file,class' ({error}).") from error
+    for row in rows:
         if len(row) == 2 and row[0].strip() in by_name:
             labelled[by_name[row[0].strip()]] = row[1].strip()
         elif row and row != ["file", "class"]:

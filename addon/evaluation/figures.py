@@ -60,8 +60,8 @@ def write_figures(store: Store, tables: Sequence[MethodTable]) -> list[Path]:
         figure = Figure(figsize=(7, 1 + 0.35 * len(methods)), layout="constrained")
         axes = figure.add_subplot(xlabel="compactness error, × 10⁻⁴", xscale="log")
         names = [table.method.name for table in methods][::-1]
-        axes.boxplot([1e4 * table.values("compactness_error") for table in methods][::-1], orientation="horizontal",
-                     tick_labels=names)  # fmt: skip
+        errors = [1e4 * table.values("compactness_error") for table in methods][::-1]
+        axes.barh(names, [float(each.mean()) for each in errors], xerr=[float(each.std()) for each in errors])
         save(figure, "compactness-error.png")
     picture = gallery(store, tables)
     if picture is not None:
@@ -96,8 +96,8 @@ def gallery(store: Store, tables: Sequence[MethodTable]) -> Figure | None:
             axes.set_axis_off()
             shape = next((each for each in table.rows if each.label == label), None)
             form = None if shape is None else store.array(shape, table.method, "form")
-            if shape is not None and form is not None:
-                faces = np.asarray(store.array(shape, KNOWN[INPUT], "faces"))
+            faces = None if shape is None else store.array(shape, KNOWN[INPUT], "faces")
+            if form is not None and faces is not None:
                 form = form.astype(np.float64)
                 axes.imshow(drawn(form, faces, upright(form)))
         row[0].text(-0.05, 0.5, table.method.name, transform=row[0].transAxes, ha="right", va="center", fontsize=9)

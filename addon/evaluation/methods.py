@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 from ..core import InvalidSettingsError, Settings
 from ..core.settings import METHODS as CORE_METHODS
 
 _PATIENT = 1e-5  # tolerance of the rivals, which need more steps to settle than the method of this project
+_TRUTH = {"true": True, "false": False}
 RECOGNITION = ("Coarse mesh", "Triangulation", "Spectrum", "Feature points", "Patches")  # stages no rival needs
 
 
@@ -106,11 +107,12 @@ def _changes(text: str) -> dict[str, Any]:
     changed: dict[str, Any] = {}
     for part in text.split(","):
         name, _, value = part.partition("=")
-        default = getattr(Settings(), name, None)
+        known: dict[str, Any] = {each.name: each.default for each in fields(Settings)}
+        default = known.get(name)
         if default is None or not value:
             raise InvalidSettingsError(f"{part!r} is not a setting with a value, such as quality=draft.")
         try:
-            changed[name] = value == "true" if isinstance(default, bool) else type(default)(value)
-        except ValueError as error:
+            changed[name] = _TRUTH[value.lower()] if isinstance(default, bool) else type(default)(value)
+        except (ValueError, KeyError) as error:
             raise InvalidSettingsError(f"{name} cannot be {value!r}.") from error
     return changed

@@ -12,8 +12,8 @@ import numpy as np
 
 from .dataset import Shape
 from .descriptor import DEGREES, SHELLS
-from .methods import INPUT
-from .running import hausdorff_shapes, row_name
+from .methods import INPUT, Method
+from .running import Rows, row_name
 from .store import Store
 from .tables import MethodTable
 
@@ -23,7 +23,9 @@ FIGURES = (
 )  # fmt: skip
 
 
-def write_report(store: Store, shapes: Sequence[Shape], tables: Sequence[MethodTable], count: int) -> list[Path]:
+def write_report(
+    store: Store, shapes: Sequence[Shape], tables: Sequence[MethodTable], rows: Rows, lost_rows: dict[str, str]
+) -> list[Path]:
     """Write all tables. Times and memory stand in files of their own; all else is the same in every run.
 
     Parameters
@@ -34,8 +36,10 @@ def write_report(store: Store, shapes: Sequence[Shape], tables: Sequence[MethodT
         The dataset.
     tables : sequence of MethodTable
         The results by method.
-    count : int
-        Number of shapes of a class in the Hausdorff matrices.
+    rows : dict
+        Rows of the Hausdorff matrices, from `hausdorff_rows`.
+    lost_rows : dict of str to str
+        Reasons of those that could not be had.
 
     Returns
     -------
@@ -44,7 +48,7 @@ def write_report(store: Store, shapes: Sequence[Shape], tables: Sequence[MethodT
     """
     labels = sorted({shape.label for shape in shapes})
     matrices = {
-        (table.method.name, label): _hausdorff_matrix(store, shapes, table, label, count)
+        (table.method.name, label): _hausdorff_matrix(store, rows, table.method, label)
         for table in tables
         for label in labels
     }
@@ -70,7 +74,7 @@ def write_report(store: Store, shapes: Sequence[Shape], tables: Sequence[MethodT
                 for shape, cost in table.costs.items()
             ),
         ),
-        "report.md": report_text(shapes, tables, matrices),
+        "report.md": report_text(shapes, tables, matrices, lost_rows),
         "costs.md": costs_text(tables),
     }
     for table in tables:
@@ -80,11 +84,15 @@ def write_report(store: Store, shapes: Sequence[Shape], tables: Sequence[MethodT
         )
     for (name, label), (some, matrix) in matrices.items():
         if len(some) > 1:
-            files[f"hausdorff-{name}-{label}.csv"] = _csv(
+            files[f"hausdorff-{name}@{label}.csv"] = _csv(
                 ["", *(shape.name for shape in some)],
                 ([shape.name, *map(_number, row)] for shape, row in zip(some, matrix, strict=True)),
             )
-    return [store.write_text(name, text) for name, text in files.items()]
+    written = [store.write_text(name, text) for name, text in files.items()]
+    for kind in ("hausdorff-*.csv", "descriptor-distances-*.csv"):
+        for old in set(store.folder.glob(kind)) - set(written):  # of a run with other methods or classes
+            old.unlink()
+    return written
 
 
 _CLASS_HEAD = (
@@ -130,7 +138,12 @@ def _method_line(table: MethodTable, matrices: dict[tuple[str, str], Any], label
     ]
 
 
-def report_text(shapes: Sequence[Shape], tables: Sequence[MethodTable], matrices: dict[tuple[str, str], Any]) -> str:
+def report_text(
+    shapes: Sequence[Shape],
+    tables: Sequence[MethodTable],
+    matrices: dict[tuple[str, str], Any],
+    lost_rows: dict[str, str],
+) -> str:
     """Write the report in Markdown.
 
     Parameters
@@ -141,6 +154,8 @@ def report_text(shapes: Sequence[Shape], tables: Sequence[MethodTable], matrices
         The results by method.
     matrices : dict
         Hausdorff matrices by method and class.
+    lost_rows : dict of str to str
+        Reasons of rows of these that could not be had.
 
     Returns
     -------
@@ -179,9 +194,10 @@ def report_text(shapes: Sequence[Shape], tables: Sequence[MethodTable], matrices
     lines += ["", "## Methods", ""]
     lines += [f"- *{table.method.name}*: {table.method.source}" for table in tables]
     failed = [(table.method.name, shape, why) for table in tables for shape, why in table.failures.items()]
-    if failed:
+    if failed or lost_rows:
         lines += ["", "## Not done", ""]
         lines += [f"- {name}, {shape.label}/{shape.name}: {why}" for name, shape, why in failed]
+        lines += [f"- {name}: {why}" for name, why in lost_rows.items()]
     return "\n".join(lines) + "\n"
 
 
@@ -240,15 +256,15 @@ def _by_class(tables: Sequence[MethodTable], labels: list[str], text: Any) -> st
     )
 
 
-def _hausdorff_matrix(
-    store: Store, shapes: Sequence[Shape], table: MethodTable, label: str, count: int
-) -> tuple[list[Shape], np.ndarray]:
-    some = hausdorff_shapes(store, shapes, table.method, label, count)
+def _hausdorff_matrix(store: Store, rows: Rows, method: Method, label: str) -> tuple[list[Shape], np.ndarray]:
+    whole = rows.get(row_name(method, label, 0))
+    some = [] if whole is None else whole[1]
     matrix = np.full((len(some),) * 2, np.nan)
     np.fill_diagonal(matrix, 0.0)
     for first in range(len(some) - 1):
-        row = store.distances(row_name(table.method, label, first))
-        if row is not None and len(row) == len(some) - first - 1:
+        name = row_name(method, label, first)
+        row = store.distances(name, rows[name][2])
+        if row is not None:
             matrix[first, first + 1 :] = matrix[first + 1 :, first] = row
     return some, matrix
 

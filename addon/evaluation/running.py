@@ -12,18 +12,19 @@ from .dataset import Shape
 from .methods import INPUT, KNOWN, Method
 from .reading import read_triangles
 from .scheduling import Crew, Work
-from .store import Store, digest, key_of
+from .store import Store, digest, keys_of
 from .tables import evenly
-from .work import Outcome, hausdorff_row, measured
+from .work import Failure, Outcome, give_memory_back, hausdorff_row, measured
 
 Told = Callable[[str], object]
 Lost = dict[tuple[Shape, Method], str]
+Rows = dict[str, tuple[Method, list[Shape], str]]
 
 
 def pending_forms(
     store: Store, shapes: Sequence[Shape], methods: Sequence[Method]
-) -> dict[Shape, list[tuple[Method, str]]]:
-    """List what has to be computed.
+) -> tuple[dict[Shape, list[Method]], Lost]:
+    """List what has to be computed, and tell the store what is wanted.
 
     Parameters
     ----------
@@ -36,21 +37,26 @@ def pending_forms(
 
     Returns
     -------
-    dict of Shape to list of (Method, str)
-        Methods to run on each shape, with the keys to keep their results under.
+    pending : dict of Shape to list of Method
+        Methods to run on each shape.
+    lost : dict of (Shape, Method) to str
+        Reasons of shapes whose files cannot be opened.
     """
-    pending: dict[Shape, list[tuple[Method, str]]] = {}
+    pending: dict[Shape, list[Method]] = {}
+    lost: Lost = {}
     for shape in shapes:
-        keys = [(method, key_of(shape.path, method)) for method in methods]
-        missing = [(method, key) for method, key in keys if not store.has(shape, method, key)]
+        try:
+            keys = keys_of(shape.path, methods)
+        except OSError as error:
+            lost |= {(shape, each): f"{shape.path.name} cannot be read ({error.strerror})." for each in methods}
+            continue
+        missing = [each for each, key in zip(methods, keys, strict=True) if not store.expects(shape, each, key)]
         if missing:
             pending[shape] = missing
-    return pending
+    return pending, lost
 
 
-def compute_forms(
-    store: Store, pending: dict[Shape, list[tuple[Method, str]]], crew: Crew, told: Told, pace: list[float]
-) -> Lost:
+def compute_forms(store: Store, pending: dict[Shape, list[Method]], crew: Crew, told: Told, pace: list[float]) -> Lost:
     """Compute and keep all forms that are missing.
 
     Parameters
@@ -69,7 +75,8 @@ def compute_forms(
     Returns
     -------
     dict of (Shape, Method) to str
-        Reasons of results that were lost with their worker; a second run tries these again.
+        Reasons of results that could not be had here and now: a mesh that cannot be read, a worker that died. A second
+        run tries these again.
 
     Raises
     ------
@@ -78,19 +85,18 @@ def compute_forms(
     """
     lost: Lost = {}
     faces_of: dict[Shape, np.ndarray] = {}
-    keys = {(shape, method): key for shape, wanted in pending.items() for method, key in wanted}
 
     def work() -> Iterator[tuple[object, Work]]:
         for shape, wanted in pending.items():
             try:
                 vertices, faces = read_triangles(shape.path)
-            except (CanonicalFormError, OSError, RuntimeError) as error:  # RuntimeError: Blender itself refuses
+            except (CanonicalFormError, OSError, RuntimeError, MemoryError) as error:  # RuntimeError: Blender refuses
                 reason = " ".join(str(error).replace(str(shape.path), shape.path.name).split())
-                for method, key in wanted:
-                    store.keep(shape, method, key, Outcome({"error": reason}, {}))
+                for method in wanted:
+                    lost[shape, method] = reason or type(error).__name__
                     told(f"{method.name} {shape.name}")
                 continue
-            for method, _ in wanted:
+            for method in wanted:
                 if method.name == INPUT:
                     faces_of[shape] = faces
                 yield (shape, method), (measured, (vertices, faces, method))
@@ -99,17 +105,16 @@ def compute_forms(
         shape, method = cast(tuple[Shape, Method], name)
         if isinstance(result, Outcome):
             faces = faces_of.pop(shape, None) if method.name == INPUT else None
-            store.keep(shape, method, keys[shape, method], result, faces)
+            store.keep(shape, method, result, faces)
             pace.append(float(result.cost["all_seconds"] or 0.0))
+            give_memory_back()
         else:
-            lost[shape, method] = _reason(result)
+            lost[shape, method] = cast(Failure, result).reason
         told(f"{method.name} {shape.name}")
     return lost
 
 
-def hausdorff_names(
-    store: Store, shapes: Sequence[Shape], methods: Sequence[Method], count: int
-) -> dict[str, tuple[Method, list[Shape], str]]:
+def hausdorff_rows(store: Store, shapes: Sequence[Shape], methods: Sequence[Method], count: int) -> Rows:
     """List the rows of the Hausdorff matrices: each of some shapes of a class against those after it.
 
     Parameters
@@ -128,11 +133,11 @@ def hausdorff_names(
     dict of str to (Method, list of Shape, str)
         By name of the row: the method, the shapes, and the key to keep the row under.
     """
-    rows: dict[str, tuple[Method, list[Shape], str]] = {}
+    rows: Rows = {}
     for method in methods:
         for label in sorted({shape.label for shape in shapes}):
             some = hausdorff_shapes(store, shapes, method, label, count)
-            keys = [str(store.key_of_result(shape, method)) for shape in some]
+            keys = [store.key(shape, method) for shape in some]
             for first in range(len(some) - 1):
                 rows[row_name(method, label, first)] = (method, some[first:], digest(*keys[first:]))
     return rows
@@ -162,7 +167,8 @@ def hausdorff_shapes(store: Store, shapes: Sequence[Shape], method: Method, labe
     done = []
     for shape in shapes:
         result = store.result(shape, method) if shape.label == label and count > 1 else None
-        if result is not None and "error" not in result["row"]:
+        faces = store.result(shape, KNOWN[INPUT]) if result is not None else None
+        if result is not None and faces is not None and "error" not in result["row"]:
             done.append(shape)
     return evenly(done, count) if done else []
 
@@ -187,9 +193,7 @@ def row_name(method: Method, label: str, first: int) -> str:
     return f"hausdorff/{method.name}/{label}/{first}"
 
 
-def compute_hausdorff(
-    store: Store, rows: dict[str, tuple[Method, list[Shape], str]], crew: Crew, told: Told, pace: list[float]
-) -> None:
+def compute_hausdorff(store: Store, rows: Rows, crew: Crew, told: Told, pace: list[float]) -> dict[str, str]:
     """Measure and keep the rows of the Hausdorff matrices that are missing.
 
     Parameters
@@ -197,7 +201,7 @@ def compute_hausdorff(
     store : Store
         Has the forms and takes the rows.
     rows : dict
-        From `hausdorff_names`, those that are missing.
+        From `hausdorff_rows`, those that are missing.
     crew : Crew
         The workers.
     told : callable
@@ -205,11 +209,17 @@ def compute_hausdorff(
     pace : list of float
         Takes the seconds that each row took its worker.
 
+    Returns
+    -------
+    dict of str to str
+        Reasons of rows that could not be had, by name.
+
     Raises
     ------
     CanonicalFormError
         If the crew is lost.
     """
+    lost: dict[str, str] = {}
 
     def work() -> Iterator[tuple[object, Work]]:
         for name, (method, some, _) in rows.items():
@@ -223,14 +233,11 @@ def compute_hausdorff(
             yield name, (hausdorff_row, (forms,))
 
     for name, result in crew.results(work()):
-        if not isinstance(result, Exception):
+        if isinstance(result, Failure):
+            lost[str(name)] = result.reason
+        else:
             distances, seconds = result
             store.keep_distances(str(name), rows[str(name)][2], distances)
             pace.append(seconds)
         told(str(name))
-
-
-def _reason(error: object) -> str:
-    if isinstance(error, CanonicalFormError):
-        return str(error)
-    return f"{type(error).__name__}: {error}"
+    return lost

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import pickle
+import sys
 import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -12,16 +13,12 @@ from typing import Any, Protocol
 
 from ..core import CanonicalFormError
 from .shipping import packed_code, remote_runner, unpacked
-from .work import end_with_parent
+from .work import Failure, attempted, end_with_parent
 
 _ATTEMPTS = 3  # times that a piece of work may cost its worker the life before it is given up
 _AHEAD = 2  # pieces waiting for each worker
 _PATIENCE = "20s"  # for an answer of the scheduler
 Work = tuple[Callable[..., Any], tuple[Any, ...]]
-
-
-class LostError(CanonicalFormError):
-    """A piece of work was given up because its worker died again and again."""
 
 
 class Crew(Protocol):
@@ -38,7 +35,7 @@ class Crew(Protocol):
         Yields
         ------
         (object, object)
-            The name, and the result or the exception in its place.
+            The name, and the result or a `Failure` in its place.
         """
 
 
@@ -74,7 +71,7 @@ class LocalCrew:
         Yields
         ------
         (object, object)
-            The name, and the result or the exception in its place.
+            The name, and the result or a `Failure` in its place.
         """
         from concurrent.futures import FIRST_COMPLETED, wait
         from concurrent.futures.process import BrokenProcessPool
@@ -99,7 +96,7 @@ class LocalCrew:
                         break
                     piece = drawn
                 try:
-                    under_way[self._pool.submit(piece[1][0], *piece[1][1])] = piece
+                    under_way[self._pool.submit(attempted, *piece[1])] = piece
                 except BrokenProcessPool:
                     again.append(piece)
                     break
@@ -113,9 +110,9 @@ class LocalCrew:
                 except BrokenProcessPool:
                     broken = True
                     under_way[future] = piece
-                    break
-                except Exception as error:
-                    result = error
+                    continue
+                except Exception as error:  # a result that cannot be sent
+                    result = Failure(f"{type(error).__name__}: {error}")
                 yield piece[0], result
             if broken or (not under_way and again):
                 self._pool.shutdown(wait=True)
@@ -123,7 +120,7 @@ class LocalCrew:
                 for piece in under_way.values():
                     died[piece[0]] = died.get(piece[0], 0) + 1
                     if died[piece[0]] >= _ATTEMPTS:
-                        yield piece[0], LostError(f"The worker process died {_ATTEMPTS} times (out of memory?).")
+                        yield piece[0], Failure(f"The worker process died {_ATTEMPTS} times (out of memory?).")
                     else:
                         suspects.append(piece)
                 under_way.clear()
@@ -171,7 +168,7 @@ class DaskCrew:
             raise CanonicalFormError("A cluster needs Dask: pip install 'dask[distributed]'.") from error
         try:
             self._client = Client(address if "://" in address else f"tcp://{address}", timeout=_PATIENCE)
-        except OSError as error:
+        except (OSError, ValueError) as error:
             raise CanonicalFormError(f"No Dask scheduler answers at {address}.") from error
         with tempfile.TemporaryDirectory() as folder:
             code, self._name = packed_code(Path(folder))
@@ -189,7 +186,7 @@ class DaskCrew:
         Yields
         ------
         (object, object)
-            The name, and the result or the exception in its place.
+            The name, and the result or a `Failure` in its place.
 
         Raises
         ------
@@ -207,20 +204,25 @@ class DaskCrew:
                 piece = next(work, None)
                 if piece is None:
                     return
-                future = self._client.submit(self._run, pickle.dumps(piece[1]), pure=False)
+                future = self._client.submit(self._run, pickle.dumps((attempted, piece[1])), pure=False)
                 names[future.key] = piece[0]
                 running.add(future)
 
         submit_some()
+        if not self._client.nthreads():
+            print("canonical_form: The Dask scheduler has no workers yet; waiting for some.", file=sys.stderr)
         try:
             for future in running:
                 name = names.pop(future.key)
                 if future.status == "cancelled":
                     raise CanonicalFormError("The Dask scheduler is lost. Start the evaluation again to go on.")
                 error = future.exception()
-                if isinstance(error, KilledWorker):
-                    error = LostError("The Dask workers that had it died again and again (out of memory?).")
-                result = unpacked(future.result(), self._name) if error is None else error
+                if error is None:
+                    result = unpacked(future.result(), self._name)
+                elif isinstance(error, KilledWorker):
+                    result = Failure("The Dask workers that had it died again and again (out of memory?).")
+                else:
+                    result = Failure(f"{type(error).__name__}: {error}")
                 future.release()
                 yield name, result
                 submit_some()

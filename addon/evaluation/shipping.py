@@ -34,7 +34,7 @@ def packed_code(folder: Path) -> tuple[Path, str]:
     """
     root = Path(__file__).resolve().parents[1]
     sources = [path for part in ("core", "evaluation", "blender") for path in sorted((root / part).rglob("*.py"))]
-    name = f"canonical_form_{digest(*(path.read_text() for path in sources))}"
+    name = f"canonical_form_{digest(*(path.read_text(encoding='utf-8') for path in sources))}"
     target = folder / f"{name}.zip"
     with zipfile.ZipFile(target, "w") as archive:
         archive.writestr(f"{name}/__init__.py", "")
@@ -70,10 +70,7 @@ def remote_runner(name: str) -> Callable[[bytes], bytes]:
                 return super().find_class(module, attribute)
 
         function, arguments = Renaming(io.BytesIO(work)).load()
-        try:
-            return pickle.dumps(function(*arguments))
-        except Exception as error:
-            return pickle.dumps(error)
+        return pickle.dumps(function(*arguments))
 
     return run
 
@@ -91,7 +88,7 @@ def unpacked(result: bytes, name: str) -> Any:
     Returns
     -------
     object
-        The result of the work, or the exception that it raised.
+        The result of the work.
     """
 
     class Renaming(pickle.Unpickler):

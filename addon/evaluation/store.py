@@ -5,6 +5,11 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import time
+import zipfile
+import zlib
+from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import asdict
 from functools import cache
 from pathlib import Path
@@ -16,7 +21,8 @@ from .dataset import Shape
 from .methods import Method
 from .work import Outcome
 
-_BROKEN = (OSError, ValueError, KeyError, EOFError)  # what reading a file of another's making may raise
+_BROKEN = (OSError, ValueError, KeyError, EOFError, TypeError, zipfile.BadZipFile, zlib.error)  # of a cut-short file
+_STALE = 3600.0  # seconds after which a partial file is nobody's any more
 
 
 class Store:
@@ -32,11 +38,14 @@ class Store:
         self.folder = folder
         self._results = folder / "results"
         self._results.mkdir(parents=True, exist_ok=True)
-        for partial in self._results.rglob("*.partial"):  # of a run that was killed while it wrote
-            partial.unlink(missing_ok=True)
+        self._keys: dict[tuple[Shape, str], str] = {}
+        for partial in [*folder.glob(".*.partial"), *self._results.rglob(".*.partial")]:  # of runs that were killed
+            with suppress(OSError):
+                if time.time() - partial.stat().st_mtime > _STALE:
+                    partial.unlink()
 
-    def has(self, shape: Shape, method: Method, key: str) -> bool:
-        """Tell whether a result is there and was made from the same mesh, by the same settings and code.
+    def expects(self, shape: Shape, method: Method, key: str) -> bool:
+        """Say which result is wanted from now on, and tell whether it is there.
 
         Parameters
         ----------
@@ -52,10 +61,11 @@ class Store:
         bool
             Whether nothing needs to be done.
         """
+        self._keys[shape, method.name] = key
         return self._key_in(self._path(shape, method)) == key
 
-    def keep(self, shape: Shape, method: Method, key: str, outcome: Outcome, faces: np.ndarray | None = None) -> None:
-        """Write a result.
+    def key(self, shape: Shape, method: Method) -> str:
+        """Give the key of the result that is wanted.
 
         Parameters
         ----------
@@ -63,15 +73,30 @@ class Store:
             The shape.
         method : Method
             The method.
-        key : str
-            From `key_of`.
+
+        Returns
+        -------
+        str
+            The key; empty if none is wanted.
+        """
+        return self._keys.get((shape, method.name), "")
+
+    def keep(self, shape: Shape, method: Method, outcome: Outcome, faces: np.ndarray | None = None) -> None:
+        """Write the result that is wanted.
+
+        Parameters
+        ----------
+        shape : Shape
+            The shape.
+        method : Method
+            The method.
         outcome : Outcome
             The result.
         faces : (m, 3) ndarray of int, optional
             Triangles, kept once a shape.
         """
         arrays = {"form": outcome.form, "descriptor": outcome.descriptor, "faces": faces}
-        head = {"key": key, "row": outcome.row, "cost": outcome.cost}
+        head = {"key": self.key(shape, method), "row": outcome.row, "cost": outcome.cost}
         self._write(self._path(shape, method), head, {name: each for name, each in arrays.items() if each is not None})
 
     def result(self, shape: Shape, method: Method) -> dict[str, Any] | None:
@@ -87,9 +112,10 @@ class Store:
         Returns
         -------
         dict or None
-            ``row`` and ``cost``, as in `Outcome`; None if there is no result.
+            ``row`` and ``cost``, as in `Outcome`; None if the result that is wanted is not there.
         """
-        return self._head(self._path(shape, method))
+        head = self._head(self._path(shape, method))
+        return head if head is not None and head.get("key") == self.key(shape, method) else None
 
     def array(self, shape: Shape, method: Method, name: str) -> np.ndarray | None:
         """Read one array of a result.
@@ -106,11 +132,12 @@ class Store:
         Returns
         -------
         ndarray or None
-            The array; None if there is none.
+            The array; None if the result that is wanted has none.
         """
         try:
             with np.load(self._path(shape, method)) as stored:
-                return np.asarray(stored[name])
+                wanted = json.loads(bytes(stored["head"]))["key"] == self.key(shape, method)
+                return np.asarray(stored[name]) if wanted else None
         except _BROKEN:
             return None
 
@@ -145,41 +172,25 @@ class Store:
         """
         self._write(self._results / f"{name}.npz", {"key": key}, {"distances": np.array(distances)})
 
-    def distances(self, name: str) -> np.ndarray | None:
+    def distances(self, name: str, key: str) -> np.ndarray | None:
         """Read a row of Hausdorff distances.
 
         Parameters
         ----------
         name : str
             Name of the row.
+        key : str
+            Of what it must be made from.
 
         Returns
         -------
         ndarray or None
             The row; None if there is none.
         """
-        try:
-            with np.load(self._results / f"{name}.npz") as stored:
-                return np.asarray(stored["distances"])
-        except _BROKEN:
+        if not self.has_distances(name, key):
             return None
-
-    def key_of_result(self, shape: Shape, method: Method) -> str | None:
-        """Read the key that a result was kept under.
-
-        Parameters
-        ----------
-        shape : Shape
-            The shape.
-        method : Method
-            The method.
-
-        Returns
-        -------
-        str or None
-            The key; None if there is no result.
-        """
-        return self._key_in(self._path(shape, method))
+        with np.load(self._results / f"{name}.npz") as stored:
+            return np.asarray(stored["distances"])
 
     def write_text(self, name: str, text: str) -> Path:
         """Write a file of the report; it is replaced in one step.
@@ -218,7 +229,7 @@ class Store:
 
     def _key_in(self, path: Path) -> str | None:
         head = self._head(path) if path.is_file() else None
-        return None if head is None else str(head["key"])
+        return None if head is None else str(head.get("key"))
 
 
 class _replacing:
@@ -232,6 +243,9 @@ class _replacing:
         return self._stream
 
     def __exit__(self, kind: object, *_: object) -> None:
+        if kind is None:
+            self._stream.flush()
+            os.fsync(self._stream.fileno())
         self._stream.close()
         if kind is None:
             self._beside.replace(self._path)
@@ -239,28 +253,29 @@ class _replacing:
             self._beside.unlink(missing_ok=True)
 
 
-def key_of(path: Path, method: Method) -> str:
-    """Make the key of a result: it changes with the mesh's file, the settings and the code.
+def keys_of(path: Path, methods: Sequence[Method]) -> list[str]:
+    """Make the keys of results: they change with the mesh's file, the settings and the code.
 
     Parameters
     ----------
     path : Path
         The mesh's file.
-    method : Method
-        The method.
+    methods : sequence of Method
+        The methods.
 
     Returns
     -------
-    str
-        The key.
+    list of str
+        A key a method.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read.
     """
-    settings = "" if method.settings is None else json.dumps(asdict(method.settings), sort_keys=True)
-    return digest(_content(path), settings, code_version())
-
-
-@cache
-def _content(path: Path) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest()
+    content = hashlib.sha256(path.read_bytes()).hexdigest()
+    settings = ["" if each.settings is None else json.dumps(asdict(each.settings), sort_keys=True) for each in methods]
+    return [digest(content, path.suffix.lower(), each, code_version()) for each in settings]
 
 
 @cache

@@ -138,7 +138,7 @@ def method_table(store: Store, shapes: Sequence[Shape], method: Method, lost: di
     costs: dict[Shape, dict[str, Any]] = {}
     failures: dict[Shape, str] = {}
     for shape in shapes:
-        result = None if shape in lost else store.result(shape, method)
+        result = store.result(shape, method)
         if result is None or "error" in result["row"]:
             failures[shape] = lost.get(shape, "No result.") if result is None else str(result["row"]["error"])
         else:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import os
 import sys
 import time
-from contextlib import nullcontext
+from collections.abc import Callable
+from contextlib import nullcontext, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -42,6 +43,53 @@ class Outcome:
     descriptor: FloatArray | None = None
 
 
+@dataclass(frozen=True)
+class Failure:
+    """Takes the place of a result where there is none.
+
+    Attributes
+    ----------
+    reason : str
+        A sentence.
+    """
+
+    reason: str
+
+
+def attempted(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
+    """Run a piece of work where it may fail, and bring back what any process can read.
+
+    Parameters
+    ----------
+    function : callable
+        The work.
+    arguments : tuple
+        Its arguments.
+
+    Returns
+    -------
+    object
+        Its result, or a `Failure` with what it raised: an exception itself may not survive the way back.
+    """
+    try:
+        return function(*arguments)
+    except CanonicalFormError as error:
+        return Failure(str(error))
+    except Exception as error:  # any: it must not take the worker along
+        return Failure(f"{type(error).__name__}: {error}")
+    finally:
+        give_memory_back()
+
+
+def give_memory_back() -> None:
+    """Return freed memory to the system, where the C library keeps it: meshes of many sizes leave holes in it."""
+    if sys.platform == "linux":
+        import ctypes
+
+        with suppress(OSError, AttributeError):  # another C library, which has no need of it
+            ctypes.CDLL("libc.so.6").malloc_trim(0)
+
+
 def measured(vertices: FloatArray, faces: IntArray, method: Method) -> Outcome:
     """Compute one form on one thread and measure it.
 
@@ -58,6 +106,11 @@ def measured(vertices: FloatArray, faces: IntArray, method: Method) -> Outcome:
     -------
     Outcome
         The figures; an error of the method is one of them.
+
+    Raises
+    ------
+    MemoryError
+        If this machine has too little memory, of which another may have more.
     """
     began = time.perf_counter()
     peak = _Peak()
@@ -71,9 +124,9 @@ def measured(vertices: FloatArray, faces: IntArray, method: Method) -> Outcome:
             row |= row_of_form
             row |= {name: _plain(value) for name, value in summary(vertices, after, faces).items()}
             described = harmonic_descriptor(after, faces)
-            form = after.astype(np.float32)
-    except (CanonicalFormError, MemoryError) as error:
-        row["error"] = " ".join(str(error).split()) or type(error).__name__
+            form = (after - after.mean(axis=0)).astype(np.float32)  # its place says nothing and costs digits
+    except CanonicalFormError as error:
+        row["error"] = " ".join(str(error).split())
         memory = peak.megabytes()
     cost = {"seconds": seconds, "all_seconds": time.perf_counter() - began, "memory": memory}
     return Outcome(row, cost, form, described)

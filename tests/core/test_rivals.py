@@ -196,6 +196,20 @@ def test_landmarks_stand_for_all_pairs(method):
     assert apart < 0.12 * np.sqrt(surface_area(vertices, faces))
 
 
+@pytest.mark.parametrize("method", RIVALS)
+def test_small_meshes_use_all_their_vertices(method):
+    vertices, faces = shapes.sphere(1)
+    egg = vertices * [1.0, 1.5, 2.5]
+    default = canonical_form(egg, faces, Settings(method=method, tolerance=1e-7)).vertices
+    full = canonical_form(egg, faces, Settings(method=method, quality="full", tolerance=1e-7)).vertices
+    turn, shift = rigid_fit(default, full, mirror=True)
+    assert np.abs(default @ turn + shift - full).max() < 0.25
+    assert np.median(np.abs(edge_stretch(egg, default, faces) - 1)) < 0.35
+    corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    tetrahedron = canonical_form(corners, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]], Settings(method=method))
+    assert np.isfinite(tetrahedron.vertices).all()
+
+
 def test_detail_is_kept_by_those_that_promise_it(figure, forms):
     vertices, faces = figure
     error = {name: compactness_error(vertices, form.vertices, faces) for name, form in forms.items()}

@@ -12,9 +12,9 @@ from addon.evaluation import scheduling
 from addon.evaluation.command import main
 from addon.evaluation.methods import KNOWN
 from addon.evaluation.report import FIGURES
-from addon.evaluation.scheduling import LocalCrew, LostError
+from addon.evaluation.scheduling import LocalCrew
 from addon.evaluation.tables import evenly
-from addon.evaluation.work import hausdorff_row, measured
+from addon.evaluation.work import Failure, hausdorff_row, measured
 from tests.sample import shapes
 from tests.sample.shapes import write_off
 
@@ -40,7 +40,7 @@ def test_everything_is_written_and_named(run):
     names = {path.rsplit("/", 1)[1] for path in written}
     assert names >= {
         "results.csv", "classes.csv", "methods.csv", "costs.csv", "report.md", "costs.md", "precision-recall.png",
-        "compactness-error.png", "gallery.png", "descriptor-distances-ours.csv", "hausdorff-fast-egg.csv",
+        "compactness-error.png", "gallery.png", "descriptor-distances-ours.csv", "hausdorff-fast@egg.csv",
     }  # fmt: skip
     assert names == {path.name for path in folder.iterdir() if path.is_file()}
     for line in written:
@@ -77,7 +77,7 @@ def test_tables_are_what_the_forms_say(run, dataset):
     assert float(ours["pose_ratio"]) > 0
     assert float(ours["nearest_neighbour"]) > 0.8
     matrix = np.array(
-        [row[1:] for row in csv.reader((folder / "hausdorff-ours-bell.csv").read_text().splitlines())][1:]
+        [row[1:] for row in csv.reader((folder / "hausdorff-ours@bell.csv").read_text().splitlines())][1:]
     )
     matrix = matrix.astype(float)
     np.testing.assert_array_equal(matrix, matrix.T)
@@ -102,17 +102,50 @@ def test_what_changed_is_done_again(run, dataset, tmp_path, tables_of):
     shutil.copytree(dataset, data)
     vertices, faces = shapes.sphere(2)
     write_off(data / "egg" / "egg1.off", vertices * [1, 2, 3], faces)
-    (folder / "results" / "fast" / "bell" / "bell0.npz").write_bytes(b"half a fi")
-    (folder / "results" / "fast" / "bell" / ".bell1.npz.77.partial").write_bytes(b"x")
+    os.truncate(folder / "results" / "fast" / "bell" / "bell0.npz", 3000)
+    (folder / "results" / "fast" / "bell" / "bell2.npz").write_bytes(b"half a fi")
+    old, new = (folder / "results" / "fast" / "bell" / f".bell1.npz.{k}.partial" for k in (77, 78))
+    old.write_bytes(b"x")
+    new.write_bytes(b"of a run that is at work")
+    os.utime(old, (0, 0))
     times = {p: p.stat().st_mtime_ns for p in (folder / "results").rglob("*.npz")}
     assert main([str(data), "--output", str(folder), "--methods", METHODS, "--workers", "1"], io.StringIO()) == 0
     again = {p for p in times if p.stat().st_mtime_ns != times[p]}
     forms = {p for p in again if "hausdorff" not in p.parts}
     assert forms == {folder / "results" / m / "egg" / "egg1.npz" for m in ("input", "ours", "fast")} | {
-        folder / "results" / "fast" / "bell" / "bell0.npz"
+        folder / "results" / "fast" / "bell" / f"bell{k}.npz" for k in (0, 2)
     }
     assert {p.parent.name for p in again - forms} <= {"egg", "bell"}
-    assert not list((folder / "results").rglob("*.partial"))
+    assert list((folder / "results").rglob("*.partial")) == [new]
+
+
+def test_a_mesh_that_got_lost_is_in_no_table(run, dataset, tmp_path, tables_of):
+    folder, data = tmp_path / "out", tmp_path / "data"
+    shutil.copytree(run[0], folder)
+    shutil.copytree(dataset, data)
+    text = (data / "egg" / "egg1.off").read_text().splitlines()
+    (data / "egg" / "egg1.off").write_text("\n".join([*text[:2], "nan nan nan", *text[3:]]))
+    shutil.rmtree(data / "bell")
+    words = ["--methods", METHODS, "--workers", "1"]
+    assert main([str(data), "--output", str(folder), *words], io.StringIO()) == 1
+    assert main([str(data), "--output", str(tmp_path / "fresh"), *words], io.StringIO()) == 1
+    assert tables_of(folder) == tables_of(tmp_path / "fresh")
+    assert "egg1" not in (folder / "hausdorff-input@egg.csv").read_text()
+
+
+def test_what_this_machine_could_not_read_is_tried_again(dataset, tmp_path):
+    data = tmp_path / "data"
+    shutil.copytree(dataset / "egg", data / "egg")
+    (data / "egg" / "egg1.off").rename(data / "egg" / "egg1.stl")
+    words = [str(data), "--output", str(tmp_path / "out"), "--methods", "fast", "--workers", "1", "--hausdorff", "0"]
+    assert main(words, io.StringIO()) == 1
+    (data / "egg" / "egg1.stl").rename(data / "egg" / "egg1.off")
+    (data / "egg" / "egg2.off").unlink()
+    (data / "egg" / "egg2.off").symlink_to("/proc/self/mem")
+    assert main(words, io.StringIO()) == 1
+    rows = {(row["shape"], row["method"]): row["error"] for row in rows_of(tmp_path / "out" / "results.csv")}
+    assert rows["egg1", "fast"] == ""
+    assert "cannot be read" in rows["egg2", "fast"]
 
 
 def test_a_mesh_that_fails_is_a_row_with_its_reason(dataset, tmp_path):
@@ -138,7 +171,8 @@ def test_a_mesh_that_fails_is_a_row_with_its_reason(dataset, tmp_path):
     ("words", "message"),
     [(["none"], "is not a folder"), (["--methods", "hers"], "There is no method 'hers'"),
      (["--workers", "0"], "--workers must be at least 1"),
-     (["--scheduler", "127.0.0.1:9"], "No Dask scheduler answers")],
+     (["--scheduler", "127.0.0.1:9"], "No Dask scheduler answers"),
+     (["--scheduler", "host:abc"], "No Dask scheduler answers")],
 )  # fmt: skip
 def test_words_that_make_no_sense(dataset, tmp_path, capsys, monkeypatch, words, message):
     monkeypatch.setattr(scheduling, "_PATIENCE", "2s")
@@ -165,15 +199,29 @@ def died():
     os._exit(9)
 
 
+class UnsendableError(Exception):
+    """Pickles, but does not unpickle."""
+
+    def __init__(self, one, two):
+        super().__init__(f"{one}{two}")
+
+
+def raising():
+    raise UnsendableError(1, 2)
+
+
 def test_work_that_kills_its_worker_is_given_up_and_harms_no_other():
     crew = LocalCrew(2)
-    pieces = [("good", (len, ([1, 2],))), ("bad", (died, ())), ("worse", (len, (3,))), ("fine", (len, ([],)))]
+    pieces = [("good", (len, ([1, 2],))), ("bad", (died, ())), ("worse", (len, (3,))), ("odd", (raising, ())),
+              ("fine", (len, ([],)))]  # fmt: skip
     results = dict(crew.results(iter(pieces)))
     crew.close()
     assert results["good"] == 2
     assert results["fine"] == 0
-    assert isinstance(results["bad"], LostError)
-    assert isinstance(results["worse"], TypeError)
+    assert isinstance(results["bad"], Failure)
+    assert "died 3 times" in results["bad"].reason
+    assert results["worse"].reason.startswith("TypeError: ")
+    assert "Unsendable" in results["odd"].reason
 
 
 def test_forms_measured_by_a_worker_are_on_one_thread_and_named():

@@ -46,7 +46,8 @@ def test_shrec_puts_meshes_side_by_side_and_classes_in_a_file(tmp_path):
 @pytest.mark.parametrize(
     ("text", "message"),
     [("PSB 1\n1 2\nman 0 2\n0\n7\n", "names 1 shapes that are not there, the first with number 7"),
-     ("PSB 1\n2 4\nman 0 3\n0\n", "well-formed"), ("T9.off,man\n", "does not name a mesh")],
+     ("PSB 1\n2 4\nman 0 3\n0\n", "well-formed"), ("T0.off,a b\nT1.off,a_b\n", "the same name in the tables"),
+     ("x" * 200_000, "neither a .cla file"), ("T9.off,man\n", "does not name a mesh")],
 )  # fmt: skip
 def test_a_file_of_classes_that_does_not_fit_is_refused(tmp_path, text, message):
     touched(tmp_path, "T0.off", "T1.off")
@@ -93,10 +94,13 @@ def test_methods_take_settings_on_the_command_line():
     assert chosen[1].settings == Settings(quality="draft", landmarks=50)
     assert chosen[3].settings.landmarks == 20
     assert chosen[3].rival
+    assert chosen_methods(["ours:as_published=True"])[1].settings.as_published
     assert not chosen[1].rival
     assert len(chosen_methods(list(DEFAULT))) == 1 + len(DEFAULT)
     wrong = [("hers", "There is no method 'hers'"), ("ours:quality=best", "quality must be"),
-             ("ours:speed=9", "not a setting"), ("ours:landmarks=x", "landmarks cannot be 'x'")]  # fmt: skip
+             ("ours:speed=9", "not a setting"), ("ours:whole=true", "not a setting"),
+             ("ours:as_published=yes", "as_published cannot be 'yes'"),
+             ("ours:landmarks=x", "landmarks cannot be 'x'")]  # fmt: skip
     for word, message in wrong:
         with pytest.raises(InvalidSettingsError, match=message):
             chosen_methods([word])

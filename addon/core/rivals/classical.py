@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..embedding import Embedding
+from ..errors import SolverError
 from ..monitor import Monitor
 from ..scaling import classical_scaling, landmark_scaling
 from ..settings import Settings
@@ -29,11 +30,16 @@ def leading_scaling(distances: FloatArray, dimensions: int = 3) -> FloatArray:
     (n, d) ndarray of float
         The points, centred, along their principal axes; the sign of each axis is arbitrary.
 
+    Raises
+    ------
+    SolverError
+        If the axes cannot be found.
+
     References
     ----------
     Torgerson, "Multidimensional scaling: I. Theory and method", 1952; paper, equation 4.
     """
-    from scipy.sparse.linalg import eigsh
+    from scipy.sparse.linalg import ArpackError, eigsh
 
     count = len(distances)
     if count <= _DENSE:
@@ -44,7 +50,13 @@ def leading_scaling(distances: FloatArray, dimensions: int = 3) -> FloatArray:
     gram -= mean - mean.mean()
     gram *= -0.5  # G = -½ J D² J
     begin = np.sin(np.arange(1.0, count + 1))  # any fixed vector that is not the constant one
-    values, vectors = eigsh(gram, k=dimensions, which="LA", v0=begin)
+    try:
+        values, vectors = eigsh(gram, k=dimensions, which="LA", v0=begin)
+    except ArpackError as error:
+        raise SolverError(
+            "Classical scaling found no axes: the distances are too alike or too irregular. Clean the mesh up (Mesh > "
+            "Clean Up > Merge by Distance)."
+        ) from error
     order = np.argsort(-values)
     return vectors[:, order] * np.sqrt(np.maximum(values[order], 0.0))
 

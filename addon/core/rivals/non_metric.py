@@ -58,12 +58,14 @@ def non_metric_scaling(
     monitor = monitor or Monitor()
     given = squareform(distances, checks=False)
     order = np.argsort(given, kind="stable")
+    monitor.check()
     size = np.sqrt((given**2).sum())
     points = start - start.mean(axis=0)
 
     def disparities_of(straight: FloatArray) -> FloatArray:
         rising = np.empty_like(straight)
         rising[order] = isotonic_regression(straight[order]).x
+        monitor.check()
         return rising * (size / np.sqrt((rising**2).sum()))
 
     straight = pdist(points)
@@ -72,6 +74,7 @@ def non_metric_scaling(
     for step in range(iterations):
         ratio = squareform(wanted / np.maximum(straight, 1e-12 * size))
         trial = (ratio.sum(axis=1)[:, None] * points - ratio @ points) / len(points)  # n⁻¹ B(X) X
+        monitor.check()
         trial_straight = pdist(trial)
         trial_wanted = disparities_of(trial_straight)
         value = float(((trial_wanted - trial_straight) ** 2).sum())

@@ -134,7 +134,11 @@ class WholeSurface:
             return Samples(np.arange(count), all_geodesics(self.surface, self._monitor))
         first = self.heat.distances(self.features)
         landmarks, distances = farthest_points(self.heat, self.features, first, self._settings.landmarks, self._monitor)
-        return Samples(landmarks, np.maximum(distances, 0.0))
+        distances = np.maximum(distances, 0.0)
+        if len(landmarks) == count:  # a small mesh: all pairs, in the order of the vertices
+            distances = distances[:, np.argsort(landmarks)]
+            return Samples(np.arange(count), (distances + distances.T) / 2)
+        return Samples(landmarks, distances)
 
     def outside_out(self, form: FloatArray) -> FloatArray:
         """Choose between an embedding and its mirror image, which no distance can tell apart.
