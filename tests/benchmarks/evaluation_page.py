@@ -65,7 +65,9 @@ def paper_table(native, coarse):
         ["---"] * 4,
     ]
     for name, figure in PAPER.items():
-        rows.append([name, f"{figure:.2f}", short(ours.get(name, ""), 2), short(full.get(name, ""), 2)])
+        rows.append(
+            [name, f"{figure:.2f}", short(ours.get(name, ""), 2), short(few.get(f"{name}-full", few.get(name, "")), 2)]
+        )
     return "\n".join("| " + " | ".join(row) + " |" for row in rows)
 
 
