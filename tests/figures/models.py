@@ -22,7 +22,7 @@ def models(folder: Path | None):
 
 def own_models():
     """Bent figures and arms of the tests, none of them anyone else's."""
-    vertices, faces = shapes.figure(30)
+    vertices, faces = shapes.figure(24)
     bent = [vertices + 0.2 * k * np.sin(vertices[:, 2:]) * [1.0, 0.6, 0.0] for k in range(4)]
     arms = [shapes.joint(angle) for angle in (0.0, 45.0, 90.0, 120.0)]
     return {
