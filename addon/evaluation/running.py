@@ -103,8 +103,8 @@ def compute_forms(store: Store, pending: dict[Shape, list[Method]], crew: Crew, 
 
     for name, result in crew.results(work()):
         shape, method = cast(tuple[Shape, Method], name)
+        faces = faces_of.pop(shape, None) if method.name == INPUT else None
         if isinstance(result, Outcome):
-            faces = faces_of.pop(shape, None) if method.name == INPUT else None
             store.keep(shape, method, result, faces)
             pace.append(float(result.cost["all_seconds"] or 0.0))
             give_memory_back()

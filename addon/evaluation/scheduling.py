@@ -125,16 +125,6 @@ class LocalCrew:
                         suspects.append(piece)
                 under_way.clear()
 
-    def processes(self) -> list[int]:
-        """Name the processes that work at the moment.
-
-        Returns
-        -------
-        list of int
-            Their numbers.
-        """
-        return list(self._pool._processes or ()) if self._pool is not None else []
-
     def close(self) -> None:
         """End the processes, whatever they are at."""
         if self._pool is not None:

@@ -287,14 +287,11 @@ def code_version() -> str:
     str
         The key.
     """
-    here = Path(__file__).resolve().parent
-    files = [
-        *sorted((here.parent / "core").rglob("*.py")),
-        here / "work.py",
-        here / "descriptor.py",
-        here / "reading.py",
-    ]
-    return digest(*(path.read_text() for path in files))
+    root = Path(__file__).resolve().parents[1]
+    files = sorted((root / "core").rglob("*.py"))
+    files += [root / "evaluation" / f"{name}.py" for name in ("work", "descriptor", "reading")]
+    files += [root / "blender" / f"{name}.py" for name in ("off_format", "files", "mesh_reading")]
+    return digest(*(path.read_text(encoding="utf-8") for path in files))
 
 
 def digest(*parts: str) -> str:

@@ -201,8 +201,26 @@ def _pose_ratio(store: Store, shapes: list[Shape], method: Method) -> PoseRatio:
         for shape in some:
             form = np.asarray(store.array(shape, which, "form"), dtype=np.float64)
             unit.append(form / np.sqrt(surface_area(form, faces[0])))
-        means.append(float(np.mean([_apart(one, two, mirror) for one, two in itertools.combinations(unit, 2)])))
+        means.append(mean_apart(unit, mirror))
     return PoseRatio(*means)
+
+
+def mean_apart(forms: Sequence[FloatArray], mirror: bool = False) -> float:
+    """Measure how far forms with one vertex order are apart, the mean over all pairs of them.
+
+    Parameters
+    ----------
+    forms : sequence of (n, 3) ndarray of float
+        At least two forms.
+    mirror : bool
+        Whether a mirror image may be used in the rigid fit.
+
+    Returns
+    -------
+    float
+        Mean root mean square distance of matching vertices after a rigid fit, in the unit of the forms.
+    """
+    return float(np.mean([_apart(one, two, mirror) for one, two in itertools.combinations(forms, 2)]))
 
 
 def _apart(one: FloatArray, two: FloatArray, mirror: bool) -> float:

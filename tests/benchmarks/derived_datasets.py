@@ -12,13 +12,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from addon.core.coarsening import coarsened
-from tests.sample.shapes import read_obj, write_off
-
-
-def poses_of(folder):
-    """Read the poses of one shape, the rest pose first."""
-    paths = sorted(folder.glob("*.obj"), key=lambda path: (path.stem not in ("rest", "bind"), path.stem))
-    return [(path.stem, *read_obj(path)) for path in paths]
+from tests.sample.shapes import poses_of, write_off
 
 
 def coarse(source, target, count):

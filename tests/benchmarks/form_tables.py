@@ -17,35 +17,19 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
 from addon.core import Settings, canonical_form  # noqa: E402
-from addon.core.alignment import rigid_fit  # noqa: E402
 from addon.core.heat import HeatMethod  # noqa: E402
 from addon.core.measures import compactness_error, edge_stretch  # noqa: E402
 from addon.core.memory import memory_estimate  # noqa: E402
 from addon.core.surface import surface_area, triangulated  # noqa: E402
+from addon.evaluation.tables import mean_apart  # noqa: E402
 from tests.benchmarks.remeshing import adaptive, noisy, quad_dominant, resized, uniform  # noqa: E402
-from tests.sample.shapes import read_obj  # noqa: E402
+from tests.sample.shapes import poses_of, read_obj, unit  # noqa: E402
 
 
 def shapes_of(data):
     """Read every pose of every shape, the rest pose first, scaled to unit area."""
     for folder in sorted(path for path in data.iterdir() if path.is_dir()):
-        poses = sorted(folder.glob("*.obj"), key=lambda path: (path.stem not in ("rest", "bind"), path.stem))
-        meshes = [read_obj(path) for path in poses]
-        yield folder.name, [(unit(*mesh), mesh[1]) for mesh in meshes]
-
-
-def unit(vertices, faces):
-    vertices = vertices - vertices.mean(axis=0)
-    return vertices / np.sqrt(surface_area(vertices, faces))
-
-
-def apart(one, two, mirror=False):
-    turn, shift = rigid_fit(one, two, mirror=mirror)
-    return float(np.sqrt(((one @ turn + shift - two) ** 2).sum(axis=1).mean()))
-
-
-def mean_apart(many, mirror=False):
-    return float(np.mean([apart(one, two, mirror) for one, two in itertools.combinations(many, 2)]))
+        yield folder.name, [(unit(vertices, faces), faces) for _, vertices, faces in poses_of(folder)]
 
 
 def nearest_apart(one, two):

@@ -13,6 +13,7 @@ from addon.evaluation.command import main
 from addon.evaluation.methods import KNOWN
 from addon.evaluation.report import FIGURES
 from addon.evaluation.scheduling import LocalCrew
+from addon.evaluation.store import code_version
 from addon.evaluation.tables import evenly
 from addon.evaluation.work import Failure, hausdorff_row, measured
 from tests.sample import shapes
@@ -193,6 +194,13 @@ def test_it_runs_as_a_command_without_blender(dataset, tmp_path):
     assert str(tmp_path / "out" / "report.md") in done.stdout.splitlines()
     assert "Forms: 100%" in done.stderr
     assert not list((tmp_path / "out").glob("hausdorff*"))
+
+
+def test_the_code_is_read_alike_whatever_the_language_of_the_machine():
+    plain = {**os.environ, "LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
+    words = [sys.executable, "-c", "from addon.evaluation.store import code_version; print(code_version())"]
+    done = subprocess.run(words, capture_output=True, text=True, env=plain, check=False)
+    assert done.stdout.split() == [code_version()], done.stderr
 
 
 def died():

@@ -4,9 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
-from addon.core.surface import surface_area
 from tests.sample import shapes
-from tests.sample.shapes import read_obj
+from tests.sample.shapes import poses_of, unit
 
 
 def models(folder: Path | None):
@@ -15,8 +14,7 @@ def models(folder: Path | None):
         return own_models()
     found = {}
     for inner in sorted(path for path in folder.iterdir() if path.is_dir()):
-        paths = sorted(inner.glob("*.obj"), key=lambda path: (path.stem not in ("rest", "bind"), path.stem))
-        found[inner.name] = [(path.stem, *scaled(*read_obj(path))) for path in paths]
+        found[inner.name] = [(pose, unit(vertices, faces), faces) for pose, vertices, faces in poses_of(inner)]
     return found
 
 
@@ -26,15 +24,9 @@ def own_models():
     bent = [vertices + 0.2 * k * np.sin(vertices[:, 2:]) * [1.0, 0.6, 0.0] for k in range(4)]
     arms = [shapes.joint(angle) for angle in (0.0, 45.0, 90.0, 120.0)]
     return {
-        "figure": [(f"bent {k}", *scaled(each, faces)) for k, each in enumerate(bent)],
-        "arm": [(f"bent {k}", *scaled(*arm[:2])) for k, arm in enumerate(arms)],
+        "figure": [(f"bent {k}", unit(each, faces), faces) for k, each in enumerate(bent)],
+        "arm": [(f"bent {k}", unit(*arm[:2]), arm[1]) for k, arm in enumerate(arms)],
     }
-
-
-def scaled(vertices, faces):
-    """Centre a mesh and give it unit area."""
-    vertices = vertices - vertices.mean(axis=0)
-    return vertices / np.sqrt(surface_area(vertices, faces)), faces
 
 
 def facing(shape):

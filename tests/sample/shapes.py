@@ -199,3 +199,17 @@ def write_off(path: Path, vertices, faces):
     lines += [f"{x:.9g} {y:.9g} {z:.9g}" for x, y, z in np.asarray(vertices).tolist()]
     lines += [f"3 {a} {b} {c}" for a, b, c in np.asarray(faces).tolist()]
     path.write_text("\n".join(lines) + "\n")
+
+
+def poses_of(folder: Path):
+    """Names, positions and triangles of the .obj files of a folder, the rest pose first."""
+    paths = sorted(folder.glob("*.obj"), key=lambda path: (path.stem not in ("rest", "bind"), path.stem))
+    return [(path.stem, *read_obj(path)) for path in paths]
+
+
+def unit(vertices, faces):
+    """Positions centred and scaled to unit area."""
+    from addon.core.surface import surface_area
+
+    vertices = vertices - vertices.mean(axis=0)
+    return vertices / np.sqrt(surface_area(vertices, faces))
