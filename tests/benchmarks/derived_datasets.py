@@ -1,7 +1,8 @@
 """Makes datasets out of one of posed meshes: ``derived_datasets.py coarse|perturbed FOLDER TARGET COUNT``.
 
 coarse: every pose with about COUNT vertices, the same in all poses of a shape, so that slow methods can run in full.
-perturbed: COUNT meshes, the poses one after the other with other noise, size and place each, for long runs.
+perturbed: COUNT meshes, the poses one after the other with other noise, size and place each, in ten classes of the
+same mixture, for long runs: what grows then is not the meshes.
 """
 
 import sys
@@ -32,7 +33,8 @@ def perturbed(source, target, count):
         edge = np.linalg.norm(vertices[faces[:, 0]] - vertices[faces[:, 1]], axis=1).mean()
         turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
         moved = (vertices + 0.05 * edge * rng.normal(size=vertices.shape)) @ (turn * np.sign(np.linalg.det(turn)))
-        write_off(target / label / f"{name}_{number:04d}.off", rng.uniform(0.5, 2) * moved, faces)
+        part = target / f"part-{10 * number // count}"  # all sizes in every tenth of a run
+        write_off(part / f"{number:04d}-{label}-{name}.off", rng.uniform(0.5, 2) * moved, faces)
 
 
 if __name__ == "__main__":
