@@ -93,7 +93,9 @@ def _parser() -> argparse.ArgumentParser:
     compute.add_argument("--tolerance", type=float, default=default.tolerance, help="relative change to stop at")
     compute.add_argument("--extrapolation", type=int, default=default.extrapolation, help="earlier steps to use")
     compute.add_argument("--as-published", action="store_true", help="follow the paper to the letter")
-    compute.add_argument("--memory-limit", type=float, default=default.memory_limit, help="gigabytes")
+    compute.add_argument(
+        "--memory-limit", type=float, default=default.memory_limit, help="gigabytes; 0 for 60 %% of what is free"
+    )
     return parser
 
 

@@ -77,7 +77,7 @@ class Settings:
         Follow the paper to the letter: open cells, all vertices, commute times from K eigenpairs, biharmonic distances
         as they are, unscaled terms, plain steps, no detail pass.
     memory_limit : float
-        Most memory that may be used, in gigabytes.
+        Most memory that may be used, in gigabytes; 0 for 60 % of what is free when the run starts.
     """
 
     method: str = "local_features"
@@ -98,7 +98,7 @@ class Settings:
     tolerance: float = 1e-3
     extrapolation: int = 6
     as_published: bool = False
-    memory_limit: float = 8.0
+    memory_limit: float = 0.0
 
     def __post_init__(self) -> None:
         """Refuse values outside their range.
@@ -128,7 +128,7 @@ class Settings:
         _require(self.iterations >= 0, "iterations", "at least 0", self.iterations)
         _require(self.tolerance >= 0, "tolerance", "at least 0", self.tolerance)
         _require(self.extrapolation >= 0, "extrapolation", "at least 0", self.extrapolation)
-        _require(self.memory_limit > 0, "memory_limit", "above 0", self.memory_limit)
+        _require(self.memory_limit >= 0, "memory_limit", "at least 0", self.memory_limit)
 
     @property
     def whole(self) -> bool:

@@ -9,7 +9,7 @@ from ..blender.in_betweens import PROPERTY, has_in_betweens
 from ..blender.records import named_key, record_of, required_record
 from ..blender.variants import limbs_of
 from ..core import Settings
-from ..core.memory import memory_estimate
+from ..core.memory import memory_estimate, time_estimate
 from ..core.settings import METHODS
 from .job_operator import OBJECT_OT_canonical_form_cancel
 from .limb_operators import (
@@ -70,8 +70,9 @@ class VIEW3D_PT_canonical_form(_Tab, bpy.types.Panel):
         if obj is not None and obj.type == "MESH":
             count = len(obj.data.vertices)
             options = {"as_published": True} if chosen.as_published else {"method": chosen.method}
-            memory = memory_estimate(count, Settings(quality=chosen.quality, landmarks=chosen.landmarks, **options))
-            layout.label(text=f"{count:,} vertices, about {memory:.1f} GB", icon="MEMORY")
+            settings = Settings(quality=chosen.quality, landmarks=chosen.landmarks, **options)
+            memory, seconds = memory_estimate(count, settings), time_estimate(count, settings)
+            layout.label(text=f"{count:,} vertices, about {memory:.1f} GB, {max(seconds, 1.0):,.0f} s", icon="MEMORY")
 
 
 class VIEW3D_PT_canonical_form_result(_Tab, bpy.types.Panel):

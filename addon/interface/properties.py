@@ -183,9 +183,9 @@ class MethodProperties:
     )
     memory_limit: FloatProperty(  # type: ignore[valid-type]
         name="Memory Limit",
-        description="Most memory that may be used, in gigabytes",
+        description="Most memory that may be used, in gigabytes; 0 for 60 % of what is free",
         default=_DEFAULT.memory_limit,
-        min=0.001,
+        min=0.0,
         soft_max=64.0,
     )
 

@@ -251,11 +251,10 @@ def test_what_cannot_be_used_is_refused_with_a_sentence(blender, arrays):
     refused("has no faces")
     add_object("Points", np.eye(3), [])
     refused("has no faces")
-    vertices, faces = shapes.sphere(1)
-    pair = add_object("Pair", np.vstack([vertices, vertices + 9]), np.vstack([faces, faces + len(vertices)]))
-    before = snapshot(pair)
-    refused("2 loose parts.*P > By Loose Parts")
-    assert snapshot(pair) == before
+    hair = add_object("Hair", np.random.default_rng(0).normal(size=(1503, 3)), np.arange(1503).reshape(-1, 3))
+    before = snapshot(hair)
+    refused("501 loose parts.*M > By Distance")
+    assert snapshot(hair) == before
     figure = add_object("Figure", *arrays)
     before = snapshot(figure)
     refused("Feature points must be", feature_points="three")
@@ -340,7 +339,7 @@ def test_properties_mirror_the_settings(blender):
 
 
 def test_the_panel_shows_what_was_found(figure_object):
-    announced = f"{len(figure_object.data.vertices):,} vertices, about 0.2 GB"
+    announced = f"{len(figure_object.data.vertices):,} vertices, about 0.1 GB, 1 s"
     assert drawn(panels.VIEW3D_PT_canonical_form) == [
         "Compute", "quality", "preserve_detail", "mesh", "result", announced,
     ]  # fmt: skip

@@ -1,0 +1,52 @@
+import subprocess
+import sys
+
+import pytest
+
+from addon.core import Settings, TooLargeError
+from addon.core.memory import free_memory, memory_estimate, memory_limit, require_memory, time_estimate
+
+
+def test_the_limit_is_the_one_set_or_a_share_of_what_is_free():
+    assert memory_limit(Settings(memory_limit=3.5)) == 3.5
+    assert 0 < memory_limit(Settings()) == pytest.approx(0.6 * free_memory(), rel=0.1)
+
+
+def test_free_memory_is_what_the_system_says():
+    psutil = pytest.importorskip("psutil")
+    assert free_memory() <= 1.05 * psutil.virtual_memory().available / 1e9
+
+
+def test_estimates_grow_with_the_mesh_and_the_quality():
+    for estimate in (memory_estimate, time_estimate):
+        small, large = (estimate(count, Settings()) for count in (1_000, 1_000_000))
+        assert 0 < small < large / 10
+        assert estimate(20_000, Settings(quality="full")) > estimate(20_000, Settings())
+
+
+def test_a_mesh_that_does_not_fit_is_refused_in_words(monkeypatch):
+    monkeypatch.setattr("addon.core.memory.free_memory", lambda: 1.0)
+    require_memory(400_000, Settings())
+    with pytest.raises(
+        TooLargeError, match=r"1,000,000 vertices needs about 1\.3 GB, more than 0\.6 GB, which is 60% of"
+    ):
+        require_memory(1_000_000, Settings())
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="needs ulimit -v")
+def test_a_process_with_little_address_space_ends_with_a_sentence():
+    code = """
+import resource, sys
+from addon.core import Settings, TooLargeError, canonical_form
+from tests.sample import shapes
+import scipy.sparse.linalg, scipy.spatial
+mesh = shapes.sphere(6)
+taken = int(open('/proc/self/statm').read().split()[0]) * 4096
+resource.setrlimit(resource.RLIMIT_AS, (taken + 80_000_000,) * 2)
+try:
+    canonical_form(*mesh)
+except TooLargeError as error:
+    print(error)
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert "of the free memory" in done.stdout
