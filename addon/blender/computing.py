@@ -312,10 +312,10 @@ def _report(reading: Reading, found: CanonicalForm | FeaturePatches, request: Re
         "vertices": len(reading.vertices),
         "faces": len(reading.faces),
         "feature_points": found.feature_points.tolist(),
-        "patch_sizes": np.bincount(found.patches, minlength=len(found.feature_points)).tolist(),
+        "patch_sizes": np.bincount(found.patches[found.patches >= 0], minlength=len(found.feature_points)).tolist(),
     }
     if isinstance(found, CanonicalForm):
-        measures = summary(reading.vertices, found.vertices, reading.faces, request.hausdorff)
+        measures = summary(reading.vertices, found.vertices, found.faces, request.hausdorff)
         stress = found.stress
         report |= {
             "method": request.settings.method,

@@ -73,6 +73,11 @@ class DistanceTask:
         reading = self._reading
         self._field = distance_field(reading.vertices, reading.faces, self._sources, self.kind, progress, cancelled)
 
+    @property
+    def unreached(self) -> int:
+        """Number of vertices to which no way leads from the selection."""
+        return int(np.count_nonzero(~np.isfinite(self._field)))
+
     def write(self) -> str:
         """Write the field, in place of an earlier one of its kind, on the main thread.
 
@@ -111,10 +116,12 @@ def _write_field(obj: bpy.types.Object, name: str, field: FloatArray, isolines: 
         group = obj.vertex_groups[group_name]
     else:
         group = obj.vertex_groups.new(name=WEIGHTS.format(name))
-    largest = float(field.max())
-    weights = np.round(field / (largest if largest > 0 else 1.0), 3)
-    for weight in np.unique(weights):  # at most 1,001 calls, whatever the number of vertices
-        group.add(np.flatnonzero(weights == weight).tolist(), float(weight), "REPLACE")
+    reached = np.isfinite(field)
+    group.remove(np.flatnonzero(~reached).tolist())
+    largest = float(field[reached].max())
+    weights = np.round(np.where(reached, field, np.nan) / (largest if largest > 0 else 1.0), 3)
+    for weight in np.unique(weights[reached]).tolist():  # at most 1,001 calls, whatever the number of vertices
+        group.add(np.flatnonzero(weights == weight).tolist(), weight, "REPLACE")
     ours[f"{name} weights"] = [group.name, group_prints(obj, {group.name: None})[group.name]]
     obj.vertex_groups.active_index = group.index
     mesh[DISTANCES] = json.dumps(ours)

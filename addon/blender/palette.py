@@ -22,6 +22,7 @@ _TO_RGB = np.array(
         [-0.0041960863, -0.7034186147, 1.7076147010],
     ]
 )
+_GREY = np.array([0.2, 0.2, 0.2, 1.0])
 _GOLDEN_TURN = 0.618033988749895
 
 
@@ -50,9 +51,9 @@ def colours_of(adf: FloatArray, patches: IntArray, faces: IntArray) -> Colours:
     Parameters
     ----------
     adf : (n,) ndarray of float
-        Auto Diffusion Function, positive.
+        Auto Diffusion Function, positive; 0 at vertices of no patch.
     patches : (n,) ndarray of int
-        Patch of every vertex, from 0.
+        Patch of every vertex, from 0; -1 for none, which is shown in grey.
     faces : (m, 3) ndarray of int
         Triangles.
 
@@ -62,9 +63,9 @@ def colours_of(adf: FloatArray, patches: IntArray, faces: IntArray) -> Colours:
         All colours, linear.
     """
     palette = patch_colours(patches, faces)
-    return Colours(
-        ramp(np.log(adf)).astype(np.float32), palette[patches].astype(np.float32), palette[:, :3].round(6).tolist()
-    )
+    field = ramp(np.log(np.where(patches < 0, np.nan, adf)))
+    shown = np.vstack([palette, _GREY])[patches]  # -1 is the last
+    return Colours(field.astype(np.float32), shown.astype(np.float32), palette[:, :3].round(6).tolist())
 
 
 def ramp(values: FloatArray) -> FloatArray:
@@ -73,18 +74,18 @@ def ramp(values: FloatArray) -> FloatArray:
     Parameters
     ----------
     values : (n,) ndarray of float
-        A field; its range is stretched over the ramp.
+        A field; its range is stretched over the ramp. What is not finite is shown in grey.
 
     Returns
     -------
     (n, 4) ndarray of float
         Linear red, green, blue and alpha 1.
     """
-    spread = float(np.ptp(values))
-    share = (values - values.min()) / (spread if spread > 0 else 1.0)
+    share = _share_of_range(values)
     hue = np.deg2rad(290.0 - 180.0 * share)
     chroma = 0.09 + 0.07 * share
-    return _linear(np.column_stack([0.28 + 0.64 * share, chroma * np.cos(hue), chroma * np.sin(hue)]))
+    colours = _linear(np.column_stack([0.28 + 0.64 * share, chroma * np.cos(hue), chroma * np.sin(hue)]))
+    return np.where(np.isfinite(values)[:, None], colours, _GREY)
 
 
 def with_isolines(colours: FloatArray, values: FloatArray, count: int) -> FloatArray:
@@ -104,8 +105,7 @@ def with_isolines(colours: FloatArray, values: FloatArray, count: int) -> FloatA
     (n, 4) ndarray of float
         The colours with bands.
     """
-    spread = float(np.ptp(values))
-    band = np.floor((count + 1) * (values - values.min()) / (spread if spread > 0 else 1.0))
+    band = np.floor((count + 1) * _share_of_range(values))
     result = colours.copy()
     result[band % 2 == 1, :3] *= 0.45
     return result
@@ -117,7 +117,7 @@ def patch_colours(patches: IntArray, faces: IntArray) -> FloatArray:
     Parameters
     ----------
     patches : (n,) ndarray of int
-        Patch of every vertex, from 0.
+        Patch of every vertex, from 0; -1 for none.
     faces : (m, 3) ndarray of int
         Triangles.
 
@@ -133,16 +133,24 @@ def patch_colours(patches: IntArray, faces: IntArray) -> FloatArray:
     choices = np.column_stack([lightness, 0.13 * np.cos(hue), 0.13 * np.sin(hue)])
     ends = patches[vertex_pairs(faces)]
     neighbours = np.unique(ends[ends[:, 0] != ends[:, 1]], axis=0)
+    neighbours = neighbours[neighbours.min(axis=1) >= 0]
     taken: list[int] = []
+    apart = np.full(len(choices), 1.0)  # from all that are taken
     for patch in range(count):
         beside = np.unique(neighbours[(neighbours == patch).any(axis=1)])
-        beside = beside[beside < patch]
-        apart = np.full(len(choices), 1.0)
-        for other in range(patch):
-            gap = np.linalg.norm(choices - choices[taken[other]], axis=1)
-            apart = np.minimum(apart, gap if other in beside else 2 * gap)  # far patches may be a little more alike
-        taken.append(int(np.argmax(apart)))
+        near = choices[[taken[other] for other in beside[beside < patch]]]
+        gaps = np.linalg.norm(choices[:, None] - near, axis=2).min(axis=1, initial=1.0)
+        taken.append(int(np.argmax(np.minimum(apart, gaps))))
+        # far patches may be a little more alike
+        apart = np.minimum(apart, 2 * np.linalg.norm(choices - choices[taken[-1]], axis=1))
     return _linear(choices[taken])
+
+
+def _share_of_range(values: FloatArray) -> FloatArray:
+    """Say how far each value is on the way from the lowest to the highest, 0 to 1; 0 for what is not finite."""
+    known = values[np.isfinite(values)]
+    lowest, spread = known.min(initial=np.inf), float(np.ptp(known)) if len(known) else 0.0
+    return np.where(np.isfinite(values), np.nan_to_num(values - lowest) / (spread if spread > 0 else 1.0), 0.0)
 
 
 def _linear(oklab: FloatArray) -> FloatArray:

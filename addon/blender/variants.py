@@ -119,12 +119,9 @@ class VariantTask:
         from ..core.monitor import Monitor
 
         reading, monitor = self._reading, Monitor(progress, cancelled)
-        chosen = np.array(self.limbs)[self._patches]
+        chosen = np.array([*self.limbs, False])[self._patches]  # -1, of no face: the last
         ways = [*ways_between(self.in_betweens), 1.0]
-        with monitor.stage("Limbs", 1.0):
-            *self.shapes, self.positions = limb_shapes(
-                reading.vertices, reading.faces, self._form, chosen, ways, monitor
-            )
+        *self.shapes, self.positions = limb_shapes(reading.vertices, reading.faces, self._form, chosen, ways, monitor)
 
     def write(self) -> None:
         """Fill the shape key, and the keys between, on the main thread.

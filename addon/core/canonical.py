@@ -8,9 +8,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .alignment import rigid_fit
+from .embedding import Embedding
 from .local_features import local_feature_form
 from .monitor import Cancelled, Monitor, Progress
-from .recognition import recognised
+from .parts import Part, connected_parts, features_by_part
+from .recognition import FeaturePatches, recognised, together
 from .settings import Settings
 from .surface import FloatArray, IntArray, surface_area, vertex_areas
 
@@ -22,15 +24,19 @@ class CanonicalForm:
     Attributes
     ----------
     vertices : (n, 3) ndarray of float
-        The form: the input's area, rigidly aligned to the input.
+        The form: the input's area, rigidly aligned to the input, each connected part by itself. Vertices of no face
+        are where they were.
+    faces : (m', 3) ndarray of int
+        The triangles that it is the form of: those given, mended where the warnings say so.
     feature_points : (k,) ndarray of int
-        Vertices, most prominent first.
+        Vertices, most prominent first, part by part, those of the largest first.
     patches : (n,) ndarray of int
-        Index into `feature_points` of the patch that each vertex belongs to.
+        Index into `feature_points` of the patch that each vertex belongs to; -1 for vertices of no face.
     adf : (n,) ndarray of float
-        Auto Diffusion Function of the surface scaled to unit area.
+        Auto Diffusion Function of each part scaled to unit area; 0 at vertices of no face.
     stress : (s + 1,) ndarray of float
-        Equation 10 before each of the s steps and after the last, of the surface scaled to unit area.
+        Equation 10 before each of the s steps and after the last, of the surface scaled to unit area; the sum over the
+        parts.
     pair_count : int
         Entries of the distance matrices that the stress uses, counted as the paper does: Σ p² over the patches and
         the feature points. Each pair of points is kept once.
@@ -43,6 +49,7 @@ class CanonicalForm:
     """
 
     vertices: FloatArray
+    faces: IntArray
     feature_points: IntArray
     patches: IntArray
     adf: FloatArray
@@ -67,7 +74,7 @@ def canonical_form(
     vertices : (n, 3) array_like of float
         Vertex positions, any unit of length.
     faces : (m, 3) array_like of int
-        Triangles of one connected surface, with or without borders.
+        Triangles of one or several surfaces, with or without borders, in any state that docs/any-mesh.md lists.
     settings : Settings, optional
         Options.
     progress : callable, optional
@@ -85,7 +92,7 @@ def canonical_form(
     InvalidMeshError
         If the mesh cannot be used; the message says what to do.
     InvalidSettingsError
-        If a feature point given by hand is not a vertex, or is given twice.
+        If a feature point given by hand is not a vertex of a surface, or is given twice.
     TooLargeError
         If all pairs inside the patches do not fit into the memory limit.
     SolverError
@@ -95,7 +102,34 @@ def canonical_form(
     """
     settings = settings or Settings()
     monitor = Monitor(progress, cancelled)
-    found = recognised(vertices, faces, settings, monitor)
+    with monitor.stage("Surface", 0.02):
+        parts = connected_parts(vertices, faces)
+        given = features_by_part(parts, settings.feature_points)
+    monitor.warnings += parts.warnings
+    forms = []
+    for (part, own), points in zip(parts.each(monitor), given, strict=True):
+        forms.append(_form_of_part(part, None if points is None else points[1], settings, own))
+    found = together(parts, [form[0] for form in forms], given, monitor)
+    pair_count = sum(embedded.pair_count for _, _, embedded in forms)
+    return CanonicalForm(
+        parts.together([form for _, form, _ in forms], parts.vertices),
+        parts.faces,
+        found.feature_points,
+        found.patches,
+        found.adf,
+        _summed([embedded.history for _, _, embedded in forms]),
+        pair_count,
+        1 - pair_count / len(parts.vertices) ** 2,
+        monitor.timings,
+        monitor.warnings,
+    )
+
+
+def _form_of_part(
+    part: Part, given: IntArray | None, settings: Settings, monitor: Monitor
+) -> tuple[FeaturePatches, FloatArray, Embedding]:
+    """Find the form of one connected surface."""
+    found = recognised(part.points, part.faces, given, settings, monitor)
     if settings.method == "local_features":
         embedded = local_feature_form(found, settings, monitor)
     else:
@@ -103,19 +137,15 @@ def canonical_form(
 
         embedded = rival_form(found, settings, monitor)
     with monitor.stage("Alignment", 1.0):
-        features, cells, adf = found.carried_back(monitor)
+        patches = found.carried_back(monitor)
         form = embedded.points / np.sqrt(surface_area(embedded.points, found.whole_triangles))
         areas = vertex_areas(found.whole_points, found.whole_triangles)
         rotation, shift = rigid_fit(form, found.whole_points, areas)
         form = (form @ rotation + shift) * found.unit + found.centre
-    return CanonicalForm(
-        form,
-        features,
-        cells,
-        adf,
-        embedded.history,
-        embedded.pair_count,
-        1 - embedded.pair_count / len(found.whole_points) ** 2,
-        monitor.timings,
-        monitor.warnings,
-    )
+    return patches, form, embedded
+
+
+def _summed(histories: list[FloatArray]) -> FloatArray:
+    """Add courses of the stress, each at its end value once it has ended."""
+    steps = max(len(each) for each in histories)
+    return np.sum([np.pad(each, (0, steps - len(each)), mode="edge") for each in histories], axis=0)

@@ -13,7 +13,8 @@ from .fast_marching import fast_marching
 from .heat import HeatMethod
 from .laplacian import mass, stiffness
 from .monitor import Cancelled, Monitor, Progress
-from .surface import FloatArray, IntArray, checked_mesh, surface_area, triangulated
+from .parts import Part, connected_parts
+from .surface import FloatArray, IntArray, surface_area, triangulated
 
 KINDS = ("heat", "fast_marching", "biharmonic", "commute_time")
 _WORKED_ON = 2000  # vertices between which biharmonic distance and commute time are computed, all pairs
@@ -37,7 +38,7 @@ def distance_field(
     vertices : (n, 3) array_like of float
         Vertex positions, any unit of length.
     faces : (m, 3) array_like of int
-        Triangles of one connected surface.
+        Triangles of one or several surfaces.
     sources : (s,) array_like of int
         Vertices to measure from.
     kind : {'heat', 'fast_marching', 'biharmonic', 'commute_time'}
@@ -52,7 +53,7 @@ def distance_field(
     Returns
     -------
     (n,) ndarray of float
-        Distances, in the unit of the vertices; commute time has no unit.
+        Distances, in the unit of the vertices; commute time has no unit. inf where no way leads.
 
     Raises
     ------
@@ -67,22 +68,33 @@ def distance_field(
     if kind not in KINDS:
         raise InvalidSettingsError(f"kind must be one of {', '.join(KINDS)}; got {kind!r}.")
     with monitor.stage("Surface", 0.1):
-        points, triangles = checked_mesh(vertices, faces)
+        parts = connected_parts(vertices, faces)
         chosen = np.unique(np.asarray(sources, dtype=np.int64))
-        if not len(chosen) or chosen[0] < 0 or chosen[-1] >= len(points):
+        if not len(chosen) or chosen[0] < 0 or chosen[-1] >= len(parts.vertices):
             raise InvalidSettingsError("Select at least one vertex to measure from.")
-        unit = float(np.sqrt(surface_area(points, triangles)))
-        points = (points - points.mean(axis=0)) / unit
-    with monitor.stage("Distances", 1.0):
-        if kind == "heat":
-            heat = HeatMethod(triangulated(points, triangles), refine=len(points) <= _REFINED, monitor=monitor)
-            if len(chosen) <= _ONE_BY_ONE:
-                return unit * heat.distances(chosen).min(axis=1)
-            return unit * heat.distance_to_set(chosen)
-        if kind == "fast_marching":
-            return unit * fast_marching(triangulated(points, triangles), chosen, monitor)
-        field = _between_all(points, triangles, chosen, kind, monitor)
-        return field * (unit if kind == "biharmonic" else 1.0)
+    fields = []
+    for (part, own), (_, starts) in zip(parts.each(monitor), parts.placed(chosen), strict=True):
+        with own.stage("Distances", 1.0):
+            fields.append(_field_of_part(part, np.unique(starts), kind, own))
+    field = parts.together(fields, np.full(len(parts.vertices), np.inf))
+    field[chosen] = 0.0
+    return field
+
+
+def _field_of_part(part: Part, chosen: IntArray, kind: str, monitor: Monitor) -> FloatArray:
+    if not len(chosen):
+        return np.full(len(part.vertices), np.inf)
+    unit = float(np.sqrt(surface_area(part.points, part.faces)))
+    points, triangles = (part.points - part.points.mean(axis=0)) / unit, part.faces
+    if kind == "heat":
+        heat = HeatMethod(triangulated(points, triangles), refine=len(points) <= _REFINED, monitor=monitor)
+        if len(chosen) <= _ONE_BY_ONE:
+            return unit * heat.distances(chosen).min(axis=1)
+        return unit * heat.distance_to_set(chosen)
+    if kind == "fast_marching":
+        return unit * fast_marching(triangulated(points, triangles), chosen, monitor)
+    field = _between_all(points, triangles, chosen, kind, monitor)
+    return field * (unit if kind == "biharmonic" else 1.0)
 
 
 def _between_all(points: FloatArray, triangles: IntArray, chosen: IntArray, kind: str, monitor: Monitor) -> FloatArray:

@@ -11,12 +11,15 @@ from .delaunay import intrinsic_delaunay, midpoint_refined
 from .errors import SolverError
 from .laplacian import factored, mass, stiffness
 from .monitor import Monitor
-from .surface import FloatArray, IntArray, Triangulation, checked_mesh, face_areas, triangulated
+from .parts import connected_parts
+from .surface import FloatArray, IntArray, Triangulation, face_areas, triangulated
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
 
 _FAINTEST = 1e-280  # heat that must reach one end of the surface from the other; a double ends at 1e-308
+_FEWEST = 400  # vertices that a refined mesh has at least: on a tetrahedron heat would be a third off
+_BACKWARDS = 0.1  # of the largest distance that a distance may be below 0 before the field is given up
 _TAKES_OVER = 2.0  # diffusion lengths of the first time from the source
 _LONGER = 40  # most doublings of the time for that
 
@@ -37,7 +40,8 @@ class HeatMethod:
         distances become smooth and hardly feel how the surface is bent there. The first time is half the mean squared
         edge of the refined triangles, more where the heat would fall below what a double can hold.
     refine : bool
-        Split every triangle in four (error about a third lower, cost about three times as high).
+        Split every triangle in four (error about a third lower, cost about three times as high), and small meshes
+        further.
     monitor : Monitor, optional
         Asked between the steps of the preparation whether to stop.
 
@@ -58,13 +62,14 @@ class HeatMethod:
         from scipy.special import k0
 
         monitor = monitor or Monitor()
-        self._vertex_count = surface.vertex_count
+        self._monitor, self._vertex_count = monitor, surface.vertex_count
         fine = intrinsic_delaunay(surface)
         monitor.check()
-        if refine:
+        while refine:
             fine = intrinsic_delaunay(midpoint_refined(fine))
+            refine = fine.vertex_count < _FEWEST
             monitor.check()
-        self._faces = fine.faces
+        self._fine, self._faces = fine, fine.faces
         area, base = face_areas(fine.lengths), fine.lengths[:, 2]
         # triangle laid out with corner 0 at the origin, corner 1 at (base, 0) and corner 2 at (foot, height)
         self._base, self._height = base[:, None], 2 * (area / base)[:, None]
@@ -123,7 +128,16 @@ class HeatMethod:
         source = np.atleast_1d(np.asarray(sources, dtype=np.int64))
         column = np.arange(len(source))
         distance = self._from_sparks(source, column)
-        return distance - distance[source, column]
+        distance -= distance[source, column]
+        largest = np.abs(distance).max(axis=0)
+        lost = np.flatnonzero(~(distance.min(axis=0) >= -_BACKWARDS * largest) | (largest == 0))
+        if len(lost) and self._vertex_count > 1:
+            self._monitor.warn_once(
+                "Some triangles are so long and thin that heat runs astray on them; distances there were measured "
+                "along edges. Remesh for a better form."
+            )
+            distance[:, lost] = self._along_edges(source[lost])
+        return distance
 
     def distance_to_set(self, sources: ArrayLike) -> FloatArray:
         """Measure the distance of every vertex from the nearest of many vertices, by one spread of heat from all.
@@ -145,6 +159,11 @@ class HeatMethod:
         distance = np.maximum(distance - distance[source].mean(), 0.0)
         distance[source] = 0.0
         return distance
+
+    def _along_edges(self, source: IntArray) -> FloatArray:
+        from scipy.sparse.csgraph import dijkstra
+
+        return np.asarray(dijkstra(_edge_graph(self._fine), directed=False, indices=source)[:, : self._vertex_count].T)
 
     def _from_sparks(self, source: IntArray, column: IntArray) -> FloatArray:
         """Find distances, up to a constant, of every vertex from the sources of each column."""
@@ -172,21 +191,31 @@ def heat_geodesics(vertices: ArrayLike, faces: ArrayLike, sources: ArrayLike) ->
     vertices : (n, 3) array_like of float
         Vertex positions.
     faces : (m, 3) array_like of int
-        Triangles of one connected surface.
+        Triangles of one or several surfaces.
     sources : (s,) array_like of int
         Vertex indices to measure from.
 
     Returns
     -------
     (n, s) ndarray of float
-        Distances in the unit of the vertices, one column a source.
+        Distances in the unit of the vertices, one column a source; inf where no way leads.
 
     Raises
     ------
     InvalidMeshError
         If the mesh cannot be used; the message says what to do.
     """
-    return HeatMethod(triangulated(*checked_mesh(vertices, faces))).distances(sources)
+    parts = connected_parts(vertices, faces)
+    columns = np.atleast_1d(np.asarray(sources, dtype=np.int64))
+    distances = []
+    for part, (here, starts) in zip(parts.parts, parts.placed(columns), strict=True):
+        each = np.full((len(part.vertices), len(columns)), np.inf)
+        if len(here):
+            each[:, here] = HeatMethod(triangulated(part.points, part.faces)).distances(starts)
+        distances.append(each)
+    result = parts.together(distances, np.full((len(parts.vertices), len(columns)), np.inf))
+    result[columns, np.arange(len(columns))] = 0.0
+    return result
 
 
 def _without_negative_weights(stiffness_matrix: csr_matrix) -> csr_matrix:
@@ -199,14 +228,20 @@ def _without_negative_weights(stiffness_matrix: csr_matrix) -> csr_matrix:
     return diags(np.asarray(weights.sum(axis=1)).ravel()) - weights
 
 
-def _far_end(surface: Triangulation) -> int:
-    """Find a vertex at one end of the surface: the farthest, along edges, from the farthest from any."""
+def _edge_graph(surface: Triangulation) -> csr_matrix:
+    """Join the ends of every edge by its length."""
     from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import dijkstra
 
     row, column = np.roll(surface.faces, -1, axis=1).ravel(), np.roll(surface.faces, -2, axis=1).ravel()
     _, first = np.unique(np.minimum(row, column) * surface.vertex_count + np.maximum(row, column), return_index=True)
     shape = (surface.vertex_count, surface.vertex_count)
-    graph = coo_matrix((surface.lengths.ravel()[first], (row[first], column[first])), shape=shape).tocsr()
+    return coo_matrix((surface.lengths.ravel()[first], (row[first], column[first])), shape=shape).tocsr()
+
+
+def _far_end(surface: Triangulation) -> int:
+    """Find a vertex at one end of the surface: the farthest, along edges, from the farthest from any."""
+    from scipy.sparse.csgraph import dijkstra
+
+    graph = _edge_graph(surface)
     end = int(np.argmax(dijkstra(graph, directed=False, indices=0)))
     return int(np.argmax(dijkstra(graph, directed=False, indices=end)))

@@ -8,6 +8,7 @@ import numpy as np
 
 from .articulation import Articulation
 from .monitor import Monitor
+from .parts import Part, connected_parts
 from .surface import FloatArray, IntArray, surface_area, vertex_areas, vertex_pairs
 
 _BAND = 0.15  # half the width of the band in which a limb's form passes into the pose, in sqrt(area)
@@ -33,7 +34,7 @@ def limb_shapes(
     points : (n, 3) ndarray of float
         Vertices of the pose.
     faces : (m, 3) ndarray of int
-        Triangles of one connected surface.
+        Triangles of one or several surfaces; each is treated by itself.
     form : (n, 3) ndarray of float
         Vertices of the form, rigidly aligned to the pose.
     chosen : (n,) ndarray of bool
@@ -53,7 +54,21 @@ def limb_shapes(
     CancelledError
         If the monitor says so.
     """
-    monitor = monitor or Monitor()
+    parts = connected_parts(points, faces)
+    shapes = []
+    for part, own in parts.each(monitor or Monitor()):
+        here = part.vertices
+        with own.stage("Limbs", 1.0):
+            shapes.append(_shapes_of_part(part, form[here], chosen[here], ways, own))
+    return [parts.together(each, parts.vertices) for each in zip(*shapes, strict=True)]
+
+
+def _shapes_of_part(
+    part: Part, form: FloatArray, chosen: np.ndarray, ways: Sequence[float], monitor: Monitor
+) -> list[FloatArray]:
+    points, faces = part.points, part.faces
+    if not chosen.any():
+        return [points for _ in ways]
     amounts = limb_amounts(points, faces, chosen)
     monitor.check()
     areas = vertex_areas(points, faces)

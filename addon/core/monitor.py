@@ -34,7 +34,7 @@ class Monitor:
         self._progress = progress
         self._cancelled = cancelled
         self._name = ""
-        self._start = self._stop = 0.0
+        self._start = self._stop = self._piece = 0.0
         self.timings: dict[str, float] = {}
         self.warnings: list[str] = []
 
@@ -62,6 +62,33 @@ class Monitor:
         finally:
             self.timings[name] = self.timings.get(name, 0.0) + perf_counter() - began
         self.tick(1.0)
+
+    def until(self, fraction: float, reach: float = 1.0) -> Monitor:
+        """Make a monitor for a piece of the work that is left after the stages so far, and go on behind it.
+
+        Parameters
+        ----------
+        fraction : float
+            Part of the work left that is done when the piece ends, 0 to 1; pieces are asked for in order.
+        reach : float
+            How far the stages of the piece go, at most 1.
+
+        Returns
+        -------
+        Monitor
+            Of the piece: its stages go from 0 to `reach`. It has warnings of its own and shares the timings.
+        """
+        begun, self._piece = self._stop + (1 - self._stop) * self._piece, fraction
+        ended = self._stop + (1 - self._stop) * fraction
+        progress = self._progress
+
+        def told(done: float, stage: str) -> None:
+            if progress is not None:
+                progress(begun + (ended - begun) * min(done / reach, 1.0), stage)
+
+        own = Monitor(told, self._cancelled)
+        own.timings = self.timings
+        return own
 
     def tick(self, fraction: float) -> None:
         """Report the fraction of the present stage that is done; stop if the caller has cancelled.
@@ -100,3 +127,14 @@ class Monitor:
             What happened and what it means for the user.
         """
         self.warnings.append(sentence)
+
+    def warn_once(self, sentence: str) -> None:
+        """Keep a warning for the result, unless it is there already.
+
+        Parameters
+        ----------
+        sentence : str
+            What happened and what it means for the user.
+        """
+        if sentence not in self.warnings:
+            self.warnings.append(sentence)

@@ -10,16 +10,17 @@ from numpy.typing import ArrayLike
 
 from .coarsening import Coarsening, coarsened
 from .delaunay import intrinsic_delaunay
-from .errors import InvalidSettingsError
+from .errors import SolverError
 from .features import merged, prominent_maxima
 from .heat import HeatMethod
 from .laplacian import mass, stiffness
 from .memory import require_memory
 from .monitor import Cancelled, Monitor, Progress
+from .parts import Parts, connected_parts, features_by_part
 from .patches import voronoi_cells
 from .settings import Settings
 from .spectrum import Spectrum, auto_diffusion, compute_spectrum
-from .surface import FloatArray, IntArray, Triangulation, checked_mesh, surface_area, triangulated
+from .surface import FloatArray, IntArray, Triangulation, surface_area, triangulated
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 PATCHES_AT = 0.43  # of the whole job is done when the patches are known
 _WORTH_COARSENING = 1.2  # times as many vertices as are worked on
 _SPARE = 4  # times as many candidates as feature points wanted, since some lie too close to others
+_MORE_SLACK = 0.01  # of every triangle inequality, in mean edges, where the least is too little
 _STUCK = 2.0  # times as many vertices as asked for are left: the coarse mesh is not one
 
 
@@ -114,7 +116,7 @@ class Recognition:
         """Feature points among all vertices, (k,)."""
         return self.features if self.coarse is None else self.coarse.kept[self.features]
 
-    def carried_back(self, monitor: Monitor) -> tuple[IntArray, IntArray, FloatArray]:
+    def carried_back(self, monitor: Monitor) -> FeaturePatches:
         """Carry what was found to all vertices.
 
         Parameters
@@ -124,35 +126,35 @@ class Recognition:
 
         Returns
         -------
-        features : (k,) ndarray of int
-            Feature points.
-        cells : (n,) ndarray of int
-            Patch of every vertex.
-        adf : (n,) ndarray of float
-            Auto Diffusion Function.
+        FeaturePatches
+            Feature points, patches and Auto Diffusion Function.
 
         Raises
         ------
         CancelledError
             If the monitor says so.
         """
-        if self.coarse is None:
-            return self.features, self.cells, self.adf
-        features = self.whole_features
-        cells = voronoi_cells(self.coarse.carried_back(self.to_features), features, self.whole_triangles)
-        monitor.check()
-        return features, cells, self.coarse.carried_back(self.adf)
+        features, cells, adf = self.whole_features, self.cells, self.adf
+        if self.coarse is not None:
+            cells = voronoi_cells(self.coarse.carried_back(self.to_features), features, self.whole_triangles)
+            monitor.check()
+            adf = self.coarse.carried_back(adf)
+        return FeaturePatches(features, cells, adf, monitor.timings, monitor.warnings)
 
 
-def recognised(vertices: ArrayLike, faces: ArrayLike, settings: Settings, monitor: Monitor) -> Recognition:
-    """Check a mesh, reduce it to the vertices that are worked on, and find its feature points and patches.
+def recognised(
+    points: FloatArray, triangles: IntArray, given: IntArray | None, settings: Settings, monitor: Monitor
+) -> Recognition:
+    """Reduce a surface to the vertices that are worked on, and find its feature points and patches.
 
     Parameters
     ----------
-    vertices : (n, 3) array_like of float
+    points : (n, 3) ndarray of float
         Vertex positions, any unit of length.
-    faces : (m, 3) array_like of int
-        Triangles of one connected surface.
+    triangles : (m, 3) ndarray of int
+        Triangles of one connected surface with some area, each vertex in one at least.
+    given : (k,) ndarray of int or None
+        Feature points; None to detect them.
     settings : Settings
         Options.
     monitor : Monitor
@@ -165,10 +167,6 @@ def recognised(vertices: ArrayLike, faces: ArrayLike, settings: Settings, monito
 
     Raises
     ------
-    InvalidMeshError
-        If the mesh cannot be used; the message says what to do.
-    InvalidSettingsError
-        If a feature point given by hand is not a vertex, or is given twice.
     TooLargeError
         If the mesh does not fit into the memory limit.
     SolverError
@@ -177,16 +175,16 @@ def recognised(vertices: ArrayLike, faces: ArrayLike, settings: Settings, monito
         If the monitor says so.
     """
     with monitor.stage("Surface", 0.02):
-        whole_points, whole_triangles = checked_mesh(vertices, faces)
-        given = _checked_features(settings.feature_points, len(whole_points))
-        require_memory(len(whole_points), settings)
+        require_memory(len(points), settings)
         monitor.check()
+        scale = 2.0 ** np.floor(np.log2(np.abs(points).max()))  # exact, and squares of what is left do not overflow
+        whole_points, whole_triangles = points / scale, triangles
         centre, unit = whole_points.mean(axis=0), float(np.ptp(whole_points, axis=0).max())
         whole_points = (whole_points - centre) / unit
         size = np.sqrt(surface_area(whole_points, whole_triangles))
-        whole_points, unit = whole_points / size, unit * size
+        whole_points, centre, unit = whole_points / size, centre * scale, unit * size * scale
     coarse = None
-    points, triangles = whole_points, whole_triangles
+    points = whole_points
     if settings.coarse_vertices is not None and len(points) > _WORTH_COARSENING * settings.coarse_vertices:
         with monitor.stage("Coarse mesh", 0.3):
             coarse = coarsened(points, triangles, settings.coarse_vertices, given, monitor)
@@ -201,9 +199,19 @@ def recognised(vertices: ArrayLike, faces: ArrayLike, settings: Settings, monito
         surface = intrinsic_delaunay(triangulated(points, triangles))
         L, M = stiffness(surface), mass(surface)
     with monitor.stage("Spectrum", 0.4):
-        spectrum = compute_spectrum(L, M, settings.eigenpairs, monitor)
+        try:
+            spectrum = compute_spectrum(L, M, settings.eigenpairs, monitor)
+        except SolverError:
+            monitor.warn(
+                "Triangles without any width upset the spectrum; it was computed with every edge lengthened a "
+                f"little (at most {_MORE_SLACK:.0%} of the mean edge). Mesh > Clean Up > Degenerate Dissolve "
+                "removes such triangles."
+            )
+            surface = intrinsic_delaunay(triangulated(points, triangles, _MORE_SLACK))
+            L, M = stiffness(surface), mass(surface)
+            spectrum = compute_spectrum(L, M, settings.eigenpairs, monitor)
         if len(spectrum.eigenvalues) < settings.eigenpairs:
-            monitor.warn(f"The mesh is small: all {len(spectrum.eigenvalues)} eigenpairs that it has were used.")
+            monitor.warn("The mesh is small: it has fewer eigenpairs than asked for, and all were used.")
     with monitor.stage("Feature points", 0.42):
         adf = auto_diffusion(spectrum, settings.diffusion_time)
         heat = HeatMethod(surface, refine=settings.whole, monitor=monitor)
@@ -257,21 +265,58 @@ def feature_patches(
     CanonicalFormError
         As `canonical_form` does.
     """
-    whole = progress and (lambda done, stage: progress(min(done / PATCHES_AT, 1.0), stage))
-    monitor = Monitor(whole, cancelled)
-    found = recognised(vertices, faces, settings or Settings(), monitor)
-    features, cells, adf = found.carried_back(monitor)
-    return FeaturePatches(features, cells, adf, monitor.timings, monitor.warnings)
+    settings = settings or Settings()
+    monitor = Monitor(progress, cancelled)
+    with monitor.stage("Surface", 0.02):
+        parts = connected_parts(vertices, faces)
+        given = features_by_part(parts, settings.feature_points)
+    monitor.warnings += parts.warnings
+    found = []
+    for (part, own), points in zip(parts.each(monitor, PATCHES_AT), given, strict=True):
+        each = recognised(part.points, part.faces, None if points is None else points[1], settings, own)
+        found.append(each.carried_back(own))
+    return together(parts, found, given, monitor)
 
 
-def _checked_features(given: object, vertex_count: int) -> IntArray | None:
-    if given is None:
-        return None
-    features = np.asarray(given)
-    if features.ndim != 1 or not features.size or not np.issubdtype(features.dtype, np.integer):
-        raise InvalidSettingsError("feature_points must be a list of at least one vertex index.")
-    if features.min() < 0 or features.max() >= vertex_count:
-        raise InvalidSettingsError(f"feature_points must lie between 0 and {vertex_count - 1}.")
-    if len(np.unique(features)) < len(features):
-        raise InvalidSettingsError("feature_points names a vertex twice.")
-    return features.astype(np.int64)
+def together(
+    parts: Parts, found: list[FeaturePatches], given: list[tuple[IntArray, IntArray] | None], monitor: Monitor
+) -> FeaturePatches:
+    """Put what was found on the parts of a mesh together.
+
+    Parameters
+    ----------
+    parts : Parts
+        The mesh.
+    found : list of FeaturePatches
+        What was found on each part, as its vertices.
+    given : list of ((t,) ndarray of int, (t,) ndarray of int) or None
+        From `features_by_part`: those that were given come first, in their order.
+    monitor : Monitor
+        Of the whole.
+
+    Returns
+    -------
+    FeaturePatches
+        The same on all vertices.
+    """
+    count = len(parts.vertices)
+    features = [part.vertices[each.feature_points] for part, each in zip(parts.parts, found, strict=True)]
+    place = [
+        count + np.arange(len(each)) if points is None else points[0]
+        for each, points in zip(features, given, strict=True)
+    ]
+    order = np.argsort(np.concatenate(place), kind="stable")
+    number = np.empty(len(order), dtype=np.int64)
+    number[order] = np.arange(len(order))
+    first = np.cumsum([0, *[len(each) for each in features]])
+    cells = [number[start + each.patches] for start, each in zip(first[:-1], found, strict=True)]
+    detected = sum(points is None for points in given)
+    if 0 < detected < len(given):
+        monitor.warn(f"{detected} loose parts have none of the given feature points; theirs were detected.")
+    return FeaturePatches(
+        np.concatenate(features)[order],
+        parts.together(cells, np.full(count, -1)),
+        parts.together([each.adf for each in found], np.zeros(count)),
+        monitor.timings,
+        monitor.warnings,
+    )

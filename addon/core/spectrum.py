@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -52,7 +53,8 @@ def compute_spectrum(stiffness: csr_matrix, mass: FloatArray, count: int, monito
     Returns
     -------
     Spectrum
-        ``min(count, n - 1)`` eigenpairs with residuals ``|M^-1/2 (L h - λ M h)| ≤ 1e-8 λ``.
+        ``min(count, n - 1)`` eigenpairs with ``|(S - σ)⁻¹ (S v - λ v)| < 1e-8 λ/λ_1`` for ``S = M^-1/2 L M^-1/2``,
+        unit vectors ``v = M^1/2 h`` and σ just below 0.
 
     Raises
     ------
@@ -61,55 +63,51 @@ def compute_spectrum(stiffness: csr_matrix, mass: FloatArray, count: int, monito
     CancelledError
         If the monitor says so.
     """
-    from scipy.sparse import diags
+    from scipy.sparse import diags, identity
 
     n = len(mass)
+    monitor = monitor or Monitor()
     scale = 1 / np.sqrt(mass)
     symmetric = (diags(scale) @ stiffness @ diags(scale)).tocsc()  # M^-1/2 L M^-1/2
     symmetric = (symmetric + symmetric.T) / 2
+    shift = -1e-2 / mass.sum()  # just below 0, where L is singular
+    inverse = factored(symmetric - shift * identity(n))
+    # the inverse, because thin triangles make the largest eigenvalues so large that the lowest drown in rounding
     if n <= max(_DENSE, count + 2):
-        values, vectors = np.linalg.eigh(symmetric.toarray())
-        values, vectors = values[1 : count + 1], vectors[:, 1 : count + 1]
+        whole = inverse.solve(np.eye(n))
+        inverted, vectors = np.linalg.eigh((whole + whole.T) / 2)
     else:
-        values, vectors = _lowest(symmetric, mass, count, monitor or Monitor())
-    residual = np.linalg.norm(symmetric @ vectors - vectors * values, axis=0)
-    if (residual > _ACCURACY * np.maximum(values, values[0])).any() or not values[0] > 0:
+        inverted, vectors = _largest(inverse.solve, n, count + 1, monitor)
+    order = np.argsort(-inverted)[1 : count + 1]
+    values, vectors = 1 / inverted[order] + shift, vectors[:, order]
+    residual = np.linalg.norm(inverse.solve(np.ascontiguousarray(symmetric @ vectors - vectors * values)), axis=0)
+    residual *= values[0] / values  # all that uses them weighs them by 1/λ or less
+    if not (residual < _ACCURACY).all() or not values[0] > 0:
         raise SolverError(
-            f"The spectrum of the surface is only accurate to {float((residual / values).max()):.1e}. Clean the mesh "
+            f"The spectrum of the surface is only accurate to {float(residual.max()):.1e}. Clean the mesh "
             "up (Mesh > Clean Up > Merge by Distance and Degenerate Dissolve) or ask for fewer eigenpairs."
         )
     return Spectrum(values, vectors * scale[:, None])
 
 
-def _lowest(symmetric: csr_matrix, mass: FloatArray, count: int, monitor: Monitor) -> tuple[FloatArray, FloatArray]:
-    """Shift-and-invert Lanczos around a shift just below 0, where L is singular."""
-    from scipy.sparse import identity
+def _largest(
+    solve: Callable[[FloatArray], FloatArray], n: int, count: int, monitor: Monitor
+) -> tuple[FloatArray, FloatArray]:
+    """Find the largest eigenvalues of an inverse by Lanczos."""
     from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
-    n = len(mass)
-    shift = -1e-2 / mass.sum()
-    inverse = factored(symmetric - shift * identity(n))
-
-    def solve(vector: FloatArray) -> FloatArray:
+    def checked_solve(vector: FloatArray) -> FloatArray:
         monitor.check()
-        return inverse.solve(vector)
+        return solve(vector)
 
     start = np.random.default_rng(0).uniform(0.5, 1.5, n)  # fixed: the same mesh gives the same result
     try:
-        values, vectors = eigsh(
-            symmetric,
-            k=count + 1,
-            sigma=shift,
-            which="LM",
-            OPinv=LinearOperator((n, n), matvec=solve, dtype=np.float64),
-            v0=start,
-        )
+        values, vectors = eigsh(LinearOperator((n, n), matvec=checked_solve, dtype=np.float64), count, v0=start)
     except ArpackError as error:
         raise SolverError(
             f"The spectrum of the surface did not converge ({error}). Ask for fewer eigenpairs or clean the mesh up."
         ) from error
-    order = np.argsort(values)[1:]
-    return values[order], vectors[:, order]
+    return values, vectors
 
 
 def auto_diffusion(spectrum: Spectrum, time: float = 0.15) -> FloatArray:

@@ -39,8 +39,8 @@ class Triangulation:
     edges: IntArray
 
 
-def checked_mesh(vertices: ArrayLike, faces: ArrayLike) -> tuple[FloatArray, IntArray]:
-    """Return the mesh as arrays of the core's types, or say why it cannot be used.
+def checked_arrays(vertices: ArrayLike, faces: ArrayLike) -> tuple[FloatArray, IntArray]:
+    """Return a mesh as arrays of the core's types, or say why they are no mesh.
 
     Parameters
     ----------
@@ -59,48 +59,28 @@ def checked_mesh(vertices: ArrayLike, faces: ArrayLike) -> tuple[FloatArray, Int
     Raises
     ------
     InvalidMeshError
-        If a shape is wrong, a coordinate is not finite, an index is out of range, a triangle names a vertex
-        twice, there is no triangle, the surface has no area, a vertex belongs to no triangle, or the surface
-        falls into several parts.
+        If a shape is wrong, a coordinate is not finite, an index is out of range, or there is no triangle.
     """
     points = np.ascontiguousarray(vertices, dtype=np.float64)
     corners = np.asarray(faces)
-    if points.ndim != 2 or points.shape[1] != 3:
-        raise InvalidMeshError(f"Vertices must be an (n, 3) array; got shape {points.shape}.")
     if corners.size == 0:
         raise InvalidMeshError("The mesh has no faces. Choose a mesh with a surface.")
+    if points.ndim != 2 or points.shape[1] != 3:
+        raise InvalidMeshError(f"Vertices must be an (n, 3) array; got shape {points.shape}.")
     if corners.ndim != 2 or corners.shape[1] != 3:
         raise InvalidMeshError(f"Faces must be an (m, 3) array of triangles; got shape {corners.shape}.")
     if not np.issubdtype(corners.dtype, np.integer):
         raise InvalidMeshError(f"Faces must be integers; got {corners.dtype}.")
-    triangles = np.ascontiguousarray(corners, dtype=np.int64)
     if not np.isfinite(points).all():
         bad = int(np.count_nonzero(~np.isfinite(points).all(axis=1)))
-        raise InvalidMeshError(f"{bad} vertices have coordinates that are not numbers. Delete or repair them.")
-    if triangles.min() < 0 or triangles.max() >= len(points):
+        which = "1 vertex has" if bad == 1 else f"{bad:,} vertices have"
+        raise InvalidMeshError(f"{which} coordinates that are not numbers. Delete or repair them.")
+    if corners.min() < 0 or corners.max() >= len(points):
         raise InvalidMeshError(f"Faces name vertices outside 0 to {len(points) - 1}.")
-    twice = (triangles == np.roll(triangles, 1, axis=1)).any(axis=1)
-    if twice.any():
-        raise InvalidMeshError(
-            f"{np.count_nonzero(twice)} faces use the same vertex twice. Remove them with Mesh > Clean Up > "
-            "Degenerate Dissolve."
-        )
-    loose = len(points) - len(np.unique(triangles))
-    if loose:
-        raise InvalidMeshError(f"{loose} vertices belong to no face. Remove them with Mesh > Clean Up > Delete Loose.")
-    parts = int(component_labels(len(points), triangles).max()) + 1
-    if parts > 1:
-        raise InvalidMeshError(
-            f"The mesh falls into {parts} loose parts, and no distance joins them. In Edit Mode, separate the parts "
-            "(P > By Loose Parts) or merge them where they touch (M > By Distance), then run again."
-        )
-    extent = float(np.ptp(points, axis=0).max())
-    if not extent > 0 or not face_areas(corner_lengths(points / extent, triangles)).sum() > 0:
-        raise InvalidMeshError("The surface has no area. Choose a mesh with a surface.")
-    return points, triangles
+    return points, np.ascontiguousarray(corners, dtype=np.int64)
 
 
-def triangulated(vertices: FloatArray, faces: IntArray) -> Triangulation:
+def triangulated(vertices: FloatArray, faces: IntArray, slack: float = 1e-5) -> Triangulation:
     """Read the triangulation off a mesh in space, mollified so that every triangle has some area.
 
     Parameters
@@ -109,6 +89,8 @@ def triangulated(vertices: FloatArray, faces: IntArray) -> Triangulation:
         Vertex positions.
     faces : (m, 3) ndarray of int
         Triangles.
+    slack : float
+        Of `mollified`.
 
     Returns
     -------
@@ -119,7 +101,7 @@ def triangulated(vertices: FloatArray, faces: IntArray) -> Triangulation:
     key = np.minimum(tail, head) * len(vertices) + np.maximum(tail, head)
     _, number = np.unique(key, return_inverse=True)
     return Triangulation(
-        len(vertices), faces, mollified(corner_lengths(vertices, faces)), number.reshape(-1, 3).astype(np.int64)
+        len(vertices), faces, mollified(corner_lengths(vertices, faces), slack), number.reshape(-1, 3).astype(np.int64)
     )
 
 

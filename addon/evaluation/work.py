@@ -119,7 +119,7 @@ def measured(vertices: FloatArray, faces: IntArray, method: Method) -> Outcome:
     form, described = None, None
     try:
         with one_thread():
-            after, row_of_form, seconds = _computed(vertices, faces, method.settings)
+            after, faces, row_of_form, seconds = _computed(vertices, faces, method.settings)
             memory = peak.megabytes()
             row |= row_of_form
             row |= {name: _plain(value) for name, value in summary(vertices, after, faces).items()}
@@ -134,16 +134,16 @@ def measured(vertices: FloatArray, faces: IntArray, method: Method) -> Outcome:
 
 def _computed(
     vertices: FloatArray, faces: IntArray, settings: Settings | None
-) -> tuple[FloatArray, dict[str, Any], float]:
+) -> tuple[FloatArray, IntArray, dict[str, Any], float]:
     if settings is None:
-        return vertices, {"features": None, "pair_count": None, "warnings": 0}, 0.0
+        return vertices, faces, {"features": None, "pair_count": None, "warnings": 0}, 0.0
     began = time.perf_counter()
     form = canonical_form(vertices, faces, settings)
     seconds = time.perf_counter() - began
     if settings.method != "local_features":  # feature points are found for show only
         seconds -= sum(form.timings.get(stage, 0.0) for stage in RECOGNITION)
     row = {"features": len(form.feature_points), "pair_count": form.pair_count, "warnings": len(form.warnings)}
-    return form.vertices, row, seconds
+    return form.vertices, form.faces, row, seconds
 
 
 def _plain(value: float) -> float | None:

@@ -3,7 +3,7 @@ import numpy as np
 
 from addon.blender.mesh_reading import read_mesh
 from addon.core.measures import enclosed_volume
-from addon.core.surface import checked_mesh
+from addon.core.parts import connected_parts
 from tests.sample.posed_figure import build
 
 
@@ -12,7 +12,9 @@ def test_the_posed_figure_is_one_closed_surface_and_the_pose_moves_it():
     rest, posed = build("Rest", levels=1, posed=False), build("Posed", levels=1)
     shapes = [read_mesh(obj.data) for obj in (rest, posed)]
     for vertices, faces in shapes:
-        checked_mesh(vertices, faces)
+        parts = connected_parts(vertices, faces)
+        assert len(parts.parts) == 1
+        assert not parts.warnings
         assert enclosed_volume(vertices, faces) > 0
     assert len(shapes[0][0]) == len(shapes[1][0])
     assert np.linalg.norm(shapes[0][0] - shapes[1][0], axis=1).max() > 0.3

@@ -12,7 +12,6 @@ from addon.core.fields import distance_field
 from addon.interface import panels
 from addon.interface.limb_operators import select_vertices
 from tests.blender.conftest import QUICK, add_object, drawn, flat, snapshot
-from tests.sample import shapes
 
 
 def select(obj, vertices):
@@ -149,14 +148,13 @@ def test_several_objects_in_one_run(figure_object, arrays):
 
 
 def test_one_bad_object_does_not_stop_the_others(figure_object, arrays):
-    vertices, faces = shapes.sphere(1)
-    pair = add_object("Pair", np.vstack([vertices, vertices + 9]), np.vstack([faces, faces + len(vertices)]))
+    line = add_object("Line", np.outer(np.arange(3), np.ones(3)), [[0, 1, 2]])
     figure_object.select_set(True)
     bpy.context.view_layer.objects.active = figure_object
     bpy.ops.object.canonical_form(**QUICK)
     assert figure_object.data.shape_keys is not None
-    assert pair.data.shape_keys is None
-    bpy.context.view_layer.objects.active = pair
+    assert line.data.shape_keys is None
+    bpy.context.view_layer.objects.active = line
     bpy.ops.object.canonical_form_clear.poll()
 
 

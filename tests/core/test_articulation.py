@@ -117,7 +117,7 @@ def test_all_limbs_are_the_form_and_none_the_pose(figure):
     points, faces = figure
     form = points @ np.diag([1.0, 1.1, 0.9])
     everything = np.ones(len(points), dtype=bool)
-    assert limb_shapes(points, faces, form, everything)[0] is form
+    np.testing.assert_array_equal(limb_shapes(points, faces, form, everything)[0], form)
     np.testing.assert_allclose(limb_shapes(points, faces, form, ~everything)[0], points, atol=1e-12)
 
 

@@ -1,9 +1,8 @@
 import numpy as np
 import pytest
 
-from addon.core import InvalidMeshError
 from addon.core.delaunay import intrinsic_delaunay, midpoint_refined
-from addon.core.surface import checked_mesh, corner_cotangents, corner_lengths, face_areas, mollified, triangulated
+from addon.core.surface import corner_cotangents, corner_lengths, face_areas, mollified, triangulated
 from tests.sample import shapes
 
 
@@ -56,27 +55,3 @@ def test_refined_edges_are_shared_by_two_triangles_also_where_triangles_wrap_aro
 def test_lengths_are_opposite_to_their_corners():
     lengths = corner_lengths(np.array([[0.0, 0, 0], [3, 0, 0], [0, 4, 0]]), np.array([[0, 1, 2]]))
     np.testing.assert_allclose(lengths, [[5, 4, 3]])
-
-
-TRIANGLE = np.eye(3)
-
-
-@pytest.mark.parametrize(
-    ("vertices", "faces", "words"),
-    [
-        (TRIANGLE, np.zeros((0, 3), int), "no faces"),
-        (TRIANGLE, [[0, 1, 3]], "outside 0 to 2"),
-        (TRIANGLE, [[0, 1, -1]], "outside 0 to 2"),
-        (TRIANGLE, [[0, 1, 1]], "same vertex twice"),
-        (TRIANGLE, [[0.0, 1.0, 2.0]], "integers"),
-        (TRIANGLE, [[0, 1, 2, 0]], "triangles"),
-        (TRIANGLE[:, :2], [[0, 1, 2]], r"\(n, 3\)"),
-        (np.where(TRIANGLE == 1, np.nan, TRIANGLE), [[0, 1, 2]], "not numbers"),
-        (np.zeros((3, 3)), [[0, 1, 2]], "no area"),
-        (np.vstack([TRIANGLE, [[9, 9, 9]]]), [[0, 1, 2]], "belong to no face"),
-        (np.vstack([TRIANGLE, TRIANGLE + 5]), [[0, 1, 2], [3, 4, 5]], "2 loose parts"),
-    ],
-)
-def test_a_mesh_that_cannot_be_used_is_refused_with_the_reason(vertices, faces, words):
-    with pytest.raises(InvalidMeshError, match=words):
-        checked_mesh(vertices, faces)

@@ -1,0 +1,120 @@
+"""One test a row of docs/any-mesh.md: what is promised for every family of meshes."""
+
+import numpy as np
+import pytest
+
+from addon.core import CanonicalFormError, Settings, canonical_form, feature_patches
+from addon.core.fields import KINDS, distance_field
+from addon.core.limbs import limb_shapes
+from addon.core.measures import edge_stretch
+from addon.core.surface import surface_area
+from tests.sample.families import families
+
+FAMILIES = families()
+
+
+@pytest.fixture(scope="module")
+def forms():
+    """Forms by name, each made once."""
+    made = {}
+
+    def form_of(name):
+        if name not in made:
+            made[name] = canonical_form(FAMILIES[name].vertices, FAMILIES[name].faces)
+        return made[name]
+
+    return form_of
+
+
+@pytest.mark.parametrize("name", [name for name, family in FAMILIES.items() if not family.refused])
+@pytest.mark.filterwarnings("error::RuntimeWarning")
+def test_it_has_a_form(name, forms):
+    family, form = FAMILIES[name], forms(name)
+    vertices = family.vertices
+    assert form.vertices.shape == vertices.shape
+    assert np.isfinite(form.vertices).all()
+    assert family.warns in " ".join(form.warnings)
+    if not family.warns:
+        assert form.warnings == []
+    count = len(form.feature_points)
+    assert count
+    assert set(np.unique(form.patches)) - {-1} == set(range(count))
+    np.testing.assert_array_equal(form.patches[form.feature_points], np.arange(count))
+    on_surface = np.isin(np.arange(len(vertices)), form.faces)
+    assert (form.adf[on_surface] > 0).all()
+    area = [surface_area(each / family.scale, form.faces) for each in (vertices, form.vertices)]
+    assert area[1] == pytest.approx(area[0], rel=1e-6)
+    assert (np.diff(form.stress) <= 1e-9 * form.stress[0]).all()
+    with np.errstate(divide="ignore", invalid="ignore"):
+        stretch = edge_stretch(vertices, form.vertices, form.faces)
+    assert np.nanmedian(np.abs(stretch - 1)) < 0.12
+
+
+@pytest.mark.parametrize("name", [name for name, family in FAMILIES.items() if family.like])
+def test_it_has_the_form_of_the_mesh_without_the_flaw(name, forms):
+    family = FAMILIES[name]
+    here, there = np.flatnonzero(family.same >= 0), family.same[family.same >= 0]
+    found = forms(name).vertices[here] / family.scale
+    wanted = forms(family.like).vertices[there]
+    size = np.ptp(wanted, axis=0).max()
+    moved = found - found[0], wanted - wanted[0]  # where it is, is another matter
+    assert np.linalg.norm(moved[0] - moved[1], axis=1).max() < family.within * size
+
+
+@pytest.mark.parametrize("name", [name for name, family in FAMILIES.items() if family.refused])
+@pytest.mark.parametrize("work", [canonical_form, feature_patches])
+def test_it_is_refused_before_anything_is_computed(name, work):
+    stages = []
+    with pytest.raises(CanonicalFormError, match=FAMILIES[name].refused):
+        work(FAMILIES[name].vertices, FAMILIES[name].faces, progress=lambda done, stage: stages.append(stage))
+    assert set(stages) <= {"Surface"}
+
+
+def test_what_belongs_to_no_face_stays(forms):
+    family = FAMILIES["isolated vertices"]
+    alone = family.same < 0
+    form = forms("isolated vertices")
+    np.testing.assert_array_equal(form.vertices[alone], family.vertices[alone])
+    assert (form.patches[alone] == -1).all()
+    assert (form.patches[~alone] >= 0).all()
+
+
+def test_each_part_has_the_form_that_it_has_alone(forms):
+    family, form = FAMILIES["loose parts"], forms("loose parts")
+    ball = np.arange(2108, 2108 + 642)
+    faces = family.faces[np.isin(family.faces, ball).all(axis=1)]
+    alone = canonical_form(family.vertices[ball], faces - ball[0])
+    np.testing.assert_allclose(form.vertices[ball], alone.vertices, atol=1e-12)
+    assert not set(form.patches[ball]) & set(form.patches[:2108])
+
+
+def test_given_features_keep_their_order_over_the_parts():
+    family = FAMILIES["loose parts"]
+    found = feature_patches(family.vertices, family.faces)
+    given = [3000, 5, 900]  # none in the ball
+    chosen = feature_patches(family.vertices, family.faces, Settings(feature_points=given))
+    np.testing.assert_array_equal(chosen.feature_points[:3], given)
+    np.testing.assert_array_equal(chosen.patches[given], [0, 1, 2])
+    assert len(chosen.feature_points) == 4
+    assert "1 loose parts have none" in " ".join(chosen.warnings)
+    assert len(found.feature_points) == 8
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_distances_end_where_the_part_ends(kind):
+    family = FAMILIES["loose parts"]
+    field = distance_field(family.vertices, family.faces, [3, 7], kind)
+    assert np.isfinite(field[:2108]).all()
+    assert (field[[3, 7]] == 0).all()
+    assert np.isinf(field[2108:]).all()
+
+
+@pytest.mark.parametrize("name", ["loose parts", "isolated vertices", "duplicate vertices", "one-sided, closed"])
+def test_limbs_of_any_mesh(name, forms):
+    family, form = FAMILIES[name], forms(name)
+    chosen = form.patches == 0
+    (shape,) = limb_shapes(family.vertices, family.faces, form.vertices, chosen)
+    assert np.isfinite(shape).all()
+    whole = limb_shapes(family.vertices, family.faces, form.vertices, form.patches >= 0, [0.5, 1.0])
+    np.testing.assert_allclose(whole[1], form.vertices, atol=1e-9)
+    assert np.isfinite(whole[0]).all()
