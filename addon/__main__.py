@@ -3,12 +3,17 @@
 import sys
 
 from .result_lines import claim_output
+from .supervision import SUPERVISED, end_with_parent, supervised
 
 if __name__ == "__main__":
     if sys.argv[1:2] == ["evaluate"]:
         from .evaluation.command import main as evaluate
 
         sys.exit(evaluate(sys.argv[2:]))
+    if sys.argv[1:2] == ["compute"] and SUPERVISED not in sys.argv:
+        sys.exit(supervised(sys.argv[1:]))
+    if SUPERVISED in sys.argv:
+        end_with_parent()
     claimed = claim_output()  # before bpy is imported: it has something to say too
     try:
         import bpy  # noqa: F401

@@ -20,6 +20,7 @@ from .core import CanonicalForm, CanonicalFormError, Settings
 from .core.memory import memory_estimate
 from .core.settings import METHODS, QUALITIES, STARTS
 from .result_lines import claim_output
+from .supervision import SUPERVISED
 
 
 def main(arguments: list[str], output: TextIO | None = None) -> int:
@@ -50,9 +51,14 @@ def main(arguments: list[str], output: TextIO | None = None) -> int:
         print(f"canonical_form: {error}", file=sys.stderr)
         return 2
     failed = False
-    written: set[str] = set()
+    done = json.loads(options.supervised)
+    written: set[str] = set(done["written"])
     try:
-        for path, name in zip(options.meshes, names, strict=True):
+        for number, (path, name) in enumerate(zip(options.meshes, names, strict=True), start=1):
+            if number <= done["files"]:
+                continue
+            if SUPERVISED in arguments:
+                print(json.dumps({"begun": str(path), "number": number}), file=output, flush=True)
             for line in _compute_file(path, name, settings, options, written):
                 failed = failed or "error" in line
                 print(json.dumps(line), file=output, flush=True)
@@ -96,6 +102,7 @@ def _parser() -> argparse.ArgumentParser:
     compute.add_argument(
         "--memory-limit", type=float, default=default.memory_limit, help="gigabytes; 0 for 60 %% of what is free"
     )
+    compute.add_argument(SUPERVISED, default='{"files": 0, "written": []}', help=argparse.SUPPRESS)
     return parser
 
 
@@ -134,7 +141,7 @@ def _compute_file(
     """Compute every mesh of a file and yield one line a mesh; `written` holds the names taken so far."""
     try:
         objects = open_meshes(path, options.object)
-    except (CanonicalFormError, OSError) as error:
+    except Exception as error:  # any: the files after it are still to be computed
         yield _failure({"input": str(path)}, error)
         return
     lines = []
@@ -156,7 +163,7 @@ def _compute_file(
                 _require_new(target, path)
                 save_form(target, found.vertices, obj.data)
             lines.append({**line, "output": str(target), "memory_estimate": memory, **report})
-        except (CanonicalFormError, OSError, RuntimeError) as error:  # RuntimeError: Blender itself refuses
+        except Exception as error:  # any: the meshes after it are still to be computed
             lines.append(_failure(line, error))
     if options.format == "blend" and any("error" not in line for line in lines):
         try:
@@ -183,7 +190,14 @@ def _require_new(target: Path, source: Path) -> None:
 
 
 def _failure(line: dict[str, Any], error: Exception) -> dict[str, Any]:
+    """Tell on standard error, and make the line; what nobody foresaw is told as a mistake of ours."""
     sentence = str(error).strip()
+    if isinstance(error, MemoryError):
+        sentence = "The memory of this machine is not enough. Close other programs, or decimate the mesh."
+    elif not isinstance(error, CanonicalFormError | OSError | RuntimeError):  # RuntimeError: Blender itself refuses
+        sentence = (
+            f"This is a mistake of Canonical Form; please report it with the file. {type(error).__name__}: {sentence}"
+        )
     print(f"canonical_form: {line['input']}: {sentence}", file=sys.stderr)
     return {"input": line["input"], **({"object": line["object"]} if "object" in line else {}), "error": sentence}
 

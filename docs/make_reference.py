@@ -12,8 +12,9 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 TARGET = ROOT / "docs" / "api.md"
 MODULES = (  # in the order of the data
-    "canonical", "recognition", "local_features", "embedding", "settings", "errors", "surface", "mending", "parts", "coarsening",
-    "delaunay", "laplacian", "spectrum", "features", "heat", "patches", "distances", "struts", "pairs", "scaling",
+    "canonical", "recognition", "local_features", "embedding", "settings", "errors", "surface", "mending", "parts",
+    "coarsening", "delaunay", "laplacian", "spectrum", "features", "heat", "patches", "distances", "struts", "pairs",
+    "scaling",
     "arrangement", "stress", "products", "weight_inverse", "smacof", "pushing", "deformation", "detail", "articulation",
     "limbs", "fast_marching", "fields", "alignment", "measures", "memory", "monitor", "rivals.choice",
     "rivals.samples", "rivals.classical", "rivals.least_squares", "rivals.non_metric", "rivals.fast",

@@ -13,7 +13,7 @@ from typing import Any, Protocol
 
 from ..core import CanonicalFormError
 from .shipping import packed_code, remote_runner, unpacked
-from .work import Failure, attempted, end_with_parent
+from .work import Failure, attempted, begin_work
 
 _ATTEMPTS = 3  # times that a piece of work may cost its worker the life before it is given up
 _AHEAD = 2  # pieces waiting for each worker
@@ -58,7 +58,7 @@ class LocalCrew:
 
         for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
             os.environ[name] = "1"  # the processes inherit it; this one has its libraries loaded
-        return ProcessPoolExecutor(self._count, get_context("spawn"), end_with_parent)
+        return ProcessPoolExecutor(self._count, get_context("spawn"), begin_work)
 
     def results(self, work: Iterator[tuple[object, Work]]) -> Iterator[tuple[object, Any]]:
         """Run all the work.

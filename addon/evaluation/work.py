@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 import time
 from collections.abc import Callable
@@ -16,6 +15,7 @@ import numpy as np
 from ..core import CanonicalFormError, Settings, canonical_form
 from ..core.measures import hausdorff, summary
 from ..core.surface import FloatArray, IntArray, surface_area
+from ..supervision import end_with_parent
 from .descriptor import harmonic_descriptor
 from .methods import RECOGNITION, Method
 
@@ -210,18 +210,9 @@ def _kilobytes(name: str) -> int:
     return int(next(line.split()[1] for line in lines if line.startswith(name + ":")))
 
 
-def end_with_parent() -> None:
+def begin_work() -> None:
     """Leave the keyboard to the process that started this one, and end when that is gone, killed or not."""
     import signal
-    from threading import Thread
 
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-
-    parent = os.getppid()
-
-    def watch() -> None:
-        while os.getppid() == parent:
-            time.sleep(0.5)
-        os._exit(1)
-
-    Thread(target=watch, daemon=True).start()
+    end_with_parent()
