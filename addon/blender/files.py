@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -75,13 +77,17 @@ def open_meshes(path: Path, name: str | None = None) -> list[bpy.types.Object]:
     if not path.is_file():
         raise InvalidMeshError(f"{path} is not a file.")
     try:
-        if path.suffix.lower() == ".blend":
-            bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False)
-        else:
-            _empty()
-            _import(path)
+        with _quiet():
+            if path.suffix.lower() == ".blend":
+                bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False)
+            else:
+                _empty()
+                _import(path)
     except RuntimeError as error:
-        raise InvalidMeshError(f"Blender cannot read {path.name}: {str(error).strip()}") from error
+        told = str(error).strip()
+        if "Traceback" in told:  # of an importer; what it says last is what happened
+            told = next((line for line in reversed(told.splitlines()) if line and line[0] not in " L"), told)
+        raise InvalidMeshError(f"Blender cannot read {path.name}: {told}") from error
     found: dict[bpy.types.Mesh, bpy.types.Object] = {}
     for obj in sorted(bpy.data.objects, key=lambda each: each.name):
         shown = obj.users_scene and not any(each.name == _BONE_SHAPES for each in obj.users_collection)
@@ -148,6 +154,32 @@ def _replace(path: Path, write: Callable[[Path], object]) -> None:
         beside.replace(path)
     finally:
         beside.unlink(missing_ok=True)
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Keep what Blender's importers print about a file off the terminal: errors come as errors too."""
+    sys.stderr.flush()
+    kept = {number: os.dup(number) for number in (1, 2)}
+    try:
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        for number in kept:
+            os.dup2(nowhere, number)
+        os.close(nowhere)
+        yield
+    finally:
+        _flush()
+        for number, terminal in kept.items():
+            os.dup2(terminal, number)
+            os.close(terminal)
+
+
+def _flush() -> None:
+    """Write out what Blender has printed so far, where its C library can be asked to."""
+    if sys.platform != "win32":
+        import ctypes
+
+        ctypes.CDLL(None).fflush(None)
 
 
 def _empty() -> None:

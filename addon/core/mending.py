@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .errors import InvalidMeshError
-from .surface import FloatArray, IntArray, checked_arrays, corner_lengths, face_areas
+from .surface import FloatArray, IntArray, checked_arrays, surface_area
 
+_NO_AREA = 1e-12  # squares of half the size; rounding leaves a thousandth of it
 _COARSE = 1e-4  # share of the size below which rounding of the positions is not told
 
 
@@ -119,8 +120,7 @@ def has_area(points: FloatArray, faces: IntArray) -> bool:
     extent = float(np.abs(used - middle).max())
     if not extent > 0:
         return False
-    lengths = corner_lengths((used - middle) / extent, np.arange(len(used)).reshape(-1, 3))
-    return float(face_areas(lengths).sum()) > 1e-14
+    return surface_area((used - middle) / extent, np.arange(len(used)).reshape(-1, 3)) > _NO_AREA
 
 
 def _faces(count: int) -> str:

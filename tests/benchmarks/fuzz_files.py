@@ -88,19 +88,16 @@ def run(files, output):
     """Run the command line on some files; give its exit code, errors, and the seconds between its lines."""
     words = [sys.executable, "-m", "addon", "compute", *map(str, files), "--output", str(output), "--quality", "draft",
              "--iterations", "5", "--landmarks", "10", "--format", "obj"]  # fmt: skip
-    process = subprocess.Popen(words, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-                               start_new_session=True, errors="replace")  # fmt: skip
+    errors = tempfile.TemporaryFile("w+", errors="replace")
+    process = subprocess.Popen(words, cwd=ROOT, stdout=subprocess.PIPE, stderr=errors, text=True,
+                               start_new_session=True)  # fmt: skip
     watch = subprocess.Popen(["sleep", str(PATIENCE * (len(files) + 2))])
     began, done, slowest = time.perf_counter(), [], 0.0
-    os.set_blocking(process.stderr.fileno(), False)
-    told = ""
     for line in process.stdout:
         now = time.perf_counter()
         with contextlib.suppress(json.JSONDecodeError, KeyError):
             done.append(json.loads(line)["input"])
             slowest, began = max(slowest, now - began) if len(done) > 1 else slowest, now
-        with contextlib.suppress(TypeError):
-            told += process.stderr.read() or ""
         if watch.poll() is not None:
             break
     if watch.poll() is not None:
@@ -109,8 +106,9 @@ def run(files, output):
     code = process.wait()
     watch.kill()
     watch.wait()
-    with contextlib.suppress(TypeError):
-        told += process.stderr.read() or ""
+    with errors:
+        errors.seek(0)
+        told = errors.read()
     return code, told, done, slowest
 
 

@@ -26,6 +26,7 @@ TRIANGLE = np.eye(3)
         (np.where(TRIANGLE == 1, np.inf, TRIANGLE), [[0, 1, 2]], "not numbers"),
         (np.zeros((3, 3)), [[0, 1, 2]], "no area"),
         (np.outer(np.arange(3), np.ones(3)), [[0, 1, 2]], "no area"),
+        ([[1.0025146, -0.0026421, 0.01280845], *[[0.002098, 0.98928661, 0.0072319]] * 2], [[0, 1, 2]], "no area"),
         (np.random.default_rng(0).normal(size=(1503, 3)), np.arange(1503).reshape(-1, 3), "501 loose parts"),
     ],
 )
