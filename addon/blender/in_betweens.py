@@ -122,7 +122,7 @@ def remove_in_betweens(obj: bpy.types.Object) -> list[str]:
             else:
                 left.append(name)
         form = named_key(mesh)
-        if form is not None:
+        if form is not None and not left:  # with some of them left it would be added to them
             form.value = value
         if PROPERTY in keys:
             del keys[PROPERTY]

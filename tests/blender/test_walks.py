@@ -1,0 +1,13 @@
+import bpy
+import pytest
+
+from addon.blender import computing, records
+from addon.core import errors
+from tests.blender.walks import Walk
+from tests.sample import shapes
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_short_walk(blender, seed):
+    bpy.context.preferences.filepaths.save_version = 0
+    Walk(records, computing, errors, shapes.figure(12), seed).run(60)

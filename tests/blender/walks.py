@@ -1,0 +1,352 @@
+"""Random walks through the extension: whatever a user does, what is the user's stays the user's.
+
+A walk of many steps takes one at random each time; after every step of ours all that the user has is as it was, and no
+error is anything but a sentence. Works in the bpy module and, with `undo`, in a window.
+"""
+
+import random
+import tempfile
+from pathlib import Path
+
+import bmesh
+import bpy
+import numpy as np
+
+QUICK = {"iterations": 2, "eigenpairs": 20, "landmarks": 10, "quality": "draft"}
+KEEPS = ("mode", "vertices", "edges", "polygons", "chosen", "materials", "pinned")
+
+
+class Walk:
+    """One walk.
+
+    Parameters
+    ----------
+    records : module
+        `addon.blender.records` of the extension that runs: its place differs between the module and the window.
+    computing : module
+        `addon.blender.computing`, likewise.
+    errors : module
+        `addon.core.errors`, likewise.
+    arrays : (vertices, faces)
+        The mesh to start from.
+    seed : int
+        What chance starts from.
+    undo : bool
+        Whether undo and redo are among the steps.
+    """
+
+    def __init__(self, records, computing, errors, arrays, seed, undo=False):
+        self.records, self.computing, self.errors = records, computing, errors
+        self.arrays, self.chance, self.undo = arrays, random.Random(seed), undo
+        self.told, self.done = [], {}
+        self.number = 0
+        self.folder = Path(tempfile.mkdtemp())
+
+    def run(self, steps):
+        """Take steps; raise an AssertionError at the first that breaks a promise."""
+        self._fresh()
+        ours = [self.compute, self.compute, self.cancelled, self.clear, self.limb, self.in_betweens, self.distance,
+                self.choose, self.select_patch]  # fmt: skip
+        theirs = [self.mode, self.mode, self.move, self.add_key, self.add_group, self.add_colours, self.rename_ours,
+                  self.spoil_ours, self.delete_ours, self.delete_vertices, self.slide, self.copy_object, self.new_mesh,
+                  self.reload, self.other_data]  # fmt: skip
+        if self.undo:
+            theirs += [self.undo_step, self.undo_step, self.redo_step]
+        for _ in range(steps):
+            mine = self.chance.random() < 0.55
+            step = self.chance.choice(ours if mine else theirs)
+            self.told.append(step.__name__)
+            self.done[step.__name__] = self.done.get(step.__name__, 0) + 1
+            before, written, orphans = (self.view(), self.ours()["keys"], _orphans()) if mine else (None, None, None)
+            try:
+                step()
+            except RuntimeError as error:
+                sentence = str(error).strip()
+                assert "Traceback" not in sentence, sentence
+                assert sentence.startswith("Error: ") or ".poll() " in sentence, sentence
+            except self.errors.CanonicalFormError as error:
+                assert str(error).strip().endswith((".", "?"))
+            if mine:
+                after = self.view()
+                after["keys"] = {name: value for name, value in after["keys"].items()
+                                 if name in before["keys"] or name not in written}  # fmt: skip
+                assert _orphans() <= orphans, self.told[-8:]
+                for part, value in before.items():
+                    assert after[part] == value, (part, _differing(value, after[part]), self.told[-8:])
+
+    def _fresh(self):
+        vertices, faces = self.arrays
+        mesh = bpy.data.meshes.new("Walker")
+        mesh.from_pydata(vertices.tolist(), [], faces.tolist())
+        obj = bpy.data.objects.new("Walker", mesh)
+        bpy.context.scene.collection.objects.link(obj)
+        self._activate(obj)
+
+    @property
+    def obj(self):
+        return bpy.data.objects[self.name]
+
+    # what the user has
+
+    def ours(self):
+        """Name all that still is as the last run wrote it, by kind."""
+        obj, mesh = self.obj, self.obj.data
+        record = self.records.record_of(mesh) or {}
+        keys = mesh.shape_keys.key_blocks if mesh.shape_keys else {}
+        named = {**record.get("key", {}), **record.get("between", {})}
+        found = {"keys": {name for name, known in named.items()
+                          if name in keys and known in (None, self.records.key_print(keys[name]))}}  # fmt: skip
+        basis = record.get("basis")
+        if basis and basis in keys and record.get("basis_print") in (None, self.records.key_print(keys[basis])):
+            found["keys"].add(basis)
+        prints = self.records.group_prints(obj, record.get("groups", {}))
+        found["groups"] = {name for name in prints if record["groups"][name] in (None, prints[name])}
+        found["colours"] = {name for name, known in record.get("colours", {}).items()
+                            if name in mesh.color_attributes
+                            and known in (None, self.records.colour_print(mesh.color_attributes[name]))}  # fmt: skip
+        return found
+
+    def view(self):
+        """Take down what is the user's, to the bit."""
+        obj = self.obj
+        mode = obj.mode
+        bpy.ops.object.mode_set(mode="OBJECT")  # elsewhere not all can be read
+        found = self._view(obj, obj.data, self.ours())
+        bpy.ops.object.mode_set(mode=mode)
+        return {"mode": mode, **found}
+
+    def _view(self, obj, mesh, ours):
+        measured = ("Heat Geodesic", "Chosen Feature Points", "Attribute")  # the last is what vertex painting adds
+        points = np.empty(3 * len(mesh.vertices), dtype=np.float32)
+        (mesh.shape_keys.reference_key.data if mesh.shape_keys else mesh.vertices).foreach_get("co", points)
+        keys = mesh.shape_keys.key_blocks if mesh.shape_keys else []
+        groups = {group.index: group.name for group in obj.vertex_groups
+                  if group.name not in ours["groups"] and not group.name.startswith(measured)}  # fmt: skip
+        return {
+            "basis": points.tobytes(),
+            "polygons": [tuple(polygon.vertices) for polygon in mesh.polygons],
+            "selected": [vertex.select for vertex in mesh.vertices] if self.told[-1] != "select_patch" else None,
+            "keys": {key.name: (_positions(key), round(key.value, 6), key.mute, key.lock_shape)
+                     for key in keys if key.name not in ours["keys"]},
+            "groups": sorted(groups.values()),
+            "weights": [sorted((groups[part.group], part.weight) for part in vertex.groups if part.group in groups)
+                        for vertex in mesh.vertices],
+            "colours": {each.name: _colours(each) for each in mesh.color_attributes
+                        if each.name not in ours["colours"] and not each.name.startswith(measured)},
+            "materials": [slot and slot.name for slot in mesh.materials],
+            "note": mesh.get("note"),
+            "objects": sorted(each.name for each in bpy.data.objects if "Canonical Form" not in each.name),
+        }  # fmt: skip
+
+    # steps of ours
+
+    def compute(self):
+        options = self.chance.choice([{}, {}, {"step": "PATCHES"}, {"step": "FEATURES"}, {"mesh": "SHOWN"},
+                                      {"result": "OBJECT"}, {"value": 0.3}, {"feature_points": "0,5"}])  # fmt: skip
+        bpy.ops.object.canonical_form(**QUICK, **options)
+        for obj in list(bpy.data.objects):
+            if "Canonical Form" in obj.name:
+                bpy.data.meshes.remove(obj.data)
+                bpy.data.orphans_purge()
+
+    def cancelled(self):
+        asked, after = [0], self.chance.randrange(120)
+
+        def stop():
+            asked[0] += 1
+            return asked[0] > after
+
+        task = self.computing.FormTask([self.obj], self.computing.Request())
+        try:
+            task.compute(None, stop)
+        except self.errors.CancelledError:
+            return
+        task.write()
+
+    def clear(self):
+        bpy.ops.object.canonical_form_clear()
+        assert self.records.record_of(self.obj.data) is None
+
+    def limb(self):
+        bpy.ops.object.canonical_form_limb(patch=self.chance.randrange(4), only=self.chance.random() < 0.5)
+
+    def in_betweens(self):
+        bpy.ops.object.canonical_form_in_betweens(count=self.chance.randrange(4))
+
+    def distance(self):
+        bpy.ops.object.canonical_form_distance(kind="heat", isolines=self.chance.choice([0, 5]))
+
+    def choose(self):
+        bpy.ops.object.canonical_form_choose(how=self.chance.choice(["SET", "ADD", "REMOVE"]))
+
+    def select_patch(self):
+        bpy.ops.object.canonical_form_select_patch(patch=1 + self.chance.randrange(3))
+
+    # steps of the user
+
+    def mode(self):
+        bpy.ops.object.mode_set(mode=self.chance.choice(["OBJECT", "OBJECT", "EDIT", "WEIGHT_PAINT", "VERTEX_PAINT"]))
+
+    def _object_mode(self):
+        bpy.ops.object.mode_set(mode="OBJECT")
+        return self.obj.data
+
+    def move(self):
+        mesh = self._object_mode()
+        keys = mesh.shape_keys.key_blocks if mesh.shape_keys else None
+        where = self.chance.choice(list(keys)).data if keys else mesh.vertices
+        for _ in range(3):
+            where[self.chance.randrange(len(where))].co.x += 0.05
+        mesh.update()
+
+    def add_key(self):
+        self._object_mode()
+        if self.obj.data.shape_keys is None or len(self.obj.data.shape_keys.key_blocks) < 12:
+            self.obj.shape_key_add(name=self.chance.choice(["Smile", "Canonical Form", "Basis", "Key"]), from_mix=False)
+
+    def add_group(self):
+        self._object_mode()
+        if len(self.obj.vertex_groups) < 20:
+            group = self.obj.vertex_groups.new(name=self.chance.choice(["Mine", "Feature Points", "Patch 1"]))
+            group.add([self.chance.randrange(len(self.obj.data.vertices)) for _ in range(4)], 0.5, "REPLACE")
+
+    def add_colours(self):
+        mesh = self._object_mode()
+        if len(mesh.color_attributes) < 6:
+            mesh.color_attributes.new(name=self.chance.choice(["Mine", "Patches"]), type="FLOAT_COLOR", domain="POINT")
+
+    def _one_of_ours(self):
+        ours = self.ours()
+        kind = self.chance.choice(list(ours))
+        return kind, self.chance.choice(sorted(ours[kind])) if ours[kind] else None
+
+    def rename_ours(self):
+        mesh = self._object_mode()
+        kind, name = self._one_of_ours()
+        if name is not None:
+            self.number += 1
+            places = {"keys": mesh.shape_keys and mesh.shape_keys.key_blocks, "groups": self.obj.vertex_groups,
+                      "colours": mesh.color_attributes}  # fmt: skip
+            places[kind][name].name = f"Taken {self.number}"
+
+    def spoil_ours(self):
+        mesh = self._object_mode()
+        kind, name = self._one_of_ours()
+        if name is None:
+            return
+        if kind == "keys":
+            mesh.shape_keys.key_blocks[name].data[0].co.y += 0.1
+        elif kind == "groups":
+            self.obj.vertex_groups[name].add([0, 1], 0.25, "REPLACE")
+        else:
+            mesh.color_attributes[name].data[0].color = (1, 0, 0, 1)
+
+    def delete_ours(self):
+        mesh = self._object_mode()
+        kind, name = self._one_of_ours()
+        if name is None:
+            return
+        if kind == "keys":
+            self.obj.shape_key_remove(mesh.shape_keys.key_blocks[name])
+        elif kind == "groups":
+            self.obj.vertex_groups.remove(self.obj.vertex_groups[name])
+        else:
+            mesh.color_attributes.remove(mesh.color_attributes[name])
+
+    def delete_vertices(self):
+        mesh = self._object_mode()
+        if len(mesh.vertices) < 200:
+            return self.new_mesh()
+        edited = bmesh.new()
+        edited.from_mesh(mesh)
+        edited.verts.ensure_lookup_table()
+        some = [edited.verts[self.chance.randrange(len(edited.verts))]]
+        bmesh.ops.delete(edited, geom=some, context="VERTS")
+        edited.to_mesh(mesh)
+        edited.free()
+        return mesh.update()
+
+    def slide(self):
+        if self.obj.data.shape_keys is not None:
+            for key in list(self.obj.data.shape_keys.key_blocks)[1:]:
+                key.value = self.chance.random()
+
+    def copy_object(self):
+        self._object_mode()
+        old = self.obj
+        new = old.copy()
+        if self.chance.random() < 0.5:
+            new.data = old.data.copy()
+        bpy.context.scene.collection.objects.link(new)
+        gone = old.data
+        bpy.data.objects.remove(old)
+        if gone.users == 0:
+            bpy.data.meshes.remove(gone)
+        self._activate(new)
+
+    def new_mesh(self):
+        self._object_mode()
+        mesh = self.obj.data
+        bpy.data.meshes.remove(mesh)
+        bpy.data.orphans_purge()
+        self._fresh()
+
+    def _activate(self, obj):
+        bpy.context.view_layer.update()
+        for other in bpy.context.view_layer.objects:
+            other.select_set(other == obj)
+        bpy.context.view_layer.objects.active = obj
+        self.name = obj.name
+
+    def reload(self):
+        self._object_mode()
+        path = str(self.folder / "walk.blend")
+        bpy.ops.wm.save_as_mainfile(filepath=path, copy=self.undo, check_existing=False)
+        if not self.undo:  # in a window it would take this session's timers along
+            bpy.ops.wm.open_mainfile(filepath=path, load_ui=False)
+            self._activate(self.obj)
+
+    def other_data(self):
+        self.obj.data["note"] = self.chance.random()
+
+    def undo_step(self):
+        bpy.ops.ed.undo()
+        self._found_again()
+
+    def redo_step(self):
+        bpy.ops.ed.redo()
+        self._found_again()
+
+    def _found_again(self):
+        """After an undo the walker may be another object, or none."""
+        meshes = [obj for obj in bpy.context.view_layer.objects if obj.type == "MESH"]
+        if not meshes:
+            self._fresh()
+        elif self.name not in bpy.context.view_layer.objects or bpy.context.view_layer.objects.active != self.obj:
+            self._activate(meshes[0])
+
+
+def _orphans():
+    """Count the data that nobody uses."""
+    return sum(each.users == 0 for kind in (bpy.data.meshes, bpy.data.objects, bpy.data.shape_keys, bpy.data.actions)
+               for each in kind)  # fmt: skip
+
+
+def _differing(before, after):
+    """Name what differs, short."""
+    if not isinstance(before, dict):
+        return str(before)[:80], str(after)[:80]
+    return {name: [str(each.get(name))[-60:] for each in (before, after)] for name in before.keys() | after.keys()
+            if before.get(name) != after.get(name)}  # fmt: skip
+
+
+def _positions(key):
+    points = np.empty(3 * len(key.data), dtype=np.float32)
+    key.data.foreach_get("co", points)
+    return points.tobytes()
+
+
+def _colours(attribute):
+    values = np.empty(4 * len(attribute.data), dtype=np.float32)
+    attribute.data.foreach_get("color", values)
+    return attribute.data_type, attribute.domain, values.tobytes()
