@@ -185,6 +185,20 @@ def key_print(key: bpy.types.ShapeKey) -> str:
     return fingerprint(points)
 
 
+def drop_drivers(key: bpy.types.ShapeKey) -> None:
+    """Remove the drivers of a shape key that is to be removed: Blender would go on to write where it was.
+
+    Parameters
+    ----------
+    key : bpy.types.ShapeKey
+        The key.
+    """
+    data = key.id_data.animation_data
+    path = f'key_blocks["{bpy.utils.escape_identifier(key.name)}"].'
+    for curve in [each for each in data.drivers if each.data_path.startswith(path)] if data is not None else ():
+        data.drivers.remove(curve)
+
+
 def colour_print(attribute: bpy.types.Attribute) -> str:
     """Hash the colours of a colour attribute.
 

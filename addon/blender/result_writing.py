@@ -11,6 +11,7 @@ from .in_betweens import remove_in_betweens
 from .records import (
     RECORD,
     colour_print,
+    drop_drivers,
     fingerprint,
     free_name,
     group_prints,
@@ -261,6 +262,7 @@ def _remove(obj: bpy.types.Object, record: dict[str, Any], keep_key: bool = Fals
         if key is None or keep_key:
             continue
         if key != keys.reference_key and known in (None, key_print(key)):
+            drop_drivers(key)
             obj.shape_key_remove(key)
         else:
             left.append(name)

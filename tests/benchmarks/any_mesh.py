@@ -1,9 +1,10 @@
-"""Gives every family of meshes to this project and to four libraries, each in a process of its own: ``any_mesh.py``.
+"""Gives families of meshes to this project and to four libraries, a process each: ``any_mesh.py [NAME …]``.
 
-Asked are distances from one vertex (of robust_laplacian the lowest eigenvalues). An answer is *right* if all distances on
-the part of that vertex are finite, none is above the way along edges by more than 5 % of the largest, none below the straight
-distance by more, and those on other parts are not finite; of eigenvalues, if as many are 0 as there are parts. *Wrong*
-says why; *refused* is an error in words; *crash* is the end of the process. Writes the table of docs/any-mesh.md.
+Asked are distances from one vertex (of robust_laplacian the lowest eigenvalues). An answer is *right* if all distances
+on the part of that vertex are finite, none is above the way along edges by more than 5 % of the largest, none below
+the straight distance by more, and those on other parts are not finite; of eigenvalues, if as many are 0 as there are
+parts. *Wrong* says why; *refused* is an error in words; *crash* is the end of the process. Prints rows of the table in
+docs/any-mesh.md.
 """
 
 import json
@@ -16,7 +17,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
-from tests.sample.families import families
+from tests.sample.families import families  # noqa: E402
 
 LIBRARIES = ("ours", "potpourri3d", "pygeodesic", "libigl", "robust_laplacian")
 PATIENCE = 20
@@ -62,8 +63,8 @@ def distances(library, vertices, faces, source):
         return geodesic.PyGeodesicAlgorithmExact(vertices, faces).geodesicDistances(np.array([source]), None)[0]
     import igl
 
-    return np.asarray(igl.exact_geodesic(vertices, faces, np.array([source]), np.empty(0, int), np.arange(len(vertices)),
-                                         np.empty(0, int)))  # fmt: skip
+    none, all_vertices = np.empty(0, int), np.arange(len(vertices))
+    return np.asarray(igl.exact_geodesic(vertices, faces, np.array([source]), none, all_vertices, none))
 
 
 def judged(library, name):
@@ -112,9 +113,10 @@ def eigenvalues_judged(vertices, faces):
     return "right" if zeros == parts else f"wrong: {zeros} zeros, {parts} parts"
 
 
-def main():
-    rows = []
+def main(*names):
     for name, family in families().items():
+        if names and name not in names:
+            continue
         row = [name, f"{len(family.vertices):,}"]
         for library in LIBRARIES:
             words = [sys.executable, __file__, "one", library, name]
@@ -129,7 +131,6 @@ def main():
                 row.append("**crash**")
             else:
                 row.append(json.loads(done.stdout.splitlines()[-1]))
-        rows.append(row)
         print("| " + " | ".join(row) + " |", flush=True)
 
 
@@ -144,4 +145,4 @@ if __name__ == "__main__":
                 answer = f"wrong: {type(error).__name__}"
         print(json.dumps(answer))
     else:
-        main()
+        main(*sys.argv[1:])

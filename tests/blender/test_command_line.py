@@ -1,7 +1,10 @@
 import io
 import json
+import os
+import re
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import bpy
@@ -223,3 +226,111 @@ def test_a_face_too_large_for_ply_is_refused(tmp_path):
     code, [line], _ = run(source, "--output", tmp_path, "--format", "ply")
     assert code == 1
     assert "300 corners" in line["error"]
+
+
+HOSTILE_OFF = {  # what it is: the text, and words of the answer
+    "indices of 2³¹": ("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2147483648\n", "not there"),
+    "negative indices": ("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n", "not there"),
+    "faces without corners": ("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n0\n", "well-formed|no mesh with faces"),
+    "faces of two corners": ("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n2 0 1\n", "no mesh|no faces|no area|corners"),
+    "counts of 10³⁰": (f"OFF\n{10**30} 1 0\n0 0 0\n", "cut short"),
+    "not numbers": ("OFF\n3 1 0\nnan 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "not numbers"),
+    "infinite": ("OFF\n3 1 0\n1e400 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "not numbers"),
+    "no area": ("OFF\n3 1 0\n0 0 0\n1 0 0\n2 0 0\n3 0 1 2\n", "no area"),
+    "zeros": ("\0" * 1000, "does not start with OFF"),
+}
+
+
+def test_hostile_files_are_told_in_sentences(tmp_path):
+    where = tmp_path / "in"
+    where.mkdir()
+    wanted = {}
+    for number, (text, words) in enumerate(HOSTILE_OFF.values()):
+        wanted[where / f"{number}.off"] = words
+        (where / f"{number}.off").write_text(text)
+    for suffix in (".blend", ".obj", ".ply", ".stl", ".glb", ".off"):
+        wanted[where / f"empty-{suffix[1:]}{suffix}"] = "cannot read|no mesh|does not start"
+        (where / f"empty-{suffix[1:]}{suffix}").write_bytes(b"")
+    wanted[where / "folder.obj"] = "is not a file"
+    (where / "folder.obj").mkdir()
+    wanted[where / "nowhere.ply"] = "is not a file"
+    if sys.platform != "win32":
+        wanted[where / "pipe.stl"] = "is not a file"
+        os.mkfifo(where / "pipe.stl")
+    before = sorted(where.iterdir())
+    code, lines, _ = run(*wanted, "--output", tmp_path / "out")
+    assert code == 1
+    assert len(lines) == len(wanted)
+    for line in lines:
+        assert re.search(wanted[Path(line["input"])], line["error"]), line
+    assert sorted(where.iterdir()) == before
+    assert list((tmp_path / "out").iterdir()) == []
+
+
+def test_odd_names_stay_in_the_output_folder(tmp_path, folder):
+    source = tmp_path / "a\nb ü.off"
+    source.write_bytes((folder / "off.off").read_bytes())
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    vertices, faces = shapes.figure(12)
+    for name in ("../../out of here", "/tmp/x", "con", "a" * 60):
+        mesh = bpy.data.meshes.new("Mesh")
+        mesh.from_pydata(vertices.tolist(), [], faces.tolist())
+        bpy.context.scene.collection.objects.link(bpy.data.objects.new(name, mesh))
+    odd = tmp_path / "odd.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(odd), copy=True)
+    code, lines, _ = run(source, odd, "--output", tmp_path / "out", "--format", "obj")
+    assert code == 0
+    outputs = {Path(line["output"]).resolve() for line in lines}
+    assert outputs == set((tmp_path / "out").resolve().iterdir())
+    assert len(outputs) == 5
+    assert {path.name for path in tmp_path.iterdir()} == {source.name, "odd.blend", "out"}
+
+
+@pytest.mark.skipif(os.name != "posix" or os.geteuid() == 0, reason="needs a user who may not do all")
+def test_a_file_without_permission_is_told(tmp_path, folder):
+    source = tmp_path / "secret.off"
+    source.write_bytes((folder / "off.off").read_bytes())
+    source.chmod(0)
+    code, [line], _ = run(source, "--output", tmp_path / "out")
+    assert code == 1
+    assert "ermission" in line["error"]
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a disk that is full")
+def test_a_full_disk_is_told_and_the_old_file_stays(tmp_path, folder):
+    _, [line], _ = run(folder / "off.off", "--output", tmp_path, "--format", "obj")
+    old = Path(line["output"]).read_bytes()
+    limited = "import resource, runpy, signal, sys; signal.signal(signal.SIGXFSZ, signal.SIG_IGN); "
+    limited += "resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000)); sys.argv[0] = 'addon'; "
+    limited += "runpy.run_module('addon', run_name='__main__')"
+    words = ["compute", folder / "off.off", "--output", tmp_path, "--format", "obj", *QUICK, "--value", "0.5"]
+    done = subprocess.run([sys.executable, "-c", limited, *map(str, words)], capture_output=True, text=True,
+                          check=False, cwd=Path(__file__).resolve().parents[2])  # fmt: skip
+    assert done.returncode == 1
+    assert "Traceback" not in done.stderr
+    assert "too large" in json.loads(done.stdout)["error"]
+    assert [path.read_bytes() for path in tmp_path.iterdir()] == [old]
+
+
+def test_a_crash_costs_one_file(tmp_path, folder):
+    psutil = pytest.importorskip("psutil")
+    slow = tmp_path / "slow.off"
+    shapes.write_off(slow, *shapes.figure(44))
+    words = [sys.executable, "-m", "addon", "compute", slow, folder / "off.off", "--output", tmp_path / "out",
+             "--quality", "full", *QUICK]  # fmt: skip
+    process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                               cwd=Path(__file__).resolve().parents[2])  # fmt: skip
+    until = time.monotonic() + 120
+    while time.monotonic() < until:
+        children = psutil.Process(process.pid).children()
+        if children and children[0].cpu_times().user > 3.5:  # Blender is there and the first mesh under way
+            children[0].kill()
+            break
+        time.sleep(0.05)
+    told, errors = process.communicate(timeout=300)
+    lines = [json.loads(line) for line in told.splitlines()]
+    assert process.returncode == 1
+    assert [Path(line["input"]).name for line in lines] == ["slow.off", "off.off"]
+    assert "crashed on this file" in lines[0]["error"]
+    assert "crashed on this file" in errors
+    assert Path(lines[1]["output"]).is_file()

@@ -1,0 +1,57 @@
+"""A random walk in a real window, with undo and redo: ``run.py --session tests/window/walk.py``.
+
+Run by Blender itself, as `session.py` is; ``CANONICAL_FORM_WALK=seed:steps`` sets where chance starts
+and how far to go.
+"""
+
+import importlib
+import os
+import sys
+import traceback
+from pathlib import Path
+
+import bpy
+
+PACKAGE, PICTURES, *_ = (Path(word).resolve() for word in sys.argv[sys.argv.index("--") + 1 :])
+sys.path[:0] = [str(Path(__file__).resolve().parent), str(Path(__file__).resolve().parents[2])]
+
+from hand import Hand  # noqa: E402
+
+SEED, STEPS = map(int, os.environ.get("CANONICAL_FORM_WALK", "1:500").split(":"))
+hand = Hand(PICTURES)
+
+
+def walk():
+    from tests.blender.walks import Walk
+    from tests.sample import shapes
+
+    bpy.ops.extensions.package_install_files(
+        filepath=str(PACKAGE), repo="user_default", enable_on_install=True, overwrite=True
+    )
+    bpy.data.batch_remove([*bpy.data.objects])
+    bpy.context.view_layer.update()
+    parts = [
+        importlib.import_module(f"bl_ext.user_default.canonical_form.addon.{name}")
+        for name in ("blender.records", "blender.computing", "core.errors")
+    ]
+    with bpy.context.temp_override(window=hand.window, area=hand.area(), region=hand.region("WINDOW")):
+        found = Walk(*parts, shapes.figure(12), SEED, undo=True)
+        try:
+            found.run(STEPS)
+        finally:
+            print(len(found.told), "steps:", found.done, "the last:", found.told[-8:], flush=True)
+
+
+def begin():
+    try:
+        walk()
+    except BaseException:  # a test outside pytest: show whatever went wrong and stop Blender
+        traceback.print_exc()
+        sys.stderr.flush()
+        os._exit(1)
+    print("RANDOM WALK PASSED in Blender", bpy.app.version_string, flush=True)
+    os._exit(0)
+
+
+bpy.context.preferences.view.show_splash = False
+bpy.app.timers.register(begin, first_interval=3.0)
