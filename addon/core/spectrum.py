@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
 
 _ACCURACY = 1e-8  # largest residual of an eigenpair that is let through
+_CONNECTED = 1e-10  # least λ_1, in 1/area; a thread 100,000 times as long as wide has 1e-4
 _DENSE = 300  # up to this many vertices all eigenpairs are computed at once
 
 
@@ -82,7 +83,9 @@ def compute_spectrum(stiffness: csr_matrix, mass: FloatArray, count: int, monito
     values, vectors = 1 / inverted[order] + shift, vectors[:, order]
     residual = np.linalg.norm(inverse.solve(np.ascontiguousarray(symmetric @ vectors - vectors * values)), axis=0)
     residual *= values[0] / values  # all that uses them weighs them by 1/λ or less
-    if not (residual < _ACCURACY).all() or not values[0] > 0:
+    if not values[0] > _CONNECTED / mass.sum():
+        raise SolverError("The surface falls into parts, or nearly so: its lowest eigenvalue is 0.")
+    if not (residual < _ACCURACY).all():
         raise SolverError(
             f"The spectrum of the surface is only accurate to {float(residual.max()):.1e}. Clean the mesh "
             "up (Mesh > Clean Up > Merge by Distance and Degenerate Dissolve) or ask for fewer eigenpairs."

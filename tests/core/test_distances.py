@@ -104,3 +104,14 @@ def test_smoothed_geodesics_feel_a_bend_less():
 def test_all_geodesics_hear_a_cancel(sphere):
     with pytest.raises(CancelledError):
         all_geodesics(triangulated(*sphere), Monitor(cancelled=lambda: True))
+
+
+def test_all_geodesics_tell_how_far_they_are(sphere):
+    told = []
+    monitor = Monitor(lambda fraction, _: told.append(fraction))
+    with monitor.stage("Distances", 1.0):
+        all_geodesics(triangulated(*shapes.sphere(2)), monitor, done=0.25, share=0.5)
+    within = told[1:-1]
+    assert within == sorted(within)
+    assert within[0] > 0.25
+    assert within[-1] == pytest.approx(0.75)

@@ -225,3 +225,14 @@ def test_a_flat_start_stays_flat():
     wanted = 1.3 * np.linalg.norm(points[:, None] - points[:9], axis=2)
     layout = least_squares_scaling(wanted, np.arange(9), points - points.mean(axis=0), depth=0.0)
     assert not layout[:, 2].any()
+
+
+def test_v_of_many_tiles_is_that_of_the_weights():
+    rng = np.random.default_rng(4)
+    weights = rng.uniform(size=(700, 700))
+    members = rng.permutation(900)[:700]
+    pairs = pair_set(members, np.ones((700, 700)), lambda rows, columns, _: weights[rows, columns])
+    assert len(pairs.weights) > 3
+    upper = np.triu(weights, 1) + np.triu(weights, 1).T
+    np.testing.assert_allclose(pairs.laplacian(), np.diag(upper.sum(axis=1)) - upper, atol=1e-12)
+    np.testing.assert_allclose(pairs.scaled(2.0).laplacian(), 2 * pairs.laplacian(), atol=1e-11)

@@ -1,12 +1,13 @@
 import numpy as np
 import pytest
 from scipy.linalg import eigh
+from scipy.sparse import block_diag
 
-from addon.core import CancelledError, InvalidSettingsError
+from addon.core import CancelledError, InvalidSettingsError, SolverError
 from addon.core.delaunay import intrinsic_delaunay
 from addon.core.laplacian import mass, stiffness
 from addon.core.monitor import Monitor
-from addon.core.spectrum import auto_diffusion, compute_spectrum
+from addon.core.spectrum import Spectrum, auto_diffusion, compute_spectrum
 from addon.core.surface import triangulated
 from tests.sample import shapes
 
@@ -65,3 +66,15 @@ def test_auto_diffusion_needs_a_positive_time(sphere):
 def test_it_hears_a_cancel(sphere):
     with pytest.raises(CancelledError):
         compute_spectrum(*operators(*sphere), 20, Monitor(cancelled=lambda: True))
+
+
+def test_auto_diffusion_is_its_formula():
+    spectrum = Spectrum(np.array([2.0, 6.0]), np.array([[1.0, 3.0], [2.0, -1.0]]))
+    wanted = [1 * np.exp(-0.5) + 9 * np.exp(-1.5), 4 * np.exp(-0.5) + 1 * np.exp(-1.5)]
+    np.testing.assert_allclose(auto_diffusion(spectrum, 0.5), wanted, rtol=1e-15)
+
+
+def test_a_surface_in_two_parts_has_no_spectrum(sphere):
+    L, M = operators(*sphere)
+    with pytest.raises(SolverError, match="falls into parts"):
+        compute_spectrum(block_diag([L, L]).tocsr(), np.concatenate([M, M]), 10)
