@@ -73,7 +73,8 @@ def mended(vertices: ArrayLike, faces: ArrayLike) -> MendedMesh:
             f"{_faces(len(triangles) - len(whole))} left out: the same vertex twice. Mesh > Clean Up > Degenerate "
             "Dissolve removes such faces."
         )
-    stands_for = _sewn(points, whole)
+    given, edges = whole, _edges_of(whole)
+    stands_for = _sewn(points, whole, edges)
     joined = int(np.count_nonzero(stands_for != np.arange(len(points))))
     if joined:
         warnings.append(
@@ -87,7 +88,7 @@ def mended(vertices: ArrayLike, faces: ArrayLike) -> MendedMesh:
             f"{_faces(len(whole) - len(single))} left out: another has the same vertices. Mesh > Merge > By Distance "
             "removes such faces."
         )
-    turned = _turned_alike(single)
+    turned = _turned_alike(single, edges if single is given else _edges_of(single))
     count = int(np.count_nonzero((turned != single).any(axis=1)))
     if count:
         warnings.append(
@@ -115,12 +116,18 @@ def has_area(points: FloatArray, faces: IntArray) -> bool:
     bool
         True if one has, beyond rounding.
     """
-    used = points[faces.ravel()] if len(faces) else np.zeros((1, 3))
+    inside = np.zeros(len(points), dtype=bool)
+    inside[faces] = True
+    used = points[inside]
+    if not len(used):
+        return False
     middle = used.min(axis=0) / 2 + used.max(axis=0) / 2
     extent = float(np.abs(used - middle).max())
     if not extent > 0:
         return False
-    return surface_area((used - middle) / extent, np.arange(len(used)).reshape(-1, 3)) > _NO_AREA
+    scaled = np.zeros_like(points)
+    scaled[inside] = (used - middle) / extent
+    return surface_area(scaled, faces) > _NO_AREA
 
 
 def _faces(count: int) -> str:
@@ -133,14 +140,27 @@ def _of_three(faces: IntArray) -> IntArray:
     return faces[~twice] if twice.any() else faces
 
 
-def _edges_of(faces: IntArray) -> tuple[IntArray, IntArray, IntArray]:
-    """Give every half-edge (3·face + the corner it starts from) a key of its edge, and list its tail and head."""
+@dataclass(frozen=True, eq=False)
+class _Edges:
+    """The half-edges (3·face + the corner they start from) sorted by the edge that they are on."""
+
+    order: IntArray
+    start: IntArray  # where each edge begins in that order
+    triangles: IntArray  # how many each has
+    tail: IntArray  # of each half-edge
+    head: IntArray
+
+
+def _edges_of(faces: IntArray) -> _Edges:
     tail, head = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
     key = np.minimum(tail, head) * (int(faces.max(initial=0)) + 1) + np.maximum(tail, head)
-    return key, tail, head
+    order = np.argsort(key, kind="stable")
+    rising = key[order]
+    start = np.flatnonzero(np.concatenate([[True], rising[1:] != rising[:-1]])) if len(key) else order
+    return _Edges(order, start, np.diff(np.append(start, len(key))), tail, head)
 
 
-def _sewn(points: FloatArray, faces: IntArray) -> IntArray:
+def _sewn(points: FloatArray, faces: IntArray, edges: _Edges) -> IntArray:
     """Find for every vertex the first that it is one with: where edges at borders lie on each other.
 
     Sheets that lie on each other all over are not sewn: there the third corners lie on each other too.
@@ -149,19 +169,15 @@ def _sewn(points: FloatArray, faces: IntArray) -> IntArray:
     from scipy.sparse.csgraph import connected_components
 
     stands_for = np.arange(len(points))
-    key, tail, head = _edges_of(faces)
-    order = np.argsort(key, kind="stable")
-    rising = key[order]
-    new = np.concatenate([[True], rising[1:] != rising[:-1]]) if len(rising) else np.zeros(0, dtype=bool)
-    alone = order[new & np.concatenate([new[1:], [True]])] if len(order) else order  # half-edges at a border
+    alone = edges.order[edges.start[edges.triangles == 1]]  # half-edges at a border
     if len(alone) < 2:
         return stands_for
-    rim, place = np.unique(np.concatenate([tail[alone], head[alone]]), return_inverse=True)
+    ends = np.stack([edges.tail[alone], edges.head[alone]])
+    rim, place = np.unique(ends, return_inverse=True)
     _, site = np.unique(points[rim] + 0.0, axis=0, return_inverse=True)  # + 0.0: -0 is 0
     if site.max() + 1 == len(rim):
         return stands_for
     site = site.ravel()[place.ravel()].reshape(2, -1)
-    ends = np.stack([tail[alone], head[alone]])
     swap = site[0] > site[1]
     site[:, swap], ends[:, swap] = site[::-1, swap], ends[::-1, swap]
     third = points[faces.ravel()[alone // 3 * 3 + (alone + 2) % 3]] + 0.0
@@ -198,18 +214,14 @@ def _without_copies(faces: IntArray) -> IntArray:
     return faces[keep]
 
 
-def _turned_alike(faces: IntArray) -> IntArray:
+def _turned_alike(faces: IntArray, edges: _Edges) -> IntArray:
     """Turn triangles over so that neighbours across an edge agree, as few as possible; one-sided parts stay."""
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
 
-    key, tail, _ = _edges_of(faces)
-    order = np.argsort(key, kind="stable")
-    rising = key[order]
-    _, start, triangles = np.unique(rising, return_index=True, return_counts=True)
-    start = start[triangles == 2]
-    one, other = order[start], order[start + 1]
-    disagree = tail[one] == tail[other]
+    start = edges.start[edges.triangles == 2]
+    one, other = edges.order[start], edges.order[start + 1]
+    disagree = edges.tail[one] == edges.tail[other]
     if not disagree.any():
         return faces
     m = len(faces)

@@ -151,20 +151,21 @@ def connected_parts(vertices: ArrayLike, faces: ArrayLike) -> Parts:
     mesh = mended(vertices, faces)
     points, warnings = mesh.vertices, list(mesh.warnings)
     part_of = component_labels(len(points), mesh.faces)[mesh.faces[:, 0]]
-    order = np.argsort(part_of, kind="stable")
-    pieces = np.split(mesh.faces[order], np.flatnonzero(np.diff(part_of[order])) + 1)
+    pieces = [mesh.faces]
+    if (part_of != part_of[0]).any():
+        order = np.argsort(part_of, kind="stable")
+        pieces = np.split(mesh.faces[order], np.flatnonzero(np.diff(part_of[order])) + 1)
     if len(pieces) > _MOST:
         raise InvalidMeshError(
             f"The mesh falls into {len(pieces):,} loose parts, more than {_MOST}. Merge what belongs together (Edit "
             "Mode: M > By Distance), or delete or separate the small parts (P > By Loose Parts), and run again."
         )
-    usable = pieces if len(pieces) == 1 else [piece for piece in pieces if has_area(points, piece)]
-    small = points / np.abs(points).max()
-    area = np.array([surface_area(small, piece) for piece in usable])
-    parts = []
-    for index in np.lexsort(([piece.min() for piece in usable], -np.round(area / area.sum() / _ALIKE))):
-        members, corners = np.unique(usable[index], return_inverse=True)
-        parts.append(Part(members, points[members], corners.reshape(-1, 3).astype(np.int64)))
+    found = [_part(points, piece) for piece in pieces]
+    usable = found if len(found) == 1 else [part for part in found if has_area(part.points, part.faces)]
+    largest = np.abs(points).max()
+    area = np.array([surface_area(part.points / largest, part.faces) for part in usable] if usable[1:] else [1.0])
+    order = np.lexsort(([part.vertices[0] for part in usable], -np.round(area / area.sum() / _ALIKE)))
+    parts = [usable[index] for index in order]
     if len(usable) < len(pieces):
         warnings.append(f"Loose parts without any area ({len(pieces) - len(usable)}) stay where they are.")
     if len(parts) > 1:
@@ -176,14 +177,28 @@ def connected_parts(vertices: ArrayLike, faces: ArrayLike) -> Parts:
     on_surface[mesh.faces] = True
     loose = int(np.count_nonzero(~on_surface[mesh.stands_for]))
     if loose:
-        which = (
-            "1 vertex that belongs to no face stays where it is"
-            if loose == 1
-            else (f"{loose:,} vertices that belong to no face stay where they are")
-        )
+        which = f"{loose:,} vertices that belong to no face stay where they are"
+        if loose == 1:
+            which = "1 vertex that belongs to no face stays where it is"
         warnings.append(f"{which}. Mesh > Clean Up > Delete Loose removes such vertices.")
-    used = mesh.faces if len(usable) == len(pieces) else np.concatenate(usable)
+    used = mesh.faces
+    if len(usable) < len(pieces):
+        used = np.concatenate([part.vertices[part.faces] for part in parts])
     return Parts(parts, points, used, warnings, mesh.stands_for)
+
+
+def _part(points: FloatArray, faces: IntArray) -> Part:
+    """Give the vertices of some triangles numbers of their own."""
+    if faces.size < len(points):
+        vertices, corners = np.unique(faces, return_inverse=True)
+        return Part(vertices, points[vertices], corners.reshape(-1, 3).astype(np.int64))
+    used = np.zeros(len(points), dtype=bool)
+    used[faces] = True
+    vertices = np.flatnonzero(used)
+    if len(vertices) == len(points):
+        return Part(vertices, points, faces)
+    number = np.cumsum(used) - 1
+    return Part(vertices, points[vertices], number[faces])
 
 
 def features_by_part(parts: Parts, given: Sequence[int] | None) -> list[tuple[IntArray, IntArray] | None]:

@@ -133,7 +133,9 @@ class Walk:
             "basis": points.tobytes(),
             "polygons": [tuple(polygon.vertices) for polygon in mesh.polygons],
             "selected": [vertex.select for vertex in mesh.vertices] if self.told[-1] != "select_patch" else None,
-            "keys": {key.name: (_positions(key), round(key.value, 6), key.mute, key.lock_shape)
+            # the value of a form's key is driven by ours where there are in-betweens
+            "keys": {key.name: (_positions(key), key.name.startswith("Canonical Form") or round(key.value, 6),
+                                key.mute, key.lock_shape)
                      for key in keys if key.name not in ours["keys"]},
             "groups": sorted(groups.values()),
             "weights": [sorted((groups[part.group], part.weight) for part in vertex.groups if part.group in groups)
