@@ -3,17 +3,16 @@
 import sys
 
 from .result_lines import claim_output
-from .supervision import SUPERVISED, end_with_parent, supervised
+from .supervision import done_before, is_supervised, supervised
 
 if __name__ == "__main__":
     if sys.argv[1:2] == ["evaluate"]:
         from .evaluation.command import main as evaluate
 
         sys.exit(evaluate(sys.argv[2:]))
-    if sys.argv[1:2] == ["compute"] and SUPERVISED not in sys.argv:
+    if not is_supervised():
         sys.exit(supervised(sys.argv[1:]))
-    if SUPERVISED in sys.argv:
-        end_with_parent()
+    done = done_before()
     claimed = claim_output()  # before bpy is imported: it has something to say too
     try:
         import bpy  # noqa: F401
@@ -21,4 +20,4 @@ if __name__ == "__main__":
         sys.exit("The command line needs Blender as a module. Install it with: pip install bpy")
     from .command_line import main
 
-    sys.exit(main(sys.argv[1:], claimed))
+    sys.exit(main(sys.argv[1:], claimed, done))

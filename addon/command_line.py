@@ -20,10 +20,9 @@ from .core import CanonicalForm, CanonicalFormError, Settings
 from .core.memory import memory_estimate
 from .core.settings import METHODS, QUALITIES, STARTS
 from .result_lines import claim_output
-from .supervision import SUPERVISED
 
 
-def main(arguments: list[str], output: TextIO | None = None) -> int:
+def main(arguments: list[str], output: TextIO | None = None, done: dict[str, Any] | None = None) -> int:
     """Run the command line.
 
     Parameters
@@ -32,6 +31,8 @@ def main(arguments: list[str], output: TextIO | None = None) -> int:
         The words after the name of the command.
     output : TextIO, optional
         Where the result lines go; standard output, claimed for them, when left out.
+    done : dict, optional
+        From `supervision.done_before`, in a process that is supervised: it is told there what this one is at.
 
     Returns
     -------
@@ -51,20 +52,27 @@ def main(arguments: list[str], output: TextIO | None = None) -> int:
         print(f"canonical_form: {error}", file=sys.stderr)
         return 2
     failed = False
-    done = json.loads(options.supervised)
-    written: set[str] = set(done["written"])
+    first, written = (done["files"], set(done["written"])) if done else (0, set())
+
+    def tell(**line: Any) -> None:
+        print(json.dumps(line), file=output, flush=True)
+
     try:
         for number, (path, name) in enumerate(zip(options.meshes, names, strict=True), start=1):
-            if number <= done["files"]:
+            if number <= first:
                 continue
-            if SUPERVISED in arguments:
-                print(json.dumps({"begun": str(path), "number": number}), file=output, flush=True)
+            if done:
+                tell(begun=str(path), number=number, folder=str(options.output))
             for line in _compute_file(path, name, settings, options, written):
                 failed = failed or "error" in line
-                print(json.dumps(line), file=output, flush=True)
+                tell(**line)
+            if done:
+                tell(ended=number)
     except KeyboardInterrupt:
         print("canonical_form: Stopped by the keyboard; what was written so far is whole.", file=sys.stderr)
         return 130
+    if done:
+        tell(finished=int(failed))
     return int(failed)
 
 
@@ -102,7 +110,6 @@ def _parser() -> argparse.ArgumentParser:
     compute.add_argument(
         "--memory-limit", type=float, default=default.memory_limit, help="gigabytes; 0 for 60 %% of what is free"
     )
-    compute.add_argument(SUPERVISED, default='{"files": 0, "written": []}', help=argparse.SUPPRESS)
     return parser
 
 
@@ -123,14 +130,14 @@ def _output_names(paths: list[Path]) -> list[str]:
     """Name each result after its file; files of one name in several folders get the folders' names in front."""
     names = [path.stem for path in paths]
     for depth in range(1, max((len(path.resolve().parts) for path in paths), default=1)):
-        count = Counter(names)
+        count = Counter(name.casefold() for name in names)
         if max(count.values()) == 1:
             return names
         names = [
-            "-".join(path.resolve().with_suffix("").parts[-1 - depth :]) if count[name] > 1 else name
+            "-".join(path.resolve().with_suffix("").parts[-1 - depth :]) if count[name.casefold()] > 1 else name
             for path, name in zip(paths, names, strict=True)
         ]
-    if len(set(names)) < len(names):
+    if len({name.casefold() for name in names}) < len(names):
         raise CanonicalFormError("The same mesh is named twice, or two files differ by their ending only.")
     return names
 
@@ -160,14 +167,16 @@ def _compute_file(
             if options.format != "blend" and isinstance(found, CanonicalForm):
                 stem = name if len(objects) == 1 else f"{name}-{bpy.path.clean_name(obj.name)}"
                 target = options.output / f"{_unused(stem, written)}.{options.format}"
-                _require_new(target, path)
+                _require_new(target, options.meshes)
                 save_form(target, found.vertices, obj.data)
+                yield {**line, "output": str(target), "memory_estimate": memory, **report}
+                continue
             lines.append({**line, "output": str(target), "memory_estimate": memory, **report})
         except Exception as error:  # any: the meshes after it are still to be computed
             lines.append(_failure(line, error))
     if options.format == "blend" and any("error" not in line for line in lines):
         try:
-            _require_new(target, path)
+            _require_new(target, options.meshes)
             save_blend(target)
         except (CanonicalFormError, OSError, RuntimeError) as error:
             lines = [line if "error" in line else _failure(line, error) for line in lines]
@@ -184,9 +193,11 @@ def _unused(stem: str, written: set[str]) -> str:
     return name
 
 
-def _require_new(target: Path, source: Path) -> None:
-    if target.resolve() == source.resolve():
-        raise CanonicalFormError(f"The result would overwrite its input {source}. Choose another --output.")
+def _require_new(target: Path, inputs: list[Path]) -> None:
+    """Refuse to write over any of the files that are read in this run, by whatever name."""
+    for source in inputs if target.exists() else ():
+        if source.exists() and target.samefile(source):
+            raise CanonicalFormError(f"The result would overwrite an input, {source}. Choose another --output.")
 
 
 def _failure(line: dict[str, Any], error: Exception) -> dict[str, Any]:

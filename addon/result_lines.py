@@ -18,6 +18,6 @@ def claim_output() -> TextIO:
         The true standard output; file descriptor 1 leads to standard error from now on.
     """
     sys.stdout.flush()
-    output = os.fdopen(os.dup(1), "w")
+    output = os.fdopen(os.dup(1), "w", encoding="utf-8", newline="\n")
     os.dup2(2, 1)
     return output

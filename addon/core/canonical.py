@@ -11,8 +11,8 @@ from .alignment import rigid_fit
 from .embedding import Embedding
 from .local_features import local_feature_form
 from .monitor import Cancelled, Monitor, Progress
-from .parts import Part, connected_parts, features_by_part
-from .recognition import FeaturePatches, recognised, together
+from .parts import Part
+from .recognition import FeaturePatches, parts_to_work_on, recognised, together
 from .settings import Settings
 from .surface import FloatArray, IntArray, surface_area, vertex_areas
 
@@ -102,14 +102,11 @@ def canonical_form(
     """
     settings = settings or Settings()
     monitor = Monitor(progress, cancelled)
-    with monitor.stage("Surface", 0.02):
-        parts = connected_parts(vertices, faces)
-        given = features_by_part(parts, settings.feature_points)
-    monitor.warnings += parts.warnings
+    parts, given = parts_to_work_on(vertices, faces, settings, monitor)
     forms = []
     for (part, own), points in zip(parts.each(monitor), given, strict=True):
         forms.append(_form_of_part(part, None if points is None else points[1], settings, own))
-    found = together(parts, [form[0] for form in forms], given, monitor)
+    found = together(parts, [form[0] for form in forms], given, settings.feature_points, monitor)
     pair_count = sum(embedded.pair_count for _, _, embedded in forms)
     return CanonicalForm(
         parts.together([form for _, form, _ in forms], parts.vertices),

@@ -68,12 +68,11 @@ def distance_field(
     if kind not in KINDS:
         raise InvalidSettingsError(f"kind must be one of {', '.join(KINDS)}; got {kind!r}.")
     with monitor.stage("Surface", 0.1):
-        parts = connected_parts(vertices, faces)
-        chosen = np.unique(np.asarray(sources, dtype=np.int64))
-        if not len(chosen) or chosen[0] < 0 or chosen[-1] >= len(parts.vertices):
-            raise InvalidSettingsError("Select at least one vertex to measure from.")
+        parts = connected_parts(vertices, faces, monitor)
+        chosen = np.unique(np.asarray(sources))
+        placed = parts.placed(chosen)
     fields = []
-    for (part, own), (_, starts) in zip(parts.each(monitor), parts.placed(chosen), strict=True):
+    for (part, own), (_, starts) in zip(parts.each(monitor), placed, strict=True):
         with own.stage("Distances", 1.0):
             fields.append(_field_of_part(part, np.unique(starts), kind, own))
     field = parts.together(fields, np.full(len(parts.vertices), np.inf))

@@ -204,9 +204,11 @@ def heat_geodesics(vertices: ArrayLike, faces: ArrayLike, sources: ArrayLike) ->
     ------
     InvalidMeshError
         If the mesh cannot be used; the message says what to do.
+    InvalidSettingsError
+        If the sources are not vertices of the mesh.
     """
     parts = connected_parts(vertices, faces)
-    columns = np.atleast_1d(np.asarray(sources, dtype=np.int64))
+    columns = np.atleast_1d(np.asarray(sources))
     distances = []
     for part, (here, starts) in zip(parts.parts, parts.placed(columns), strict=True):
         each = np.full((len(part.vertices), len(columns)), np.inf)

@@ -173,8 +173,17 @@ def _free_on_linux() -> list[float | None]:
         ("/sys/fs/cgroup/memory/memory.limit_in_bytes", "/sys/fs/cgroup/memory/memory.usage_in_bytes"),
     ):
         with suppress(OSError, ValueError):  # no such limit, or "max"
-            amounts.append(float(int(Path(highest).read_text()) - int(Path(taken).read_text())))
+            used = int(Path(taken).read_text()) - _cached(Path(taken).with_name("memory.stat"))
+            amounts.append(float(int(Path(highest).read_text()) - used))
     return amounts
+
+
+def _cached(path: Path) -> int:
+    """Sum what a control group keeps of files and gives back when it is needed."""
+    found = dict(line.split()[:2] for line in path.read_text().splitlines() if len(line.split()) == 2)
+    names = ("inactive_file", "active_file")
+    prefix = "total_" if "total_inactive_file" in found else ""
+    return sum(int(found.get(prefix + name, 0)) for name in names)
 
 
 def _free_on_windows() -> list[float | None]:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .errors import InvalidMeshError
+from .monitor import Monitor
 from .surface import FloatArray, IntArray, checked_arrays, surface_area
 
 _NO_AREA = 1e-12  # squares of half the size; rounding leaves a thousandth of it
@@ -40,7 +41,7 @@ class MendedMesh:
     warnings: list[str]
 
 
-def mended(vertices: ArrayLike, faces: ArrayLike) -> MendedMesh:
+def mended(vertices: ArrayLike, faces: ArrayLike, monitor: Monitor | None = None) -> MendedMesh:
     """Find the surface in a mesh.
 
     Faces that use a vertex twice and copies of faces are left out. Where borders lie exactly on each other, as along
@@ -53,6 +54,8 @@ def mended(vertices: ArrayLike, faces: ArrayLike) -> MendedMesh:
         Vertex positions, any unit of length.
     faces : (m, 3) array_like of int
         Triangles as vertex indices.
+    monitor : Monitor, optional
+        Asked between the steps whether to stop.
 
     Returns
     -------
@@ -64,8 +67,12 @@ def mended(vertices: ArrayLike, faces: ArrayLike) -> MendedMesh:
     InvalidMeshError
         If a shape is wrong, a coordinate is not finite, an index is out of range, there is no triangle, or the surface
         has no area.
+    CancelledError
+        If the monitor says so.
     """
+    monitor = monitor or Monitor()
     points, triangles = checked_arrays(vertices, faces)
+    monitor.check()
     warnings: list[str] = []
     whole = _of_three(triangles)
     if len(whole) < len(triangles):
@@ -74,7 +81,9 @@ def mended(vertices: ArrayLike, faces: ArrayLike) -> MendedMesh:
             "Dissolve removes such faces."
         )
     given, edges = whole, _edges_of(whole)
+    monitor.check()
     stands_for = _sewn(points, whole, edges)
+    monitor.check()
     joined = int(np.count_nonzero(stands_for != np.arange(len(points))))
     if joined:
         warnings.append(
@@ -83,6 +92,7 @@ def mended(vertices: ArrayLike, faces: ArrayLike) -> MendedMesh:
         )
         whole = _of_three(stands_for[whole])
     single = _without_copies(whole)
+    monitor.check()
     if len(single) < len(whole):
         warnings.append(
             f"{_faces(len(whole) - len(single))} left out: another has the same vertices. Mesh > Merge > By Distance "

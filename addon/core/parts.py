@@ -93,8 +93,18 @@ class Parts:
         -------
         list of ((t,) ndarray of int, (t,) ndarray of int)
             For each part: which of those chosen are in it, in order, and as which of its vertices.
+
+        Raises
+        ------
+        InvalidSettingsError
+            If they are not vertices of the mesh.
         """
-        wanted = self._stands_for[np.asarray(chosen, dtype=np.int64)]
+        wanted = np.asarray(chosen)
+        if not np.issubdtype(wanted.dtype, np.integer) or not wanted.size:
+            raise InvalidSettingsError("Vertices to start from must be at least one whole number.")
+        if wanted.min() < 0 or wanted.max() >= len(self.vertices):
+            raise InvalidSettingsError(f"Vertices to start from must lie between 0 and {len(self.vertices) - 1}.")
+        wanted = self._stands_for[wanted.astype(np.int64)]
         found = []
         for part in self.parts:
             at = np.minimum(np.searchsorted(part.vertices, wanted), len(part.vertices) - 1)
@@ -128,7 +138,7 @@ class Parts:
             monitor.warn(f"There are {len(said) - _SAID} more warnings like these about other parts.")
 
 
-def connected_parts(vertices: ArrayLike, faces: ArrayLike) -> Parts:
+def connected_parts(vertices: ArrayLike, faces: ArrayLike, monitor: Monitor | None = None) -> Parts:
     """Find the connected surfaces in a mesh.
 
     Parameters
@@ -137,6 +147,8 @@ def connected_parts(vertices: ArrayLike, faces: ArrayLike) -> Parts:
         Vertex positions, any unit of length.
     faces : (m, 3) array_like of int
         Triangles as vertex indices.
+    monitor : Monitor, optional
+        Asked between the steps whether to stop.
 
     Returns
     -------
@@ -147,10 +159,14 @@ def connected_parts(vertices: ArrayLike, faces: ArrayLike) -> Parts:
     ------
     InvalidMeshError
         If the mesh cannot be used; the message says what to do.
+    CancelledError
+        If the monitor says so.
     """
-    mesh = mended(vertices, faces)
+    monitor = monitor or Monitor()
+    mesh = mended(vertices, faces, monitor)
     points, warnings = mesh.vertices, list(mesh.warnings)
     part_of = component_labels(len(points), mesh.faces)[mesh.faces[:, 0]]
+    monitor.check()
     pieces = [mesh.faces]
     if (part_of != part_of[0]).any():
         order = np.argsort(part_of, kind="stable")
@@ -162,7 +178,8 @@ def connected_parts(vertices: ArrayLike, faces: ArrayLike) -> Parts:
         )
     found = [_part(points, piece) for piece in pieces]
     usable = found if len(found) == 1 else [part for part in found if has_area(part.points, part.faces)]
-    largest = np.abs(points).max()
+    monitor.check()
+    largest = max(np.abs(part.points).max() for part in usable)
     area = np.array([surface_area(part.points / largest, part.faces) for part in usable] if usable[1:] else [1.0])
     order = np.lexsort(([part.vertices[0] for part in usable], -np.round(area / area.sum() / _ALIKE)))
     parts = [usable[index] for index in order]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -175,7 +176,6 @@ def recognised(
         If the monitor says so.
     """
     with monitor.stage("Surface", 0.02):
-        require_memory(len(points), settings)
         monitor.check()
         scale = 2.0 ** np.floor(np.log2(np.abs(points).max()))  # exact, and squares of what is left do not overflow
         whole_points, whole_triangles = points / scale, triangles
@@ -267,19 +267,58 @@ def feature_patches(
     """
     settings = settings or Settings()
     monitor = Monitor(progress, cancelled)
-    with monitor.stage("Surface", 0.02):
-        parts = connected_parts(vertices, faces)
-        given = features_by_part(parts, settings.feature_points)
-    monitor.warnings += parts.warnings
+    parts, given = parts_to_work_on(vertices, faces, settings, monitor)
     found = []
     for (part, own), points in zip(parts.each(monitor, PATCHES_AT), given, strict=True):
         each = recognised(part.points, part.faces, None if points is None else points[1], settings, own)
         found.append(each.carried_back(own))
-    return together(parts, found, given, monitor)
+    return together(parts, found, given, settings.feature_points, monitor)
+
+
+def parts_to_work_on(
+    vertices: ArrayLike, faces: ArrayLike, settings: Settings, monitor: Monitor
+) -> tuple[Parts, list[tuple[IntArray, IntArray] | None]]:
+    """Find the connected surfaces in a mesh and refuse, before anything is computed, what cannot be worked on.
+
+    Parameters
+    ----------
+    vertices : (n, 3) array_like of float
+        Vertex positions.
+    faces : (m, 3) array_like of int
+        Triangles.
+    settings : Settings
+        Options.
+    monitor : Monitor
+        Told the progress, warned, and asked whether to stop.
+
+    Returns
+    -------
+    parts : Parts
+        The surfaces.
+    given : list of ((t,) ndarray of int, (t,) ndarray of int) or None
+        From `features_by_part`.
+
+    Raises
+    ------
+    InvalidMeshError, InvalidSettingsError, TooLargeError
+        As `canonical_form` does.
+    CancelledError
+        If the monitor says so.
+    """
+    with monitor.stage("Surface", 0.02):
+        parts = connected_parts(vertices, faces, monitor)
+        given = features_by_part(parts, settings.feature_points)
+        require_memory(max(len(part.vertices) for part in parts.parts), settings)
+    monitor.warnings += parts.warnings
+    return parts, given
 
 
 def together(
-    parts: Parts, found: list[FeaturePatches], given: list[tuple[IntArray, IntArray] | None], monitor: Monitor
+    parts: Parts,
+    found: list[FeaturePatches],
+    given: list[tuple[IntArray, IntArray] | None],
+    chosen: Sequence[int] | None,
+    monitor: Monitor,
 ) -> FeaturePatches:
     """Put what was found on the parts of a mesh together.
 
@@ -291,6 +330,8 @@ def together(
         What was found on each part, as its vertices.
     given : list of ((t,) ndarray of int, (t,) ndarray of int) or None
         From `features_by_part`: those that were given come first, in their order.
+    chosen : sequence of int, or None
+        The vertices that were given, which may be copies of those found.
     monitor : Monitor
         Of the whole.
 
@@ -313,8 +354,11 @@ def together(
     detected = sum(points is None for points in given)
     if 0 < detected < len(given):
         monitor.warn(f"{detected} loose parts have none of the given feature points; theirs were detected.")
+    points = np.concatenate(features)[order]
+    if chosen is not None:
+        points[: len(chosen)] = chosen
     return FeaturePatches(
-        np.concatenate(features)[order],
+        points,
         parts.together(cells, np.full(count, -1)),
         parts.together([each.adf for each in found], np.zeros(count)),
         monitor.timings,

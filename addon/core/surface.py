@@ -61,8 +61,13 @@ def checked_arrays(vertices: ArrayLike, faces: ArrayLike) -> tuple[FloatArray, I
     InvalidMeshError
         If a shape is wrong, a coordinate is not finite, an index is out of range, or there is no triangle.
     """
-    points = np.ascontiguousarray(vertices, dtype=np.float64)
-    corners = np.asarray(faces)
+    try:
+        points, corners = np.asarray(vertices), np.asarray(faces)
+        if np.iscomplexobj(points):
+            raise TypeError("complex numbers")
+        points = np.ascontiguousarray(points, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InvalidMeshError(f"Vertices and faces must be arrays of numbers ({error}).") from error
     if corners.size == 0:
         raise InvalidMeshError("The mesh has no faces. Choose a mesh with a surface.")
     if points.ndim != 2 or points.shape[1] != 3:

@@ -34,7 +34,6 @@ def packed_code(folder: Path) -> tuple[Path, str]:
     """
     root = Path(__file__).resolve().parents[1]
     sources = [path for part in ("core", "evaluation", "blender") for path in sorted((root / part).rglob("*.py"))]
-    sources.append(root / "supervision.py")
     name = f"canonical_form_{digest(*(path.read_text(encoding='utf-8') for path in sources))}"
     target = folder / f"{name}.zip"
     with zipfile.ZipFile(target, "w") as archive:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import time
 from collections.abc import Callable
@@ -15,7 +16,6 @@ import numpy as np
 from ..core import CanonicalFormError, Settings, canonical_form
 from ..core.measures import hausdorff, summary
 from ..core.surface import FloatArray, IntArray, surface_area
-from ..supervision import end_with_parent
 from .descriptor import harmonic_descriptor
 from .methods import RECOGNITION, Method
 
@@ -213,6 +213,14 @@ def _kilobytes(name: str) -> int:
 def begin_work() -> None:
     """Leave the keyboard to the process that started this one, and end when that is gone, killed or not."""
     import signal
+    from threading import Thread
 
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    end_with_parent()
+    parent = os.getppid()
+
+    def watch() -> None:
+        while os.getppid() == parent:
+            time.sleep(0.5)
+        os._exit(1)
+
+    Thread(target=watch, daemon=True).start()

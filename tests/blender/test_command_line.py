@@ -334,3 +334,65 @@ def test_a_crash_costs_one_file(tmp_path, folder):
     assert "crashed on this file" in lines[0]["error"]
     assert "crashed on this file" in errors
     assert Path(lines[1]["output"]).is_file()
+
+
+def test_a_file_that_is_still_to_be_read_is_never_overwritten(tmp_path, folder):
+    out = tmp_path / "out"
+    out.mkdir()
+    first, second = tmp_path / "mesh.ply", out / "mesh.obj"
+    first.write_bytes((folder / "ply.ply").read_bytes())
+    second.write_bytes((folder / "obj.obj").read_bytes())
+    other = tmp_path / "in" / "Pair.obj"
+    other.parent.mkdir()
+    other.write_bytes(second.read_bytes())
+    target = out / "Pair.obj"
+    target.hardlink_to(other)
+    code, [line], _ = run(other, "--output", out, "--format", "obj")
+    assert code == 1
+    assert "overwrite an input" in line["error"]
+    with pytest.raises(CanonicalFormError, match="named twice"):
+        _output_names([tmp_path / "Bear.ply", tmp_path / "bear.obj"])
+
+
+def test_words_after_two_dashes_are_files(tmp_path, folder, monkeypatch):
+    (tmp_path / "-odd.off").write_bytes((folder / "off.off").read_bytes())
+    words = ["--output", tmp_path / "out", "--format", "obj", *QUICK, "--", "-odd.off"]
+    root = Path(__file__).resolve().parents[2]
+    done = subprocess.run([sys.executable, "-m", "addon", "compute", *map(str, words)], capture_output=True, text=True,
+                          check=False, cwd=tmp_path, env={**os.environ, "PYTHONPATH": str(root)})  # fmt: skip
+    assert done.returncode == 0
+    assert [json.loads(line)["input"] for line in done.stdout.splitlines()] == ["-odd.off"]
+
+
+def test_a_second_process_does_not_take_the_names_of_the_first(tmp_path, folder):
+    output = io.StringIO()
+    words = ["compute", str(folder / "off.off"), str(folder / "obj.obj"), "--output", str(tmp_path), "--format", "obj"]
+    code = main([*words, *QUICK], output, {"files": 1, "written": ["obj"]})
+    told = [json.loads(line) for line in output.getvalue().splitlines()]
+    assert code == 0
+    assert [next(iter(line)) for line in told] == ["begun", "input", "ended", "finished"]
+    assert Path(told[1]["output"]).name == "obj-2.obj"
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs signals")
+def test_the_keyboard_stops_both_processes(tmp_path):
+    psutil = pytest.importorskip("psutil")
+    import signal
+
+    mesh = tmp_path / "mesh.off"
+    shapes.write_off(mesh, *shapes.figure(44))
+    words = [sys.executable, "-m", "addon", "compute", mesh, "--output", tmp_path / "out", "--quality", "full"]
+    process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                               cwd=Path(__file__).resolve().parents[2])  # fmt: skip
+    until = time.monotonic() + 120
+    while time.monotonic() < until:
+        children = psutil.Process(process.pid).children()
+        if children and children[0].cpu_times().user > 3.0:
+            break
+        time.sleep(0.05)
+    process.send_signal(signal.SIGINT)
+    told, errors = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert "Traceback" not in errors
+    assert not children[0].is_running()
+    assert told == ""

@@ -3,11 +3,20 @@
 import numpy as np
 import pytest
 
-from addon.core import CanonicalFormError, Settings, canonical_form, feature_patches
+from addon.core import (
+    CanonicalFormError,
+    InvalidSettingsError,
+    Settings,
+    TooLargeError,
+    canonical_form,
+    feature_patches,
+)
 from addon.core.fields import KINDS, distance_field
+from addon.core.heat import heat_geodesics
 from addon.core.limbs import limb_shapes
 from addon.core.measures import edge_stretch
 from addon.core.surface import surface_area
+from tests.sample import shapes
 from tests.sample.families import families
 
 FAMILIES = families()
@@ -98,6 +107,38 @@ def test_given_features_keep_their_order_over_the_parts():
     assert len(chosen.feature_points) == 4
     assert "1 loose parts have none" in " ".join(chosen.warnings)
     assert len(found.feature_points) == 8
+
+
+def test_a_feature_point_on_a_seam_stays_the_one_that_was_given():
+    family = FAMILIES["duplicate vertices"]
+    copies = np.flatnonzero(np.bincount(family.same)[family.same] > 1)
+    given = [int(copies[-1]), int(np.flatnonzero(~np.isin(np.arange(len(family.same)), copies))[0])]
+    found = feature_patches(family.vertices, family.faces, Settings(feature_points=given))
+    np.testing.assert_array_equal(found.feature_points, given)
+    np.testing.assert_array_equal(found.patches[given], [0, 1])
+    twin = next(int(each) for each in copies if family.same[each] == family.same[given[0]] and each != given[0])
+    assert found.patches[twin] == 0
+    with pytest.raises(InvalidSettingsError, match="two vertices at one place"):
+        feature_patches(family.vertices, family.faces, Settings(feature_points=[given[0], twin]))
+
+
+def test_too_large_a_part_is_refused_before_the_first_is_computed():
+    vertices, faces = shapes.grid(30, 30, 100.0, 100.0)
+    fine, its = shapes.grid(150, 150)
+    stages = []
+    with pytest.raises(TooLargeError):
+        canonical_form(
+            np.vstack([vertices, fine + 200]), np.vstack([faces, its + len(vertices)]), Settings(memory_limit=0.06),
+            progress=lambda done, stage: stages.append(stage),
+        )  # fmt: skip
+    assert set(stages) == {"Surface"}
+
+
+@pytest.mark.parametrize("sources", [[-1], [99], [1.9], ["a"], []])
+@pytest.mark.parametrize("measure", [heat_geodesics, distance_field])
+def test_what_is_no_vertex_is_refused(measure, sources):
+    with pytest.raises(InvalidSettingsError, match="Vertices to start from"):
+        measure(*shapes.grid(5, 5), sources)
 
 
 @pytest.mark.parametrize("kind", KINDS)

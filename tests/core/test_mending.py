@@ -14,6 +14,8 @@ TRIANGLE = np.eye(3)
     ("vertices", "faces", "words"),
     [
         ([], [], "no faces"),
+        ([[0, 0, 0], [1, 0]], [[0, 1, 0]], "arrays of numbers"),
+        (TRIANGLE + 1j, [[0, 1, 2]], "arrays of numbers"),
         (TRIANGLE, np.zeros((0, 3), int), "no faces"),
         (TRIANGLE, [[0, 1, 3]], "outside 0 to 2"),
         (TRIANGLE, [[0, 1, -1]], "outside 0 to 2"),
