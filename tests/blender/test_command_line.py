@@ -383,7 +383,9 @@ def test_the_keyboard_stops_both_processes(tmp_path):
     shapes.write_off(mesh, *shapes.figure(44))
     words = [sys.executable, "-m", "addon", "compute", mesh, "--output", tmp_path / "out", "--quality", "full"]
     process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-                               cwd=Path(__file__).resolve().parents[2])  # fmt: skip
+                               cwd=Path(__file__).resolve().parents[2],
+                               # a job in the background of a shell starts deaf to the keyboard
+                               preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))  # fmt: skip
     until = time.monotonic() + 120
     while time.monotonic() < until:
         children = psutil.Process(process.pid).children()
