@@ -342,14 +342,14 @@ def together(
     """
     count = len(parts.vertices)
     features = [part.vertices[each.feature_points] for part, each in zip(parts.parts, found, strict=True)]
+    first = np.cumsum([0, *[len(each) for each in features]])
     place = [
-        count + np.arange(len(each)) if points is None else points[0]
-        for each, points in zip(features, given, strict=True)
+        count + start + np.arange(len(each)) if points is None else points[0]
+        for start, each, points in zip(first[:-1], features, given, strict=True)
     ]
     order = np.argsort(np.concatenate(place), kind="stable")
     number = np.empty(len(order), dtype=np.int64)
     number[order] = np.arange(len(order))
-    first = np.cumsum([0, *[len(each) for each in features]])
     cells = [number[start + each.patches] for start, each in zip(first[:-1], found, strict=True)]
     detected = sum(points is None for points in given)
     if 0 < detected < len(given):

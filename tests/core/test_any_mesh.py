@@ -95,6 +95,7 @@ def test_each_part_has_the_form_that_it_has_alone(forms):
     alone = canonical_form(family.vertices[ball], faces - ball[0])
     np.testing.assert_allclose(form.vertices[ball], alone.vertices, atol=1e-12)
     assert not set(form.patches[ball]) & set(form.patches[:2108])
+    np.testing.assert_array_equal(np.unique(form.patches[:2108]), np.arange(5))  # of the largest part come first
 
 
 def test_given_features_keep_their_order_over_the_parts():
