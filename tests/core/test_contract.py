@@ -74,7 +74,8 @@ def meshes(draw, broken=True):
     vertices = vertices + 0.02 * rng.normal(size=vertices.shape)  # nothing is flat or symmetric: both have two forms
     if broken:
         for damage in draw(st.lists(st.sampled_from(DAMAGES), max_size=4)):
-            vertices, faces = damage(vertices, faces, rng)
+            if len(vertices):  # something is left to damage
+                vertices, faces = damage(vertices, faces, rng)
     return vertices, faces
 
 
