@@ -148,9 +148,11 @@ def patch_colours(patches: IntArray, faces: IntArray) -> FloatArray:
 
 def _share_of_range(values: FloatArray) -> FloatArray:
     """Say how far each value is on the way from the lowest to the highest, 0 to 1; 0 for what is not finite."""
-    known = values[np.isfinite(values)]
-    lowest, spread = known.min(initial=np.inf), float(np.ptp(known)) if len(known) else 0.0
-    return np.where(np.isfinite(values), np.nan_to_num(values - lowest) / (spread if spread > 0 else 1.0), 0.0)
+    known, share = np.isfinite(values), np.zeros(len(values))
+    if known.any():
+        spread = float(np.ptp(values[known]))
+        share[known] = (values[known] - values[known].min()) / (spread if spread > 0 else 1.0)
+    return share
 
 
 def _linear(oklab: FloatArray) -> FloatArray:

@@ -132,7 +132,7 @@ class HeatMethod:
         largest = np.abs(distance).max(axis=0)
         lost = np.flatnonzero(~(distance.min(axis=0) >= -_BACKWARDS * largest) | (largest == 0))
         if len(lost) and self._vertex_count > 1:
-            self._monitor.warn_once(
+            self._monitor.warn(
                 "Some triangles are so long and thin that heat runs astray on them; distances there were measured "
                 "along edges. Remesh for a better form."
             )

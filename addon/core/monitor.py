@@ -119,16 +119,6 @@ class Monitor:
             raise CancelledError()
 
     def warn(self, sentence: str) -> None:
-        """Keep a warning for the result.
-
-        Parameters
-        ----------
-        sentence : str
-            What happened and what it means for the user.
-        """
-        self.warnings.append(sentence)
-
-    def warn_once(self, sentence: str) -> None:
         """Keep a warning for the result, unless it is there already.
 
         Parameters
