@@ -1,4 +1,7 @@
-"""Reads the mesh of a file: plain .off files directly, all else through Blender, as the command `compute` does."""
+"""Reads the mesh of a file: .off files directly, all else through Blender, as the command `compute` does.
+
+Blender may crash on a damaged file: it reads in a process of its own.
+"""
 
 from __future__ import annotations
 
@@ -7,12 +10,59 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 
 from ..blender.off_format import read_off
 from ..core import InvalidMeshError
 from ..core.surface import FloatArray, IntArray
+from .scheduling import LocalCrew
+from .work import Failure
+
+
+class Reader:
+    """Reads meshes one by one; where Blender has to, in another process, which may crash."""
+
+    def __init__(self) -> None:
+        self._process = LocalCrew(1, attempts=1)
+
+    def triangles(self, path: Path) -> tuple[FloatArray, IntArray]:
+        """Read the one mesh of a file.
+
+        Parameters
+        ----------
+        path : Path
+            A .off, .obj, .ply, .stl, .glb or .blend file.
+
+        Returns
+        -------
+        vertices : (n, 3) ndarray of float
+            Positions.
+        faces : (m, 3) ndarray of int
+            Triangles.
+
+        Raises
+        ------
+        InvalidMeshError
+            If it cannot be read, or holds more than one mesh, or Blender crashes on it.
+        """
+        plain = _plain_triangles(path)
+        if plain is not None:
+            return plain
+        ((_, found),) = self._process.results(iter([(path, (_read_or_refused, (path,)))]))
+        if not isinstance(found, Failure):
+            return cast("tuple[FloatArray, IntArray]", found)
+        if found.died:
+            raise InvalidMeshError(
+                f"Blender crashed on {path.name}; it may be damaged, or the memory was not enough. Open it in another "
+                "program and export it again, or leave it out."
+            )
+        raise InvalidMeshError(found.reason)
+
+    def close(self) -> None:
+        """End the other process."""
+        self._process.close()
 
 
 def read_triangles(path: Path) -> tuple[FloatArray, IntArray]:
@@ -35,10 +85,9 @@ def read_triangles(path: Path) -> tuple[FloatArray, IntArray]:
     InvalidMeshError
         If it cannot be read, or holds more than one mesh.
     """
-    if path.suffix.lower() == ".off":
-        vertices, polygons = read_off(path)
-        if all(len(corners) == 3 for corners in polygons):
-            return vertices, np.array(polygons, dtype=np.int64).reshape(-1, 3)
+    plain = _plain_triangles(path)
+    if plain is not None:
+        return plain
     try:
         import bpy  # noqa: F401
     except ImportError as error:
@@ -53,6 +102,25 @@ def read_triangles(path: Path) -> tuple[FloatArray, IntArray]:
     if len(objects) > 1:
         raise InvalidMeshError(f"{path.name} holds {len(objects)} meshes; an evaluation needs one a file.")
     return read_mesh(objects[0].data)
+
+
+def _plain_triangles(path: Path) -> tuple[FloatArray, IntArray] | None:
+    """Read what needs no Blender."""
+    if path.suffix.lower() != ".off":
+        return None
+    vertices, polygons = read_off(path)
+    if any(len(corners) != 3 for corners in polygons):
+        return None
+    return vertices, np.array(polygons, dtype=np.int64).reshape(-1, 3)
+
+
+def _read_or_refused(path: Path) -> tuple[FloatArray, IntArray]:
+    # where the first process has loaded Blender, its folders came along, and half of a bpy in them
+    sys.path[:] = [folder for folder in sys.path if Path(folder).parts[-2:] != ("scripts", "modules")]
+    try:
+        return read_triangles(path)
+    except (OSError, RuntimeError) as error:  # RuntimeError: Blender refuses
+        raise InvalidMeshError(str(error)) from error
 
 
 @contextmanager

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import closing
 from typing import cast
 
 import numpy as np
@@ -10,7 +11,7 @@ import numpy as np
 from ..core import CanonicalFormError
 from .dataset import Shape
 from .methods import INPUT, KNOWN, Method
-from .reading import read_triangles
+from .reading import Reader
 from .scheduling import Crew, Work
 from .store import Store, digest, keys_of
 from .tables import evenly
@@ -86,11 +87,11 @@ def compute_forms(store: Store, pending: dict[Shape, list[Method]], crew: Crew, 
     lost: Lost = {}
     faces_of: dict[Shape, np.ndarray] = {}
 
-    def work() -> Iterator[tuple[object, Work]]:
+    def work(reader: Reader) -> Iterator[tuple[object, Work]]:
         for shape, wanted in pending.items():
             try:
-                vertices, faces = read_triangles(shape.path)
-            except (CanonicalFormError, OSError, RuntimeError, MemoryError) as error:  # RuntimeError: Blender refuses
+                vertices, faces = reader.triangles(shape.path)
+            except (CanonicalFormError, OSError, MemoryError) as error:
                 reason = " ".join(str(error).replace(str(shape.path), shape.path.name).split())
                 for method in wanted:
                     lost[shape, method] = reason or type(error).__name__
@@ -101,16 +102,17 @@ def compute_forms(store: Store, pending: dict[Shape, list[Method]], crew: Crew, 
                     faces_of[shape] = faces
                 yield (shape, method), (measured, (vertices, faces, method))
 
-    for name, result in crew.results(work()):
-        shape, method = cast(tuple[Shape, Method], name)
-        faces = faces_of.pop(shape, None) if method.name == INPUT else None
-        if isinstance(result, Outcome):
-            store.keep(shape, method, result, faces)
-            pace.append(float(result.cost["all_seconds"] or 0.0))
-            give_memory_back()
-        else:
-            lost[shape, method] = cast(Failure, result).reason
-        told(f"{method.name} {shape.name}")
+    with closing(Reader()) as reader:
+        for name, result in crew.results(work(reader)):
+            shape, method = cast(tuple[Shape, Method], name)
+            faces = faces_of.pop(shape, None) if method.name == INPUT else None
+            if isinstance(result, Outcome):
+                store.keep(shape, method, result, faces)
+                pace.append(float(result.cost["all_seconds"] or 0.0))
+                give_memory_back()
+            else:
+                lost[shape, method] = cast(Failure, result).reason
+            told(f"{method.name} {shape.name}")
     return lost
 
 

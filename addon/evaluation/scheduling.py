@@ -15,7 +15,6 @@ from ..core import CanonicalFormError
 from .shipping import packed_code, remote_runner, unpacked
 from .work import Failure, attempted, begin_work
 
-_ATTEMPTS = 3  # times that a piece of work may cost its worker the life before it is given up
 _AHEAD = 2  # pieces waiting for each worker
 _PATIENCE = "20s"  # for an answer of the scheduler
 Work = tuple[Callable[..., Any], tuple[Any, ...]]
@@ -46,10 +45,13 @@ class LocalCrew:
     ----------
     count : int
         Number of processes.
+    attempts : int
+        Times that a piece of work may cost its worker the life before it is given up.
     """
 
-    def __init__(self, count: int) -> None:
+    def __init__(self, count: int, attempts: int = 3) -> None:
         self._count = count
+        self._attempts = attempts
         self._pool: Any = None
 
     def _started(self) -> Any:
@@ -119,8 +121,9 @@ class LocalCrew:
                 self._pool = self._started()
                 for piece in under_way.values():
                     died[piece[0]] = died.get(piece[0], 0) + 1
-                    if died[piece[0]] >= _ATTEMPTS:
-                        yield piece[0], Failure(f"The worker process died {_ATTEMPTS} times (out of memory?).")
+                    if died[piece[0]] >= self._attempts:
+                        reason = f"The worker process died {self._attempts} times (out of memory?)."
+                        yield piece[0], Failure(reason, died=True)
                     else:
                         suspects.append(piece)
                 under_way.clear()
@@ -210,7 +213,7 @@ class DaskCrew:
                 if error is None:
                     result = unpacked(future.result(), self._name)
                 elif isinstance(error, KilledWorker):
-                    result = Failure("The Dask workers that had it died again and again (out of memory?).")
+                    result = Failure("The Dask workers that had it died again and again (out of memory?).", died=True)
                 else:
                     result = Failure(f"{type(error).__name__}: {error}")
                 future.release()

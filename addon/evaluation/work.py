@@ -51,9 +51,12 @@ class Failure:
     ----------
     reason : str
         A sentence.
+    died : bool
+        Whether the work took its process along, again and again.
     """
 
     reason: str
+    died: bool = False
 
 
 def attempted(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:

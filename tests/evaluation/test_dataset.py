@@ -1,7 +1,11 @@
+import os
+from contextlib import closing
+
 import numpy as np
 import pytest
 
 from addon.core import InvalidMeshError, InvalidSettingsError, Settings
+from addon.evaluation import reading
 from addon.evaluation.command import _words
 from addon.evaluation.dataset import shapes_in
 from addon.evaluation.methods import DEFAULT, chosen_methods
@@ -82,6 +86,41 @@ def test_meshes_are_read_as_they_are(tmp_path):
     )
     with pytest.raises(InvalidMeshError, match="holds 2 meshes"):
         read_triangles(tmp_path / "two.obj")
+
+
+real_read = reading._read_or_refused
+
+
+def read_or_crash(path):
+    if path.stem == "bad":
+        os._exit(11)
+    return real_read(path)
+
+
+def test_a_crash_of_blender_costs_one_file(tmp_path, monkeypatch):
+    monkeypatch.setattr(reading, "_read_or_refused", read_or_crash)
+    vertices, faces = shapes.sphere(1)
+    lines = [f"v {x} {y} {z}" for x, y, z in vertices] + [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in faces]
+    for name in ("bad.obj", "good.obj"):
+        (tmp_path / name).write_text("\n".join(lines))
+    with closing(reading.Reader()) as reader:
+        with pytest.raises(InvalidMeshError, match=r"Blender crashed on bad\.obj"):
+            reader.triangles(tmp_path / "bad.obj")
+        read, read_faces = reader.triangles(tmp_path / "good.obj")
+    assert read.shape == vertices.shape
+    np.testing.assert_array_equal(read_faces, faces)
+
+
+def test_what_blender_refuses_is_told_from_the_other_process(tmp_path):
+    (tmp_path / "empty.obj").touch()
+    (tmp_path / "no.blend").write_text("no")
+    with closing(reading.Reader()) as reader:
+        for name in ("empty.obj", "no.blend", "missing.ply"):
+            with pytest.raises(InvalidMeshError) as refused:
+                reader.triangles(tmp_path / name)
+            assert not str(refused.value).split()[0].endswith("Error:")
+            assert "pip install" not in str(refused.value)
+            assert name in str(refused.value)
 
 
 def test_methods_take_settings_on_the_command_line():
