@@ -81,6 +81,23 @@ def test_coinciding_points_do_not_divide_by_zero(sets):
     assert (pull == 0).all()
 
 
+def test_points_that_coincide_do_not_pull_at_each_other():
+    points = np.array([[0.1, 0, 0], [0.7, 0, 0], [0.1, 0, 0], [0.3, 0, 0.4], [0.7, 0, 0]])
+    ones = np.ones((5, 5))
+    value, pull = Stress(
+        5, [pair_set(np.arange(5), ones, lambda rows, columns, _: ones[rows, columns])]
+    ).value_and_pull(points)
+    apart = points[:, None] - points
+    distance = np.linalg.norm(apart, axis=2)
+    distance[distance == 0] = np.inf
+    np.testing.assert_allclose(
+        pull, ((1 / distance - np.isfinite(distance))[:, :, None] * apart).sum(axis=1), atol=1e-12
+    )
+    assert value == pytest.approx(
+        ((1 - np.where(np.isfinite(distance), distance, 0))[np.triu_indices(5, 1)] ** 2).sum()
+    )
+
+
 def test_near_pairs_far_from_the_origin_are_measured_well():
     rng = np.random.default_rng(2)
     points = rng.uniform(-1, 1, (300, 3))

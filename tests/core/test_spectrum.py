@@ -3,7 +3,7 @@ import pytest
 from scipy.linalg import eigh
 from scipy.sparse import block_diag
 
-from addon.core import CancelledError, InvalidSettingsError, SolverError
+from addon.core import CancelledError, InvalidSettingsError, Settings, SolverError
 from addon.core.delaunay import intrinsic_delaunay
 from addon.core.laplacian import mass, stiffness
 from addon.core.monitor import Monitor
@@ -78,3 +78,8 @@ def test_a_surface_in_two_parts_has_no_spectrum(sphere):
     L, M = operators(*sphere)
     with pytest.raises(SolverError, match="falls into parts"):
         compute_spectrum(block_diag([L, L]).tocsr(), np.concatenate([M, M]), 10)
+
+
+def test_the_diffusion_time_is_that_of_the_settings():
+    spectrum = compute_spectrum(*operators(*shapes.sphere(2)), 20)
+    np.testing.assert_array_equal(auto_diffusion(spectrum), auto_diffusion(spectrum, Settings().diffusion_time))
