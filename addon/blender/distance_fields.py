@@ -37,6 +37,13 @@ class DistanceTask:
         One of `NAMES`.
     isolines : int
         Number of lines of equal distance in the colours; 0 for none.
+    memory_limit : float
+        Gigabytes that the computation may take; 0 for 60 % of the free memory.
+
+    Attributes
+    ----------
+    warnings : list of str
+        What the computation had to say, for the user.
 
     Raises
     ------
@@ -44,8 +51,8 @@ class DistanceTask:
         If no vertex is selected.
     """
 
-    def __init__(self, obj: bpy.types.Object, kind: str, isolines: int) -> None:
-        self.kind, self.isolines = kind, isolines
+    def __init__(self, obj: bpy.types.Object, kind: str, isolines: int, memory_limit: float = 0.0) -> None:
+        self.kind, self.isolines, self.memory_limit = kind, isolines, memory_limit
         with object_mode(obj):
             self._reading = read_object(obj)
             self._sources = selected_vertices(obj.data)
@@ -54,6 +61,7 @@ class DistanceTask:
         if len(self._sources) == len(self._reading.vertices):
             raise CanonicalFormError("All vertices are selected. In Edit Mode, select only those to measure from.")
         self._field: FloatArray = np.zeros(0)
+        self.warnings: list[str] = []
 
     def compute(self, progress: Progress | None = None, cancelled: Cancelled | None = None) -> None:
         """Measure; touches no data of Blender's.
@@ -71,7 +79,16 @@ class DistanceTask:
         from ..core.fields import distance_field
 
         reading = self._reading
-        self._field = distance_field(reading.vertices, reading.faces, self._sources, self.kind, progress, cancelled)
+        self._field = distance_field(
+            reading.vertices,
+            reading.faces,
+            self._sources,
+            self.kind,
+            progress,
+            cancelled,
+            self.warnings.append,
+            self.memory_limit,
+        )
 
     @property
     def unreached(self) -> int:

@@ -65,7 +65,7 @@ class Articulation:
             self._kept, worked = self._coarse.kept, self._coarse.faces
         self._monitor.check()
         before, after = self._points[self._kept], self._form[self._kept]
-        surface = intrinsic_delaunay(triangulated(before, worked))
+        surface = intrinsic_delaunay(triangulated(before, worked), self._monitor)
         edges = triu(stiffness(surface), 1).tocoo()
         self._i, self._j, self._weight = edges.row, edges.col, np.maximum(-edges.data, 0.0)
         self._turned = ElasticBody(surface, before, worked).turns(after)  # x ↦ x R

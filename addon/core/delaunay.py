@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
+from .monitor import Monitor
 from .surface import FloatArray, IntArray, Triangulation, corner_cotangents, face_areas
 
 _TIE = 1e-9  # cotangent sums above minus this count as Delaunay: squares are left as they are
+_ROUNDS = 10_000  # of simultaneous flips; meshes with more vertices may take as many as these
 
 
-def intrinsic_delaunay(surface: Triangulation, max_rounds: int = 10_000) -> Triangulation:
+def intrinsic_delaunay(
+    surface: Triangulation, monitor: Monitor | None = None, max_rounds: int | None = None
+) -> Triangulation:
     """Flip edges inside the surface until every edge is locally Delaunay.
 
     The surface does not change: a flipped edge runs straight over the two triangles it crosses. Many edges are
@@ -19,14 +23,22 @@ def intrinsic_delaunay(surface: Triangulation, max_rounds: int = 10_000) -> Tria
     ----------
     surface : Triangulation
         Triangles of positive area.
-    max_rounds : int
-        Upper bound on the rounds of simultaneous flips.
+    monitor : Monitor, optional
+        Asked between rounds of flips whether to stop, and warned.
+    max_rounds : int, optional
+        Upper bound on the rounds of simultaneous flips, which rounding could otherwise keep up for ever; 10,000, or as
+        many as there are vertices, when left out.
 
     Returns
     -------
     Triangulation
         The same vertices and surface under Delaunay triangles; all cotangent weights are non-negative, except
         possibly at edges that may not be flipped.
+
+    Raises
+    ------
+    CancelledError
+        If the monitor says so.
 
     References
     ----------
@@ -36,11 +48,18 @@ def intrinsic_delaunay(surface: Triangulation, max_rounds: int = 10_000) -> Tria
     faces, lengths, edges = surface.faces.copy(), surface.lengths.copy(), surface.edges.copy()
     twin = _twins(faces, edges)
     active = np.arange(len(faces))  # faces whose edges may have changed since they were last looked at
-    for _ in range(max_rounds):
+    monitor = monitor or Monitor()
+    for _ in range(max(_ROUNDS, surface.vertex_count) if max_rounds is None else max_rounds):
+        monitor.check()
         chosen = _flippable(lengths, twin, active)
         if chosen.size == 0:
             break
         active = _flip(faces, lengths, edges, twin, chosen)
+    else:
+        monitor.warn(
+            "Some triangles are so long and thin that better ones could not be found for them; distances there are "
+            "less exact. Remesh for a better form."
+        )
     return Triangulation(surface.vertex_count, faces, lengths, edges)
 
 

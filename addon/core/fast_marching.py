@@ -42,8 +42,7 @@ def fast_marching(surface: Triangulation, sources: IntArray, monitor: Monitor | 
     first, which leaves few of the obtuse corners that the scheme is poor at.
     """
     monitor = monitor or Monitor()
-    fine = intrinsic_delaunay(surface)
-    monitor.check()
+    fine = intrinsic_delaunay(surface, monitor)
     # every corner of every triangle may be reached across it: target C, the others A and B
     target = fine.faces.ravel()
     one, two = np.roll(fine.faces, -1, axis=1).ravel(), np.roll(fine.faces, -2, axis=1).ravel()

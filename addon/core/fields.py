@@ -10,9 +10,10 @@ from .delaunay import intrinsic_delaunay
 from .distances import GreensFunction
 from .errors import InvalidSettingsError
 from .fast_marching import fast_marching
-from .heat import HeatMethod
+from .heat import WHOLE, HeatMethod
 from .laplacian import mass, stiffness
-from .monitor import Cancelled, Monitor, Progress
+from .memory import require_field_memory
+from .monitor import Cancelled, Monitor, Progress, Warned
 from .parts import Part, connected_parts
 from .surface import FloatArray, IntArray, surface_area, triangulated
 
@@ -30,6 +31,8 @@ def distance_field(
     kind: str = "heat",
     progress: Progress | None = None,
     cancelled: Cancelled | None = None,
+    warned: Warned | None = None,
+    memory_limit: float = 0.0,
 ) -> FloatArray:
     """Measure how far every vertex of a mesh is from the nearest of some vertices.
 
@@ -49,6 +52,10 @@ def distance_field(
     cancelled : callable, optional
         The computation stops when it returns True; one factorisation, a few seconds at 160,000 vertices, is not
         interrupted.
+    warned : callable, optional
+        Called with each warning, a sentence; without it they are Python's own.
+    memory_limit : float
+        Gigabytes that the computation may take; 0 for 60 % of the free memory.
 
     Returns
     -------
@@ -61,6 +68,8 @@ def distance_field(
         If the mesh cannot be used; the message says what to do.
     InvalidSettingsError
         If the kind is unknown, or the sources are not vertices or too many.
+    TooLargeError
+        If the surfaces with sources are too large for the memory limit.
     CancelledError
         If `cancelled` returned True.
     """
@@ -69,15 +78,25 @@ def distance_field(
         raise InvalidSettingsError(f"kind must be one of {', '.join(KINDS)}; got {kind!r}.")
     with monitor.stage("Surface", 0.1):
         parts = connected_parts(vertices, faces, monitor)
+        monitor.warnings += parts.mended
         chosen = np.unique(np.asarray(sources))
         placed = parts.placed(chosen)
+        for part, (_, starts) in zip(parts.parts, placed, strict=True):
+            if len(starts):
+                require_field_memory(_measured_on(len(part.vertices), kind), kind, memory_limit)
     fields = []
     for (part, own), (_, starts) in zip(parts.each(monitor), placed, strict=True):
         with own.stage("Distances", 1.0):
             fields.append(_field_of_part(part, np.unique(starts), kind, own))
     field = parts.together(fields, np.full(len(parts.vertices), np.inf))
     field[chosen] = 0.0
+    monitor.hand_over(warned)
     return field
+
+
+def _measured_on(count: int, kind: str) -> int:
+    """Tell how many vertices the computation has to do with: refined ones are about four times as many."""
+    return 4 * count if kind == "heat" and count <= _REFINED else count
 
 
 def _field_of_part(part: Part, chosen: IntArray, kind: str, monitor: Monitor) -> FloatArray:
@@ -86,7 +105,8 @@ def _field_of_part(part: Part, chosen: IntArray, kind: str, monitor: Monitor) ->
     unit = float(np.sqrt(surface_area(part.points, part.faces)))
     points, triangles = (part.points - part.points.mean(axis=0)) / unit, part.faces
     if kind == "heat":
-        heat = HeatMethod(triangulated(points, triangles), refine=len(points) <= _REFINED, monitor=monitor)
+        refine = len(points) <= _REFINED
+        heat = HeatMethod(triangulated(points, triangles), refine=refine, monitor=monitor, fewest=WHOLE)
         if len(chosen) <= _ONE_BY_ONE:
             return unit * heat.distances(chosen).min(axis=1)
         return unit * heat.distance_to_set(chosen)
@@ -104,7 +124,7 @@ def _between_all(points: FloatArray, triangles: IntArray, chosen: IntArray, kind
     if len(points) > _WORKED_ON:
         coarse = coarsened(points, triangles, _WORKED_ON, chosen, monitor)
         points, triangles, chosen = points[coarse.kept], coarse.faces, np.searchsorted(coarse.kept, chosen)
-    surface = intrinsic_delaunay(triangulated(points, triangles))
+    surface = intrinsic_delaunay(triangulated(points, triangles), monitor)
     green = GreensFunction(stiffness(surface), mass(surface))
     everywhere = np.arange(len(points))
     if kind == "biharmonic":

@@ -10,7 +10,8 @@ from numpy.typing import ArrayLike
 from .delaunay import intrinsic_delaunay, midpoint_refined
 from .errors import SolverError
 from .laplacian import factored, mass, stiffness
-from .monitor import Monitor
+from .memory import require_field_memory
+from .monitor import Monitor, Warned
 from .parts import connected_parts
 from .surface import FloatArray, IntArray, Triangulation, face_areas, triangulated
 
@@ -18,7 +19,8 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
 
 _FAINTEST = 1e-280  # heat that must reach one end of the surface from the other; a double ends at 1e-308
-_FEWEST = 400  # vertices that a refined mesh has at least: on a tetrahedron heat would be a third off
+_FEWEST = 400  # vertices that a refined patch has at least: on a tetrahedron heat would be a third off
+WHOLE = 2500  # the same where distances all over a surface are all that is wanted
 _BACKWARDS = 0.1  # of the largest distance that a distance may be below 0 before the field is given up
 _TAKES_OVER = 2.0  # diffusion lengths of the first time from the source
 _LONGER = 40  # most doublings of the time for that
@@ -43,7 +45,9 @@ class HeatMethod:
         Split every triangle in four (error about a third lower, cost about three times as high), and small meshes
         further.
     monitor : Monitor, optional
-        Asked between the steps of the preparation whether to stop.
+        Asked between the steps of the preparation whether to stop, and warned.
+    fewest : int
+        Vertices of the refined triangles at least.
 
     Raises
     ------
@@ -56,19 +60,22 @@ class HeatMethod:
     """
 
     def __init__(
-        self, surface: Triangulation, smooth: float | None = None, refine: bool = True, monitor: Monitor | None = None
+        self,
+        surface: Triangulation,
+        smooth: float | None = None,
+        refine: bool = True,
+        monitor: Monitor | None = None,
+        fewest: int = _FEWEST,
     ) -> None:
         from scipy.sparse import csr_matrix, diags
         from scipy.special import k0
 
         monitor = monitor or Monitor()
         self._monitor, self._vertex_count = monitor, surface.vertex_count
-        fine = intrinsic_delaunay(surface)
-        monitor.check()
+        fine = intrinsic_delaunay(surface, monitor)
         while refine:
-            fine = intrinsic_delaunay(midpoint_refined(fine))
-            refine = fine.vertex_count < _FEWEST
-            monitor.check()
+            fine = intrinsic_delaunay(midpoint_refined(fine), monitor)
+            refine = fine.vertex_count < fewest
         self._fine, self._faces = fine, fine.faces
         area, base = face_areas(fine.lengths), fine.lengths[:, 2]
         # triangle laid out with corner 0 at the origin, corner 1 at (base, 0) and corner 2 at (foot, height)
@@ -183,7 +190,9 @@ class HeatMethod:
         return np.asarray(self._poisson.solve(self._divergence @ flow)[: self._vertex_count])
 
 
-def heat_geodesics(vertices: ArrayLike, faces: ArrayLike, sources: ArrayLike) -> FloatArray:
+def heat_geodesics(
+    vertices: ArrayLike, faces: ArrayLike, sources: ArrayLike, warned: Warned | None = None
+) -> FloatArray:
     """Measure geodesic distances from some vertices of a mesh to all its vertices.
 
     Parameters
@@ -194,6 +203,8 @@ def heat_geodesics(vertices: ArrayLike, faces: ArrayLike, sources: ArrayLike) ->
         Triangles of one or several surfaces.
     sources : (s,) array_like of int
         Vertex indices to measure from.
+    warned : callable, optional
+        Called with each warning, a sentence; without it they are Python's own.
 
     Returns
     -------
@@ -206,15 +217,22 @@ def heat_geodesics(vertices: ArrayLike, faces: ArrayLike, sources: ArrayLike) ->
         If the mesh cannot be used; the message says what to do.
     InvalidSettingsError
         If the sources are not vertices of the mesh.
+    TooLargeError
+        If a surface is too large for 60 % of the free memory.
     """
+    monitor = Monitor()
     parts = connected_parts(vertices, faces)
+    monitor.warnings += parts.mended
     columns = np.atleast_1d(np.asarray(sources))
     distances = []
-    for part, (here, starts) in zip(parts.parts, parts.placed(columns), strict=True):
+    for (part, own), (here, starts) in zip(parts.each(monitor), parts.placed(columns), strict=True):
         each = np.full((len(part.vertices), len(columns)), np.inf)
         if len(here):
-            each[:, here] = HeatMethod(triangulated(part.points, part.faces)).distances(starts)
+            require_field_memory(4 * len(part.vertices), "heat")
+            heat = HeatMethod(triangulated(part.points, part.faces), monitor=own, fewest=WHOLE)
+            each[:, here] = heat.distances(starts)
         distances.append(each)
+    monitor.hand_over(warned)
     result = parts.together(distances, np.full((len(parts.vertices), len(columns)), np.inf))
     result[columns, np.arange(len(columns))] = 0.0
     return result

@@ -16,6 +16,8 @@ _SMALL = (0.055, 0.6e-6)  # gigabytes, and by vertex: the work on the coarse mes
 _LARGE = (0.015, 1.27e-6)  # the rounds of the coarse mesh, which take more from about 60,000 vertices on
 _ALL_PAIRS = ("classical", "least_squares", "non_metric", "one_form")  # at quality 'full'
 _LANDMARK_BYTES = 40.0  # a distance of each vertex from each landmark, and the work to place the vertex by them
+_FACTORS = (6.9, 655_362, 1.35)  # gigabytes that the factors of the heat method take at so many vertices, and growth
+_FIELDS = {"fast_marching": (0.05, 0.75e-6), "biharmonic": (0.1, 1.05e-6), "commute_time": (0.1, 1.05e-6)}  # as _SMALL
 _SHARE = 0.6  # of the free memory: the most that a run may take where no limit is set
 _UNKNOWN = 8.0  # gigabytes, where the system does not say how much is free
 
@@ -44,6 +46,28 @@ def memory_estimate(vertex_count: int, settings: Settings) -> float:
         patch = vertex_count / 5
         estimate += _pair_bytes([patch] * 5) / 1e9
     return estimate
+
+
+def field_memory_estimate(vertex_count: int, kind: str) -> float:
+    """Estimate the most memory that distances from some vertices take.
+
+    Parameters
+    ----------
+    vertex_count : int
+        Number of vertices of the connected surface; where the heat method refines it, of the refined one.
+    kind : {'heat', 'fast_marching', 'biharmonic', 'commute_time'}
+        As in `distance_field`.
+
+    Returns
+    -------
+    float
+        Gigabytes.
+    """
+    if kind in _FIELDS:
+        base, each = _FIELDS[kind]
+        return base + each * vertex_count
+    most, at, growth = _FACTORS
+    return 0.05 + most * (vertex_count / at) ** growth
 
 
 def time_estimate(vertex_count: int, settings: Settings) -> float:
@@ -119,6 +143,33 @@ def require_memory(vertex_count: int, settings: Settings) -> None:
             f"A mesh of {vertex_count:,} vertices needs about {needed:.1f} GB, more than {_named(limit, settings)}. "
             "Reduce the mesh (for instance with a Decimate modifier, applied), close other programs, or raise the "
             "memory limit."
+        )
+
+
+def require_field_memory(vertex_count: int, kind: str, memory_limit: float = 0.0) -> None:
+    """Refuse to measure distances on a surface that is too large for the memory.
+
+    Parameters
+    ----------
+    vertex_count : int
+        As in `field_memory_estimate`.
+    kind : str
+        Likewise.
+    memory_limit : float
+        Gigabytes; 0 for a share of the memory that is free now.
+
+    Raises
+    ------
+    TooLargeError
+        With the memory needed and what to do.
+    """
+    needed, settings = field_memory_estimate(vertex_count, kind), Settings(memory_limit=memory_limit)
+    limit = memory_limit or _SHARE * free_memory()
+    if needed > limit:
+        other = "Fast marching takes far less. Or close" if kind == "heat" else "Close"
+        raise TooLargeError(
+            f"These distances need about {needed:.1f} GB, more than {_named(limit, settings)}. {other} other programs, "
+            "reduce the mesh (for instance with a Decimate modifier, applied), or raise the memory limit."
         )
 
 

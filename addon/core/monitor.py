@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from time import perf_counter
@@ -10,6 +11,7 @@ from .errors import CancelledError
 
 Progress = Callable[[float, str], object]
 Cancelled = Callable[[], bool]
+Warned = Callable[[str], object]
 
 
 class Monitor:
@@ -128,3 +130,17 @@ class Monitor:
         """
         if sentence not in self.warnings:
             self.warnings.append(sentence)
+
+    def hand_over(self, warned: Warned | None) -> None:
+        """Tell the warnings where the result has no place for them.
+
+        Parameters
+        ----------
+        warned : callable, optional
+            Called with each sentence; without it they become Python's own warnings.
+        """
+        for sentence in self.warnings:
+            if warned is None:
+                warnings.warn(sentence, stacklevel=3)
+            else:
+                warned(sentence)

@@ -49,14 +49,17 @@ class Parts:
         Positions of all vertices, as given.
     faces : (m, 3) ndarray of int
         Triangles of all parts, as corners of the mesh.
-    warnings : list of str
+    mended : list of str
         What was different from the mesh as given, as sentences for the user.
+    apart : list of str
+        What becomes of loose parts and of vertices without a face in a form, likewise.
     """
 
     parts: list[Part]
     vertices: FloatArray
     faces: IntArray
-    warnings: list[str]
+    mended: list[str]
+    apart: list[str]
     _stands_for: IntArray
 
     def together(self, values: Sequence[np.ndarray], others: np.ndarray) -> np.ndarray:
@@ -164,7 +167,8 @@ def connected_parts(vertices: ArrayLike, faces: ArrayLike, monitor: Monitor | No
     """
     monitor = monitor or Monitor()
     mesh = mended(vertices, faces, monitor)
-    points, warnings = mesh.vertices, list(mesh.warnings)
+    points = mesh.vertices
+    apart: list[str] = []
     part_of = component_labels(len(points), mesh.faces)[mesh.faces[:, 0]]
     monitor.check()
     pieces = [mesh.faces]
@@ -184,9 +188,9 @@ def connected_parts(vertices: ArrayLike, faces: ArrayLike, monitor: Monitor | No
     order = np.lexsort(([part.vertices[0] for part in usable], -np.round(area / area.sum() / _ALIKE)))
     parts = [usable[index] for index in order]
     if len(usable) < len(pieces):
-        warnings.append(f"Loose parts without any area ({len(pieces) - len(usable)}) stay where they are.")
+        apart.append(f"Loose parts without any area ({len(pieces) - len(usable)}) stay where they are.")
     if len(parts) > 1:
-        warnings.append(
+        apart.append(
             f"The mesh has {len(parts)} loose parts. Each got feature points and a form of its own and stays in its "
             "place; parts that should move together have to be joined first."
         )
@@ -197,11 +201,11 @@ def connected_parts(vertices: ArrayLike, faces: ArrayLike, monitor: Monitor | No
         which = f"{loose:,} vertices that belong to no face stay where they are"
         if loose == 1:
             which = "1 vertex that belongs to no face stays where it is"
-        warnings.append(f"{which}. Mesh > Clean Up > Delete Loose removes such vertices.")
+        apart.append(f"{which}. Mesh > Clean Up > Delete Loose removes such vertices.")
     used = mesh.faces
     if len(usable) < len(pieces):
         used = np.concatenate([part.vertices[part.faces] for part in parts])
-    return Parts(parts, points, used, warnings, mesh.stands_for)
+    return Parts(parts, points, used, mesh.warnings, apart, mesh.stands_for)
 
 
 def _part(points: FloatArray, faces: IntArray) -> Part:

@@ -196,7 +196,7 @@ def recognised(
                     "of more than two faces; the computation takes longer. Merge vertices by distance for a faster one."
                 )
     with monitor.stage("Triangulation", 0.32):
-        surface = intrinsic_delaunay(triangulated(points, triangles))
+        surface = intrinsic_delaunay(triangulated(points, triangles), monitor)
         L, M = stiffness(surface), mass(surface)
     with monitor.stage("Spectrum", 0.4):
         try:
@@ -207,7 +207,7 @@ def recognised(
                 f"little (at most {_MORE_SLACK:.0%} of the mean edge). Mesh > Clean Up > Degenerate Dissolve "
                 "removes such triangles."
             )
-            surface = intrinsic_delaunay(triangulated(points, triangles, _MORE_SLACK))
+            surface = intrinsic_delaunay(triangulated(points, triangles, _MORE_SLACK), monitor)
             L, M = stiffness(surface), mass(surface)
             spectrum = compute_spectrum(L, M, settings.eigenpairs, monitor)
         if len(spectrum.eigenvalues) < settings.eigenpairs:
@@ -309,7 +309,7 @@ def parts_to_work_on(
         parts = connected_parts(vertices, faces, monitor)
         given = features_by_part(parts, settings.feature_points)
         require_memory(max(len(part.vertices) for part in parts.parts), settings)
-    monitor.warnings += parts.warnings
+    monitor.warnings += parts.mended + parts.apart
     return parts, given
 
 

@@ -13,6 +13,7 @@ from ..core import CancelledError, CanonicalFormError
 _TICK = 0.1  # seconds between two looks at the job
 _REDRAW = 0.25  # seconds between two drawings of its progress: the sidebar takes the view behind it along
 _PATIENCE = 0.4  # seconds to wait for a cancelled job before it is left to end by itself
+_NO_MEMORY = "The memory of this machine is not enough. Close other files, or decimate the mesh."
 _BUSY = ("TRANSFORM_OT_", "SCULPT_OT_", "PAINT_OT_", "MESH_OT_", "GPENCIL_OT_", "PAINTCURVE_OT_")  # hold mesh data
 
 
@@ -72,6 +73,9 @@ class JobOperator:
         except CanonicalFormError as error:
             self.report({"ERROR"}, str(error))  # type: ignore[attr-defined]
             return {"CANCELLED"}
+        except MemoryError:
+            self.report({"ERROR"}, _NO_MEMORY)  # type: ignore[attr-defined]
+            return {"CANCELLED"}
         finally:
             manager.progress_end()
         return {"FINISHED"}
@@ -115,6 +119,9 @@ class JobOperator:
             return {"CANCELLED"}
         except CanonicalFormError as error:
             self.report({"ERROR"}, str(error))  # type: ignore[attr-defined]
+            return {"CANCELLED"}
+        except MemoryError:
+            self.report({"ERROR"}, _NO_MEMORY)  # type: ignore[attr-defined]
             return {"CANCELLED"}
         return {"FINISHED"}
 

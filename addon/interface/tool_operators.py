@@ -88,13 +88,15 @@ class OBJECT_OT_canonical_form_distance(JobOperator, bpy.types.Operator):
         """Read the mesh and what is selected."""
         from ..blender.distance_fields import DistanceTask
 
-        return DistanceTask(context.object, self.kind, self.isolines)
+        return DistanceTask(context.object, self.kind, self.isolines, context.scene.canonical_form.memory_limit)
 
     def written(self, context: bpy.types.Context, task: "DistanceTask", outcome: str, interactive: bool) -> None:
         """Say where the distances are."""
         from ..blender.distance_fields import WEIGHTS
 
         self.report({"INFO"}, f"Distances are in the colours {outcome} and the vertex group {WEIGHTS.format(outcome)}.")
+        for warning in task.warnings:
+            self.report({"WARNING"}, warning)
         if task.unreached:
             self.report(
                 {"WARNING"}, f"{task.unreached:,} vertices cannot be reached from the selection; shown in grey."

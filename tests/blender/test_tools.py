@@ -244,3 +244,24 @@ def test_where_modifiers_change_the_vertices_a_new_object_is_made(figure_object)
     added = bpy.data.objects["Figure Canonical Form"]
     assert len(added.data.vertices) > 3 * len(figure_object.data.vertices)
     assert any("on a new object" in warning for warning in record_of(added.data)["report"]["warnings"])
+
+
+def test_the_distance_tool_tells_what_was_mended(figure_object, capfd):
+    obj = figure_object
+    select(obj, {10})
+    obj.data.polygons[0].vertices = obj.data.polygons[1].vertices[:]
+    bpy.ops.object.canonical_form_distance(kind="heat")
+    assert "Warning: 1 face was left out" in capfd.readouterr().out
+
+
+def test_too_little_memory_is_told(figure_object, monkeypatch):
+    select(figure_object, {10})
+    before = snapshot(figure_object)
+
+    def exhausted(*_):
+        raise MemoryError
+
+    monkeypatch.setattr("addon.core.fields.distance_field", exhausted)
+    with pytest.raises(RuntimeError, match="The memory of this machine is not enough"):
+        bpy.ops.object.canonical_form_distance(kind="heat")
+    assert snapshot(figure_object) == before

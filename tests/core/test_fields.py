@@ -5,6 +5,7 @@ import pytest
 from addon.core import CancelledError, InvalidSettingsError
 from addon.core.fast_marching import fast_marching
 from addon.core.fields import KINDS, distance_field
+from addon.core.heat import HeatMethod, heat_geodesics
 from addon.core.surface import triangulated
 from tests.sample import shapes
 
@@ -83,3 +84,24 @@ def test_what_makes_no_sense_is_refused(figure):
         distance_field(vertices, faces, np.arange(1500), "biharmonic")
     with pytest.raises(CancelledError):
         distance_field(vertices, faces, [0], cancelled=lambda: True)
+
+
+def test_what_was_mended_is_told(figure):
+    vertices, faces = figure
+    faces = np.vstack([faces, faces[:1]])
+    said = []
+    distance_field(vertices, faces, [0], warned=said.append)
+    assert len(said) == 1
+    assert said[0].startswith("1 face was left out")
+    with pytest.warns(UserWarning, match="1 face was left out"):
+        distance_field(vertices, faces, [0])
+    with pytest.warns(UserWarning, match="1 face was left out"):
+        heat_geodesics(vertices, faces, [0])
+
+
+def test_a_fallback_on_a_part_is_told(monkeypatch):
+    monkeypatch.setattr(HeatMethod, "_from_sparks", lambda self, source, column: np.full((9, len(source)), np.nan))
+    monkeypatch.setattr(HeatMethod, "_along_edges", lambda self, source: np.zeros((9, len(source))))
+    said = []
+    heat_geodesics(*shapes.grid(3, 3), [0], said.append)
+    assert "along edges" in " ".join(said)

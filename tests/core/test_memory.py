@@ -4,7 +4,17 @@ import sys
 import pytest
 
 from addon.core import Settings, TooLargeError
-from addon.core.memory import free_memory, memory_estimate, memory_limit, require_memory, time_estimate
+from addon.core.fields import KINDS, distance_field
+from addon.core.heat import heat_geodesics
+from addon.core.memory import (
+    field_memory_estimate,
+    free_memory,
+    memory_estimate,
+    memory_limit,
+    require_memory,
+    time_estimate,
+)
+from tests.sample import shapes
 
 
 def test_the_limit_is_the_one_set_or_a_share_of_what_is_free():
@@ -50,3 +60,19 @@ except TooLargeError as error:
 """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert "of the free memory" in done.stdout
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_distances_that_do_not_fit_are_refused_in_words(kind):
+    mesh = shapes.grid(70, 70)
+    said = "Fast marching takes far less" if kind == "heat" else r"\. Close other programs"
+    with pytest.raises(TooLargeError, match=rf"need about 0\.\d GB, more than the limit of 0\.01 GB.*{said}"):
+        distance_field(*mesh, [0], kind, memory_limit=0.01)
+    small, large = (field_memory_estimate(count, kind) for count in (1_000, 1_000_000))
+    assert 0 < small < large / 10
+
+
+def test_geodesics_that_do_not_fit_are_refused(monkeypatch):
+    monkeypatch.setattr("addon.core.memory.free_memory", lambda: 0.01)
+    with pytest.raises(TooLargeError, match="These distances need"):
+        heat_geodesics(*shapes.grid(5, 5), [0])

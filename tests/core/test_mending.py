@@ -116,8 +116,8 @@ def test_parts_come_largest_first_and_back_together(figure, sphere):
     here, at = parts.placed([0, len(sphere[0]), 3])[1]
     np.testing.assert_array_equal(here, [0, 2])
     np.testing.assert_array_equal(at, [0, 3])
-    assert "2 loose parts" in parts.warnings[0]
-    assert "1 vertex" in parts.warnings[1]
+    assert "2 loose parts" in parts.apart[0]
+    assert "1 vertex" in parts.apart[1]
 
 
 def test_far_from_the_origin_single_precision_is_told():

@@ -1,7 +1,9 @@
 import numpy as np
 import pytest
 
+from addon.core import CancelledError
 from addon.core.delaunay import intrinsic_delaunay, midpoint_refined
+from addon.core.monitor import Monitor
 from addon.core.surface import corner_cotangents, corner_lengths, face_areas, mollified, triangulated
 from tests.sample import shapes
 
@@ -29,6 +31,21 @@ def test_delaunay_keeps_the_surface_and_leaves_no_obtuse_pair(figure):
     opposite = np.bincount(flipped.edges.ravel(), weights=corner_cotangents(flipped.lengths).ravel())
     assert opposite.min() >= -1e-9
     assert np.bincount(stretched.edges.ravel(), weights=corner_cotangents(stretched.lengths).ravel()).min() < -0.1
+
+
+def test_delaunay_hears_a_cancel_and_says_when_it_has_given_up(figure):
+    vertices, faces = figure
+    stretched = triangulated(vertices * [1.0, 7.0, 1.0], faces)
+    asked = []
+    with pytest.raises(CancelledError):
+        intrinsic_delaunay(stretched, Monitor(cancelled=lambda: asked.append(1) or len(asked) > 2))
+    assert len(asked) == 3
+    monitor = Monitor()
+    intrinsic_delaunay(stretched, monitor, max_rounds=2)
+    assert "less exact" in monitor.warnings[0]
+    monitor = Monitor()
+    intrinsic_delaunay(stretched, monitor)
+    assert not monitor.warnings
 
 
 def test_delaunay_leaves_squares_as_they_are():

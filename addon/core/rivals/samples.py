@@ -101,7 +101,7 @@ class WholeSurface:
     @cached_property
     def surface(self) -> Triangulation:
         """The intrinsic Delaunay triangulation of all vertices."""
-        return intrinsic_delaunay(triangulated(self.points, self.triangles))
+        return intrinsic_delaunay(triangulated(self.points, self.triangles), self._monitor)
 
     @cached_property
     def body(self) -> ElasticBody:
