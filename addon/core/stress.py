@@ -240,7 +240,7 @@ class Stress:
         np.subtract(target, distance, out=missing)
         np.multiply(weight, missing, out=force)
         value = float(np.einsum("ij,ij->", force, missing))
-        distance[distance <= nearest] = 1.0  # the diagonal, and points that coincide: no direction, no pull
+        distance[distance <= nearest] = np.inf  # the diagonal, and points that coincide: no direction, no pull
         force /= distance
         pull_right = force @ columns[:, :-1]  # sums come with the products
         pull_left = force.T @ rows[:, :-1]

@@ -53,10 +53,18 @@ def test_rounding_does_not_change_the_order_of_equal_maxima():
     noise = np.random.default_rng(0).normal(size=(5, len(values)))
     orders = {tuple(prominent_maxima(values * (1 + 1e-13 * each), faces)[0]) for each in noise}
     assert len(orders) == 1
-    assert len(orders.pop()) == 2
+    one, two = orders.pop()
+    assert one < two  # of equal ones the first counts as the higher
+
+
+def test_a_prominence_of_just_the_threshold_is_kept():
+    vertices, faces = shapes.grid(7, 2)
+    values = np.exp(np.array([3.0, 1.0, 2.0, 1.0, 1.5, 1.0, 1.2])[(6 * vertices[:, 0]).round().astype(int)])
+    assert len(prominent_maxima(values, faces, prominent_maxima(values, faces, 0.0)[1][2])[0]) == 3
 
 
 def test_close_points_become_the_most_prominent_one():
     places = np.array([0.0, 0.1, 1.0, 1.04, 2.0])
     apart = np.abs(places[:, None] - places)
     np.testing.assert_array_equal(merged(np.arange(5), apart, 0.2), [0, 2, 4])
+    np.testing.assert_array_equal(merged(np.arange(5), apart, 0.1), [0, 1, 2, 4])  # just so far is far enough

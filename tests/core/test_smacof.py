@@ -81,21 +81,18 @@ def test_coinciding_points_do_not_divide_by_zero(sets):
     assert (pull == 0).all()
 
 
-def test_points_that_coincide_do_not_pull_at_each_other():
-    points = np.array([[0.1, 0, 0], [0.7, 0, 0], [0.1, 0, 0], [0.3, 0, 0.4], [0.7, 0, 0]])
+@pytest.mark.parametrize("size", [1e-9, 1.0, 1e9])
+def test_points_that_coincide_do_not_pull_at_each_other(size):
+    points = np.array([[0.1, 0.2, 0], [0.7, 0.9, 0], [0.1, 0.2, 0], [0.3, -0.8, 0.4], [0.7, 0.9, 0]])
     ones = np.ones((5, 5))
-    value, pull = Stress(
-        5, [pair_set(np.arange(5), ones, lambda rows, columns, _: ones[rows, columns])]
-    ).value_and_pull(points)
+    stress = Stress(5, [pair_set(np.arange(5), size * ones, lambda rows, columns, _: ones[rows, columns])])
+    value, pull = stress.value_and_pull(size * points)
     apart = points[:, None] - points
     distance = np.linalg.norm(apart, axis=2)
-    distance[distance == 0] = np.inf
-    np.testing.assert_allclose(
-        pull, ((1 / distance - np.isfinite(distance))[:, :, None] * apart).sum(axis=1), atol=1e-12
-    )
-    assert value == pytest.approx(
-        ((1 - np.where(np.isfinite(distance), distance, 0))[np.triu_indices(5, 1)] ** 2).sum()
-    )
+    missing = (1 - distance)[np.triu_indices(5, 1)]
+    distance[distance == 0] = 1  # which pulls at nothing
+    np.testing.assert_allclose(pull / size, ((1 / distance - 1)[:, :, None] * apart).sum(axis=1), atol=1e-12)
+    assert value / size**2 == pytest.approx((missing**2).sum())
 
 
 def test_near_pairs_far_from_the_origin_are_measured_well():

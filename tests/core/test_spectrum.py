@@ -1,9 +1,11 @@
+from contextlib import nullcontext
+
 import numpy as np
 import pytest
 from scipy.linalg import eigh
 from scipy.sparse import block_diag
 
-from addon.core import CancelledError, InvalidSettingsError, Settings, SolverError
+from addon.core import CancelledError, InvalidSettingsError, Settings, SolverError, spectrum
 from addon.core.delaunay import intrinsic_delaunay
 from addon.core.laplacian import mass, stiffness
 from addon.core.monitor import Monitor
@@ -43,6 +45,29 @@ def test_sparse_and_dense_solvers_agree(figure):
     L, M = operators(*figure)
     values = eigh(L.toarray(), np.diag(M), eigvals_only=True, subset_by_index=(1, 30))
     np.testing.assert_allclose(compute_spectrum(L, M, 30).eigenvalues, values, rtol=1e-8)
+    assert len(compute_spectrum(L, M, 29).eigenvalues) == 29
+
+
+@pytest.mark.parametrize(("which", "error", "passes"), [("lowest", 0.7, True), ("lowest", 1.5, False),
+                                                        ("highest", 0.7, True), ("highest", 1.5, False)])  # fmt: skip
+def test_eigenpairs_may_be_as_inexact_as_their_users_can_bear(which, error, passes, monkeypatch, figure):
+    """The residual behind the inverse, times λ_1/λ, against 1e-8: a vector that is off towards another by that much."""
+    L, M = operators(*figure)
+    true = compute_spectrum(L, M, 30).eigenvalues
+
+    def off(*given):
+        values, vectors = exact(*given)
+        order = np.argsort(-values)
+        low, high = order[1], order[30]
+        share = 1e-8 * error / (1 - true[0] / true[29])
+        wrong, towards = (low, high) if which == "lowest" else (high, low)
+        vectors[:, wrong] = vectors[:, wrong] + share * vectors[:, towards]
+        return values, vectors
+
+    exact = spectrum._largest
+    monkeypatch.setattr(spectrum, "_largest", off)
+    with nullcontext() if passes else pytest.raises(SolverError, match="only accurate to"):
+        compute_spectrum(L, M, 30)
 
 
 def test_a_small_mesh_gives_all_it_has():
