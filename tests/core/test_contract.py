@@ -169,7 +169,8 @@ def far_away(vertices, faces, rng):
 
 def single_precision(vertices, faces, rng):
     """Round positions."""
-    return vertices.astype(np.float32).astype(float), faces
+    with np.errstate(over="ignore"):  # what is too large for it becomes infinite, and is to be refused
+        return vertices.astype(np.float32).astype(float), faces
 
 
 DAMAGES = [
