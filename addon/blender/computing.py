@@ -141,9 +141,9 @@ class FormTask:
                 whole = np.ones(len(reading.vertices), dtype=bool)
                 ways = ways_between(self._in_betweens[number])
                 form = found.vertices  # type: ignore[union-attr]
-                self.shapes[-1] = limb_shapes(
-                    reading.vertices, reading.faces, form, whole, ways, Monitor(None, cancelled)
-                )
+                between = Monitor(None, cancelled)
+                self.shapes[-1] = limb_shapes(reading.vertices, reading.faces, form, whole, ways, between)
+                found.warnings.extend(between.warnings)
             self.colours[-1] = colours_of(found.adf, found.patches, reading.faces)
             self.reports[-1] = _report(reading, found, self.request)
 

@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 
 from .mesh_reading import Reading, without_result
-from .records import keep_record, record_of
+from .records import clear_keys, keep_record, record_of
 from .result_writing import clear_results
 
 
@@ -51,7 +51,7 @@ def add_result_object(obj: bpy.types.Object, reading: Reading) -> bpy.types.Obje
         keep_record(mesh, record)
         clear_results(added)
     if mesh.shape_keys is not None:
-        added.shape_key_clear()
+        clear_keys(added)
     mesh.vertices.foreach_set("co", reading.vertices.astype(np.float32).ravel())
     mesh.update()
     return added

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from itertools import product
 from pathlib import Path
 
 import numpy as np
 
 from ..core import InvalidMeshError
 from ..core.surface import FloatArray
+
+_HEADS = {"".join(parts) for parts in product(("", "ST"), ("", "C"), ("", "N"), ("OFF",))}  # 4 and n: other dimensions
 
 
 def read_off(path: Path) -> tuple[FloatArray, list[list[int]]]:
@@ -34,6 +37,8 @@ def read_off(path: Path) -> tuple[FloatArray, list[list[int]]]:
     lines = [words for words in lines if words]
     if not lines or not lines[0][0].endswith("OFF"):
         raise InvalidMeshError(f"{path.name} does not start with OFF.")
+    if lines[0][0] not in _HEADS:
+        raise InvalidMeshError(f"{path.name} is of a kind that is not read ({lines[0][0]}). Save it as plain OFF.")
     first = lines[0][1:] if len(lines[0]) > 1 else lines[1] if len(lines) > 1 else []
     body = lines[1:] if len(lines[0]) > 1 else lines[2:]
     try:
@@ -43,6 +48,8 @@ def read_off(path: Path) -> tuple[FloatArray, list[list[int]]]:
                 f"{path.name} announces {vertex_count} vertices and {face_count} faces but holds {len(body)} lines. "
                 "It may be cut short."
             )
+        if any(len(words) < 3 for words in body[:vertex_count]):
+            raise InvalidMeshError(f"{path.name} has a vertex with less than three coordinates.")
         vertices = np.array([words[:3] for words in body[:vertex_count]], dtype=np.float64).reshape(-1, 3)
         polygons = []
         for words in body[vertex_count : vertex_count + face_count]:

@@ -199,6 +199,23 @@ def drop_drivers(key: bpy.types.ShapeKey) -> None:
         data.drivers.remove(curve)
 
 
+def clear_keys(obj: bpy.types.Object) -> None:
+    """Remove all shape keys of an object, and nothing is left of them.
+
+    Blender before 5.2 counts one user too many for the keys of a copied mesh, and would keep their data for ever.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        The object; its mesh has shape keys.
+    """
+    name = obj.data.shape_keys.name
+    obj.shape_key_clear()
+    left = [keys for keys in bpy.data.shape_keys if keys.name == name and keys.library is None]
+    if left:
+        bpy.data.batch_remove(left)
+
+
 def colour_print(attribute: bpy.types.Attribute) -> str:
     """Hash the colours of a colour attribute.
 

@@ -10,6 +10,7 @@ import numpy as np
 from .in_betweens import remove_in_betweens
 from .records import (
     RECORD,
+    clear_keys,
     colour_print,
     drop_drivers,
     fingerprint,
@@ -267,7 +268,7 @@ def _remove(obj: bpy.types.Object, record: dict[str, Any], keep_key: bool = Fals
         else:
             left.append(name)
     if keys is not None and not keep_key and len(keys.key_blocks) == 1 and _is_own_basis(mesh, record):
-        obj.shape_key_clear()
+        clear_keys(obj)
     prints = group_prints(obj, record["groups"])
     for name, known in record["groups"].items():
         if name in prints and known in (None, prints[name]):

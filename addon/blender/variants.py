@@ -101,6 +101,7 @@ class VariantTask:
             raise CanonicalFormError(f"The mesh of {obj.name} was changed since the run. Compute the form again first.")
         self._patches, self._form, self.positions = patches, form, form
         self.shapes: list[FloatArray] = []
+        self.warnings: list[str] = []
 
     def compute(self, progress: Progress | None = None, cancelled: Cancelled | None = None) -> None:
         """Compute the shapes; touches no data of Blender's.
@@ -122,6 +123,7 @@ class VariantTask:
         chosen = np.array([*self.limbs, False])[self._patches]  # -1, of no face: the last
         ways = [*ways_between(self.in_betweens), 1.0]
         *self.shapes, self.positions = limb_shapes(reading.vertices, reading.faces, self._form, chosen, ways, monitor)
+        self.warnings = monitor.warnings
 
     def write(self) -> None:
         """Fill the shape key, and the keys between, on the main thread.

@@ -12,7 +12,7 @@ from .deformation import ElasticBody, nearest_rotations
 from .delaunay import intrinsic_delaunay
 from .laplacian import factored, stiffness
 from .monitor import Monitor
-from .surface import FloatArray, IntArray, surface_area, triangulated, vertex_areas
+from .surface import FloatArray, IntArray, of_unit_area, triangulated, vertex_areas
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
@@ -55,8 +55,8 @@ class Articulation:
         from scipy.sparse import triu
 
         self._monitor = monitor or Monitor()
-        self._centre, self._unit = points.mean(axis=0), float(np.sqrt(surface_area(points, faces)))
-        self._points, self._form = (points - self._centre) / self._unit, (form - self._centre) / self._unit
+        self._points, self._centre, self._unit = of_unit_area(points, faces)
+        self._form = (form - self._centre) / self._unit
         self._areas = vertex_areas(self._points, faces)
         self._coarse: Coarsening | None = None
         self._kept, worked = np.arange(len(points)), faces

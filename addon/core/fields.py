@@ -10,17 +10,19 @@ from .delaunay import intrinsic_delaunay
 from .distances import GreensFunction
 from .errors import InvalidSettingsError
 from .fast_marching import fast_marching
-from .heat import WHOLE, HeatMethod
+from .heat import WHOLE, HeatMethod, edge_graph
 from .laplacian import mass, stiffness
-from .memory import require_field_memory
+from .memory import require_field_memory, require_pair_memory
 from .monitor import Cancelled, Monitor, Progress, Warned
 from .parts import Part, connected_parts
-from .surface import FloatArray, IntArray, surface_area, triangulated
+from .settings import Settings
+from .surface import FloatArray, IntArray, Triangulation, of_unit_area, triangulated
 
 KINDS = ("heat", "fast_marching", "biharmonic", "commute_time")
 _WORKED_ON = 2000  # vertices between which biharmonic distance and commute time are computed, all pairs
 _REFINED = 30_000  # vertices up to which the heat method splits the triangles for accuracy
 _ONE_BY_ONE = 16  # sources that the heat method measures from one by one, which is more accurate
+_OFF = 0.1  # of the largest distance: how far one may be held before it is told
 _MOST_SOURCES = 1000  # of these kinds: each stays in the coarse mesh
 
 
@@ -79,19 +81,80 @@ def distance_field(
     with monitor.stage("Surface", 0.1):
         parts = connected_parts(vertices, faces, monitor)
         monitor.warnings += parts.mended
+        placed = parts.placed(sources)
         chosen = np.unique(np.asarray(sources))
-        placed = parts.placed(chosen)
         for part, (_, starts) in zip(parts.parts, placed, strict=True):
+            if kind in ("biharmonic", "commute_time") and len(starts) > _MOST_SOURCES:
+                raise InvalidSettingsError(
+                    f"Select at most {_MOST_SOURCES:,} vertices to measure from; {len(starts):,} are."
+                )
             if len(starts):
                 require_field_memory(_measured_on(len(part.vertices), kind), kind, memory_limit)
     fields = []
     for (part, own), (_, starts) in zip(parts.each(monitor), placed, strict=True):
         with own.stage("Distances", 1.0):
-            fields.append(_field_of_part(part, np.unique(starts), kind, own))
+            fields.append(_field_of_part(part, np.unique(starts), kind, own, memory_limit))
     field = parts.together(fields, np.full(len(parts.vertices), np.inf))
     field[chosen] = 0.0
     monitor.hand_over(warned)
     return field
+
+
+def heat_geodesics(
+    vertices: ArrayLike, faces: ArrayLike, sources: ArrayLike, warned: Warned | None = None, memory_limit: float = 0.0
+) -> FloatArray:
+    """Measure geodesic distances from some vertices of a mesh to all its vertices, one by one, by the heat method.
+
+    Parameters
+    ----------
+    vertices : (n, 3) array_like of float
+        Vertex positions.
+    faces : (m, 3) array_like of int
+        Triangles of one or several surfaces.
+    sources : (s,) array_like of int
+        Vertex indices to measure from.
+    warned : callable, optional
+        Called with each warning, a sentence; without it they are Python's own.
+    memory_limit : float
+        Gigabytes that the computation may take; 0 for 60 % of the free memory.
+
+    Returns
+    -------
+    (n, s) ndarray of float
+        Distances in the unit of the vertices, one column a source; inf where no way leads.
+
+    Raises
+    ------
+    InvalidMeshError
+        If the mesh cannot be used; the message says what to do.
+    InvalidSettingsError
+        If the sources are not vertices of the mesh.
+    TooLargeError
+        If the surfaces with sources are too large for the memory limit.
+    """
+    monitor = Monitor()
+    parts = connected_parts(vertices, faces)
+    monitor.warnings += parts.mended
+    placed = parts.placed(sources)
+    columns = np.atleast_1d(np.asarray(sources))
+    for part, (here, _) in zip(parts.parts, placed, strict=True):
+        if len(here):
+            require_field_memory(4 * len(part.vertices), "heat", memory_limit)
+    distances = []
+    for (part, own), (here, starts) in zip(parts.each(monitor), placed, strict=True):
+        each = np.full((len(part.vertices), len(columns)), np.inf)
+        if len(here):
+            points, _, unit = of_unit_area(part.points, part.faces)
+            surface = triangulated(points, part.faces)
+            found = HeatMethod(surface, monitor=own, fewest=WHOLE).distances(starts)
+            for column, start in enumerate(starts):
+                found[:, column] = _possible(found[:, column], points, surface, np.array([start]), own)
+            each[:, here] = unit * found
+        distances.append(each)
+    monitor.hand_over(warned)
+    result = parts.together(distances, np.full((len(parts.vertices), len(columns)), np.inf))
+    result[columns, np.arange(len(columns))] = 0.0
+    return result
 
 
 def _measured_on(count: int, kind: str) -> int:
@@ -99,31 +162,56 @@ def _measured_on(count: int, kind: str) -> int:
     return 4 * count if kind == "heat" and count <= _REFINED else count
 
 
-def _field_of_part(part: Part, chosen: IntArray, kind: str, monitor: Monitor) -> FloatArray:
+def _field_of_part(part: Part, chosen: IntArray, kind: str, monitor: Monitor, memory_limit: float) -> FloatArray:
     if not len(chosen):
         return np.full(len(part.vertices), np.inf)
-    unit = float(np.sqrt(surface_area(part.points, part.faces)))
-    points, triangles = (part.points - part.points.mean(axis=0)) / unit, part.faces
-    if kind == "heat":
-        refine = len(points) <= _REFINED
-        heat = HeatMethod(triangulated(points, triangles), refine=refine, monitor=monitor, fewest=WHOLE)
-        if len(chosen) <= _ONE_BY_ONE:
-            return unit * heat.distances(chosen).min(axis=1)
-        return unit * heat.distance_to_set(chosen)
+    points, _, unit = of_unit_area(part.points, part.faces)
+    if kind in ("biharmonic", "commute_time"):
+        field = _between_all(points, part.faces, chosen, kind, monitor, memory_limit)
+        return field * (unit if kind == "biharmonic" else 1.0)
+    surface = triangulated(points, part.faces)
     if kind == "fast_marching":
-        return unit * fast_marching(triangulated(points, triangles), chosen, monitor)
-    field = _between_all(points, triangles, chosen, kind, monitor)
-    return field * (unit if kind == "biharmonic" else 1.0)
+        return unit * fast_marching(surface, chosen, monitor)
+    heat = HeatMethod(surface, refine=len(points) <= _REFINED, monitor=monitor, fewest=WHOLE)
+    one_by_one = len(chosen) <= _ONE_BY_ONE
+    field = heat.distances(chosen).min(axis=1) if one_by_one else heat.distance_to_set(chosen)
+    return unit * _possible(field, points, surface, chosen, monitor)
 
 
-def _between_all(points: FloatArray, triangles: IntArray, chosen: IntArray, kind: str, monitor: Monitor) -> FloatArray:
+def _possible(
+    field: FloatArray, points: FloatArray, surface: Triangulation, chosen: IntArray, monitor: Monitor
+) -> FloatArray:
+    """Hold distances between the straight ones and the ways along edges, which heat misses beside spikes."""
+    from scipy.sparse.csgraph import dijkstra
+    from scipy.spatial import cKDTree
+
+    longest = dijkstra(edge_graph(surface), directed=False, indices=chosen, min_only=True)
+    shortest = np.minimum(cKDTree(points[chosen]).query(points)[0], longest)
+    held = np.clip(field, shortest, longest)
+    far = np.count_nonzero(~(np.abs(held - field) <= _OFF * longest.max()))
+    if far:
+        which = "1 vertex" if far == 1 else f"{far:,} vertices"
+        monitor.warn(
+            f"Heat runs astray beside spikes: the distances of {which} were put between the straight way and that "
+            "along edges. Compare fast marching, or smooth the spikes."
+        )
+    return np.where(np.isfinite(held), held, longest)
+
+
+def _between_all(
+    points: FloatArray, triangles: IntArray, chosen: IntArray, kind: str, monitor: Monitor, memory_limit: float
+) -> FloatArray:
     """Compute exact biharmonic distances or commute times on a coarse mesh and carry them to all vertices."""
-    if len(chosen) > _MOST_SOURCES:
-        raise InvalidSettingsError(f"Select at most {_MOST_SOURCES:,} vertices to measure from; {len(chosen):,} are.")
     coarse = None
     if len(points) > _WORKED_ON:
         coarse = coarsened(points, triangles, _WORKED_ON, chosen, monitor)
         points, triangles, chosen = points[coarse.kept], coarse.faces, np.searchsorted(coarse.kept, chosen)
+        if len(points) > 2 * _WORKED_ON:  # it would not get smaller
+            require_pair_memory(len(coarse.kept), [len(points)], Settings(memory_limit=memory_limit))
+            monitor.warn(
+                f"The mesh could only be reduced to {len(points):,} vertices, because of its many borders or edges of "
+                "more than two faces; the distances took longer. Merge vertices by distance for faster ones."
+            )
     surface = intrinsic_delaunay(triangulated(points, triangles), monitor)
     green = GreensFunction(stiffness(surface), mass(surface))
     everywhere = np.arange(len(points))

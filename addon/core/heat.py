@@ -10,13 +10,12 @@ from numpy.typing import ArrayLike
 from .delaunay import intrinsic_delaunay, midpoint_refined
 from .errors import SolverError
 from .laplacian import factored, mass, stiffness
-from .memory import require_field_memory
-from .monitor import Monitor, Warned
-from .parts import connected_parts
-from .surface import FloatArray, IntArray, Triangulation, face_areas, triangulated
+from .monitor import Monitor
+from .surface import FloatArray, IntArray, Triangulation, face_areas
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
+    from scipy.sparse.linalg import SuperLU
 
 _FAINTEST = 1e-280  # heat that must reach one end of the surface from the other; a double ends at 1e-308
 _FEWEST = 400  # vertices that a refined patch has at least: on a tetrahedron heat would be a third off
@@ -24,6 +23,7 @@ WHOLE = 2500  # the same where distances all over a surface are all that is want
 _BACKWARDS = 0.1  # of the largest distance that a distance may be below 0 before the field is given up
 _TAKES_OVER = 2.0  # diffusion lengths of the first time from the source
 _LONGER = 40  # most doublings of the time for that
+_AT_ONCE = 500_000  # values of heat at once: bounds the memory and the time until a cancel is heard
 
 
 class HeatMethod:
@@ -67,8 +67,7 @@ class HeatMethod:
         monitor: Monitor | None = None,
         fewest: int = _FEWEST,
     ) -> None:
-        from scipy.sparse import csr_matrix, diags
-        from scipy.special import k0
+        from scipy.sparse import csr_matrix
 
         monitor = monitor or Monitor()
         self._monitor, self._vertex_count = monitor, surface.vertex_count
@@ -93,31 +92,46 @@ class HeatMethod:
         start = np.arange(0, 6 * m + 1, 3)
         columns = np.concatenate([fine.faces, fine.faces]).ravel()
         self._divergence = csr_matrix((weights.ravel(), columns, start), shape=(2 * m, n)).T.tocsr()
+        self._poisson: SuperLU | None = None
+        try:
+            reached = self._factor(smooth)
+        except SolverError:  # rounding has the better of them
+            self._poisson, reached = None, True
+        if not reached:
+            raise SolverError(
+                "Heat does not reach all of the surface: it falls into loose parts. Separate or merge them."
+            )
+
+    def _factor(self, smooth: float | None) -> bool:
+        """Factor the systems, for the least time in which heat reaches all of the surface; say whether it does."""
+        from scipy.sparse import diags
+        from scipy.special import k0
+
+        fine = self._fine
         L, M = stiffness(fine), diags(mass(fine))
-        monitor.check()
+        self._monitor.check()
         # the multiple of M only makes L invertible; right-hand sides sum to 0, so it does not show in the distances
         self._poisson = factored(L + 1e-9 / mass(fine).sum() * M)
-        monitor.check()
+        self._monitor.check()
         L = _without_negative_weights(L)
         self._smooth = None
         time = 0.5 * float((fine.lengths**2).mean())
-        probe = np.zeros(n)
+        probe = np.zeros(fine.vertex_count)
         probe[_far_end(fine)] = 1.0
         for _ in range(_LONGER):
-            monitor.check()
+            self._monitor.check()
             self._heat = factored(M + time * L)
             heat = self._heat.solve(probe)
             if heat.min() > _FAINTEST * heat.max():
                 break
             time *= 2.0
         else:
-            raise SolverError(
-                "Heat does not reach all of the surface: it falls into loose parts. Separate or merge them."
-            )
+            return False
         if smooth is not None and smooth > time:
             self._smooth = factored(M + smooth * L)
             # a point source in the plane leaves K₀(d / √t) / 2πt after one backward step
             self._share = (smooth / time) * k0(_TAKES_OVER) / k0(_TAKES_OVER * np.sqrt(time / smooth))
+        return True
 
     def distances(self, sources: ArrayLike) -> FloatArray:
         """Measure the distance of every vertex from each of the sources.
@@ -133,16 +147,24 @@ class HeatMethod:
             One column a source, in the surface's unit of length; 0 at the source. Not exactly symmetric.
         """
         source = np.atleast_1d(np.asarray(sources, dtype=np.int64))
+        most = max(_AT_ONCE // self._fine.vertex_count, 1)
+        if len(source) <= most:
+            return self._distances(source)
+        distance = np.empty((self._vertex_count, len(source)))
+        for start in range(0, len(source), most):
+            self._monitor.check()
+            distance[:, start : start + most] = self._distances(source[start : start + most])
+        return distance
+
+    def _distances(self, source: IntArray) -> FloatArray:
+        if self._poisson is None:
+            return self._along_edges(source)
         column = np.arange(len(source))
         distance = self._from_sparks(source, column)
         distance -= distance[source, column]
         largest = np.abs(distance).max(axis=0)
         lost = np.flatnonzero(~(distance.min(axis=0) >= -_BACKWARDS * largest) | (largest == 0))
         if len(lost) and self._vertex_count > 1:
-            self._monitor.warn(
-                "Some triangles are so long and thin that heat runs astray on them; distances there were measured "
-                "along edges. Remesh for a better form."
-            )
             distance[:, lost] = self._along_edges(source[lost])
         return distance
 
@@ -162,6 +184,8 @@ class HeatMethod:
             Distances, none negative, 0 at the sources.
         """
         source = np.unique(np.asarray(sources, dtype=np.int64))
+        if self._poisson is None:
+            return self._along_edges(source).min(axis=1)
         distance = self._from_sparks(source, np.zeros(len(source), dtype=np.int64))[:, 0]
         distance = np.maximum(distance - distance[source].mean(), 0.0)
         distance[source] = 0.0
@@ -170,10 +194,15 @@ class HeatMethod:
     def _along_edges(self, source: IntArray) -> FloatArray:
         from scipy.sparse.csgraph import dijkstra
 
-        return np.asarray(dijkstra(_edge_graph(self._fine), directed=False, indices=source)[:, : self._vertex_count].T)
+        self._monitor.warn(
+            "Some triangles are so long and thin that heat runs astray on them; distances there were measured along "
+            "edges. Remesh for a better form."
+        )
+        return np.asarray(dijkstra(edge_graph(self._fine), directed=False, indices=source)[:, : self._vertex_count].T)
 
     def _from_sparks(self, source: IntArray, column: IntArray) -> FloatArray:
         """Find distances, up to a constant, of every vertex from the sources of each column."""
+        assert self._poisson is not None
         spark = np.zeros((self._divergence.shape[0], int(column[-1]) + 1))  # (n', s)
         spark[source, column] = 1.0
         heat = self._heat.solve(spark)
@@ -190,54 +219,6 @@ class HeatMethod:
         return np.asarray(self._poisson.solve(self._divergence @ flow)[: self._vertex_count])
 
 
-def heat_geodesics(
-    vertices: ArrayLike, faces: ArrayLike, sources: ArrayLike, warned: Warned | None = None
-) -> FloatArray:
-    """Measure geodesic distances from some vertices of a mesh to all its vertices.
-
-    Parameters
-    ----------
-    vertices : (n, 3) array_like of float
-        Vertex positions.
-    faces : (m, 3) array_like of int
-        Triangles of one or several surfaces.
-    sources : (s,) array_like of int
-        Vertex indices to measure from.
-    warned : callable, optional
-        Called with each warning, a sentence; without it they are Python's own.
-
-    Returns
-    -------
-    (n, s) ndarray of float
-        Distances in the unit of the vertices, one column a source; inf where no way leads.
-
-    Raises
-    ------
-    InvalidMeshError
-        If the mesh cannot be used; the message says what to do.
-    InvalidSettingsError
-        If the sources are not vertices of the mesh.
-    TooLargeError
-        If a surface is too large for 60 % of the free memory.
-    """
-    monitor = Monitor()
-    parts = connected_parts(vertices, faces)
-    monitor.warnings += parts.mended
-    columns = np.atleast_1d(np.asarray(sources))
-    distances = []
-    for (part, own), (here, starts) in zip(parts.each(monitor), parts.placed(columns), strict=True):
-        each = np.full((len(part.vertices), len(columns)), np.inf)
-        if len(here):
-            require_field_memory(4 * len(part.vertices), "heat")
-            heat = HeatMethod(triangulated(part.points, part.faces), monitor=own, fewest=WHOLE)
-            each[:, here] = heat.distances(starts)
-        distances.append(each)
-    monitor.hand_over(warned)
-    result = parts.together(distances, np.full((len(parts.vertices), len(columns)), np.inf))
-    result[columns, np.arange(len(columns))] = 0.0
-    return result
-
-
 def _without_negative_weights(stiffness_matrix: csr_matrix) -> csr_matrix:
     """Drop the negative weights that obtuse corners at a border leave, so that heat is positive everywhere."""
     from scipy.sparse import diags
@@ -248,8 +229,19 @@ def _without_negative_weights(stiffness_matrix: csr_matrix) -> csr_matrix:
     return diags(np.asarray(weights.sum(axis=1)).ravel()) - weights
 
 
-def _edge_graph(surface: Triangulation) -> csr_matrix:
-    """Join the ends of every edge by its length."""
+def edge_graph(surface: Triangulation) -> csr_matrix:
+    """Join the ends of every edge by its length.
+
+    Parameters
+    ----------
+    surface : Triangulation
+        The surface.
+
+    Returns
+    -------
+    (n, n) scipy.sparse.csr_matrix
+        One entry an edge.
+    """
     from scipy.sparse import coo_matrix
 
     row, column = np.roll(surface.faces, -1, axis=1).ravel(), np.roll(surface.faces, -2, axis=1).ravel()
@@ -262,6 +254,6 @@ def _far_end(surface: Triangulation) -> int:
     """Find a vertex at one end of the surface: the farthest, along edges, from the farthest from any."""
     from scipy.sparse.csgraph import dijkstra
 
-    graph = _edge_graph(surface)
+    graph = edge_graph(surface)
     end = int(np.argmax(dijkstra(graph, directed=False, indices=0)))
     return int(np.argmax(dijkstra(graph, directed=False, indices=end)))

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .errors import SolverError
 from .surface import FloatArray, Triangulation, corner_cotangents, face_areas
 
 if TYPE_CHECKING:
@@ -70,8 +71,19 @@ def factored(matrix: object) -> SuperLU:
     scipy.sparse.linalg.SuperLU
         Its factors; `solve` takes one or many right-hand sides. Columns are ordered by COLAMD, which on surfaces is
         many times faster than SuperLU's orderings for symmetric matrices.
+
+    Raises
+    ------
+    SolverError
+        If rounding makes the matrix singular.
     """
     from scipy.sparse import csc_matrix
     from scipy.sparse.linalg import splu
 
-    return splu(csc_matrix(matrix), permc_spec="COLAMD", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    try:
+        return splu(csc_matrix(matrix), permc_spec="COLAMD", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    except RuntimeError as error:  # what SuperLU calls it
+        raise SolverError(
+            "The triangles are too thin, or of too different sizes, to compute with. Clean the mesh up (Mesh > "
+            "Clean Up > Merge by Distance and Degenerate Dissolve) or remesh it."
+        ) from error

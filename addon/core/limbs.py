@@ -7,9 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from .articulation import Articulation
+from .errors import InvalidMeshError, InvalidSettingsError
 from .monitor import Monitor
 from .parts import Part, connected_parts
-from .surface import FloatArray, IntArray, surface_area, vertex_areas, vertex_pairs
+from .surface import FloatArray, IntArray, of_unit_area, vertex_areas, vertex_pairs
 
 _BAND = 0.15  # half the width of the band in which a limb's form passes into the pose, in sqrt(area)
 _DEEPEST = 0.5  # of the way from the border of a limb to its tip: the most that the band may take
@@ -51,10 +52,19 @@ def limb_shapes(
 
     Raises
     ------
+    InvalidMeshError, InvalidSettingsError
+        If the mesh cannot be used, or the rest does not fit to it; the message says what to do.
     CancelledError
         If the monitor says so.
     """
     parts = connected_parts(points, faces)
+    form, chosen, count = np.asarray(form, dtype=np.float64), np.asarray(chosen), len(parts.vertices)
+    if form.shape != (count, 3) or not np.isfinite(form).all():
+        raise InvalidMeshError(f"The form must be a ({count}, 3) array of numbers.")
+    if chosen.shape != (count,) or chosen.dtype != bool:
+        raise InvalidSettingsError(f"chosen must be an array of {count} times True or False.")
+    if not all(0 <= way <= 1 for way in ways):
+        raise InvalidSettingsError("ways must be from 0 to 1.")
     shapes = []
     for part, own in parts.each(monitor or Monitor()):
         here = part.vertices
@@ -71,7 +81,7 @@ def _shapes_of_part(
         return [points for _ in ways]
     amounts = limb_amounts(points, faces, chosen)
     monitor.check()
-    areas = vertex_areas(points, faces)
+    areas = vertex_areas(of_unit_area(points, faces)[0], faces)
     if not chosen.all() and areas[chosen].sum() > areas.sum() / 2:
         form = Articulation(form, faces, points, monitor).at(1.0 - amounts)
         amounts = np.ones(len(points))
@@ -107,6 +117,7 @@ def limb_amounts(points: FloatArray, faces: IntArray, chosen: np.ndarray) -> Flo
 
     if chosen.all() or not chosen.any():
         return chosen.astype(np.float64)
+    points = of_unit_area(points, faces)[0]
     pairs = vertex_pairs(faces)
     length = np.linalg.norm(points[pairs[:, 0]] - points[pairs[:, 1]], axis=1)
     graph = coo_matrix((length, (pairs[:, 0], pairs[:, 1])), shape=(len(points), len(points))).tocsr()
@@ -124,7 +135,7 @@ def limb_amounts(points: FloatArray, faces: IntArray, chosen: np.ndarray) -> Flo
     distance = np.where(chosen, depth(chosen), depth(~chosen))
     deepest = np.zeros(int(part.max()) + 1)
     np.maximum.at(deepest, part, distance)
-    half = np.minimum(_BAND * np.sqrt(surface_area(points, faces)), _DEEPEST * deepest[part])
+    half = np.minimum(_BAND, _DEEPEST * deepest[part])
     signed = np.where(chosen, distance, -distance) / half
     share = np.clip((1 + signed) / 2, 0.0, 1.0)
     return share * share * (3 - 2 * share)

@@ -102,9 +102,12 @@ class Parts:
         InvalidSettingsError
             If they are not vertices of the mesh.
         """
-        wanted = np.asarray(chosen)
-        if not np.issubdtype(wanted.dtype, np.integer) or not wanted.size:
-            raise InvalidSettingsError("Vertices to start from must be at least one whole number.")
+        try:
+            wanted = np.atleast_1d(np.asarray(chosen))
+        except ValueError:  # lists of several lengths
+            wanted = np.zeros((0, 0))
+        if wanted.ndim != 1 or not np.issubdtype(wanted.dtype, np.integer) or not wanted.size:
+            raise InvalidSettingsError("Vertices to start from must be a list of at least one whole number.")
         if wanted.min() < 0 or wanted.max() >= len(self.vertices):
             raise InvalidSettingsError(f"Vertices to start from must lie between 0 and {len(self.vertices) - 1}.")
         wanted = self._stands_for[wanted.astype(np.int64)]

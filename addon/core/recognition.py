@@ -21,7 +21,7 @@ from .parts import Parts, connected_parts, features_by_part
 from .patches import voronoi_cells
 from .settings import Settings
 from .spectrum import Spectrum, auto_diffusion, compute_spectrum
-from .surface import FloatArray, IntArray, Triangulation, surface_area, triangulated
+from .surface import FloatArray, IntArray, Triangulation, of_unit_area, triangulated
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
@@ -177,12 +177,8 @@ def recognised(
     """
     with monitor.stage("Surface", 0.02):
         monitor.check()
-        scale = 2.0 ** np.floor(np.log2(np.abs(points).max()))  # exact, and squares of what is left do not overflow
-        whole_points, whole_triangles = points / scale, triangles
-        centre, unit = whole_points.mean(axis=0), float(np.ptp(whole_points, axis=0).max())
-        whole_points = (whole_points - centre) / unit
-        size = np.sqrt(surface_area(whole_points, whole_triangles))
-        whole_points, centre, unit = whole_points / size, centre * scale, unit * size * scale
+        whole_points, centre, unit = of_unit_area(points, triangles)
+        whole_triangles = triangles
     coarse = None
     points = whole_points
     if settings.coarse_vertices is not None and len(points) > _WORTH_COARSENING * settings.coarse_vertices:
@@ -193,7 +189,8 @@ def recognised(
             if len(points) > _STUCK * settings.coarse_vertices:
                 monitor.warn(
                     f"The mesh could only be reduced to {len(points):,} vertices, because of its many borders or edges "
-                    "of more than two faces; the computation takes longer. Merge vertices by distance for a faster one."
+                    "of more than two faces; the computation takes longer and more memory than announced. "
+                    "Merge vertices by distance for a faster one."
                 )
     with monitor.stage("Triangulation", 0.32):
         surface = intrinsic_delaunay(triangulated(points, triangles), monitor)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from numbers import Integral, Real
 
 from .errors import InvalidSettingsError
 
@@ -20,6 +21,7 @@ METHODS = (
 )
 STARTS = ("intrinsic", "input")
 QUALITIES = ("draft", "normal", "full")
+_KINDS = {int: (Integral, "a whole number"), float: (Real, "a number"), bool: (bool, "True or False")}
 _COARSE = {"draft": 700, "normal": 1600}  # vertices of the mesh that is worked on
 
 
@@ -108,6 +110,10 @@ class Settings:
         InvalidSettingsError
             With the name of the option, its range and the value given.
         """
+        for name, field in self.__dataclass_fields__.items():
+            if type(field.default) in _KINDS:
+                kind, called = _KINDS[type(field.default)]
+                _require(isinstance(getattr(self, name), kind), name, called, getattr(self, name))
         _require(self.method in METHODS, "method", f"one of {', '.join(METHODS)}", self.method)
         _require(
             not (self.as_published and self.method != "local_features"),

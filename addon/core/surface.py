@@ -248,6 +248,33 @@ def surface_area(vertices: FloatArray, faces: IntArray) -> float:
     return float(np.linalg.norm(area_vectors(vertices, faces), axis=1).sum())
 
 
+def of_unit_area(vertices: FloatArray, faces: IntArray) -> tuple[FloatArray, FloatArray, float]:
+    """Move a mesh to its centre and scale it to unit area, whatever its size is.
+
+    Parameters
+    ----------
+    vertices : (n, 3) ndarray of float
+        Vertex positions.
+    faces : (m, 3) ndarray of int
+        Triangles, of some area together.
+
+    Returns
+    -------
+    points : (n, 3) ndarray of float
+        The positions there.
+    centre : (3,) ndarray of float
+        Where the centre was.
+    unit : float
+        Root of the area: ``vertices = points * unit + centre``.
+    """
+    scale = 2.0 ** np.floor(np.log2(np.abs(vertices).max()))  # exact, and squares of what is left do not overflow
+    points = vertices / scale
+    centre, width = points.mean(axis=0), float(np.ptp(points, axis=0).max())
+    points = (points - centre) / width
+    size = float(np.sqrt(surface_area(points, faces)))
+    return points / size, centre * scale, width * size * scale
+
+
 def vertex_areas(vertices: FloatArray, faces: IntArray) -> FloatArray:
     """Give every vertex a third of the area of its triangles in space.
 

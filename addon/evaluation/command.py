@@ -42,6 +42,7 @@ def main(arguments: list[str], output: TextIO | None = None) -> int:
         _require_packages(options.scheduler is not None)
         methods = chosen_methods(_words(options.methods))
         shapes = shapes_in(options.dataset, options.classes)
+        _require_own_folder(options.output, [*(shape.path for shape in shapes), *filter(None, [options.classes])])
         options.output.mkdir(parents=True, exist_ok=True)
         store = Store(options.output)
         failed = _evaluated(store, shapes, methods, options, output or sys.stdout)
@@ -98,6 +99,12 @@ def _require_packages(cluster: bool) -> None:
     if missing:
         names = " ".join("dask[distributed]" if name == "distributed" else name for name in missing)
         raise CanonicalFormError(f"An evaluation needs more packages. Install them with: pip install {names}")
+
+
+def _require_own_folder(output: Path, inputs: Sequence[Path]) -> None:
+    """Refuse to write where files are that are read: tables have names that a file of classes may have too."""
+    if output.resolve() in {path.resolve().parent for path in inputs}:
+        raise CanonicalFormError(f"{output} holds files of the dataset. Choose another --output.")
 
 
 def _evaluated(

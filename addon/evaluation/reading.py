@@ -25,7 +25,7 @@ class Reader:
     """Reads meshes one by one; where Blender has to, in another process, which may crash."""
 
     def __init__(self) -> None:
-        self._process = LocalCrew(1, attempts=1)
+        self._process = LocalCrew(1, attempts=2)  # it may have died of the file before
 
     def triangles(self, path: Path) -> tuple[FloatArray, IntArray]:
         """Read the one mesh of a file.

@@ -19,6 +19,8 @@ from ..core.surface import FloatArray, IntArray, surface_area
 from .descriptor import harmonic_descriptor
 from .methods import RECOGNITION, Method
 
+_DIE_WITH_PARENT = 1  # PR_SET_PDEATHSIG of the Linux kernel
+
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
@@ -78,6 +80,8 @@ def attempted(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
         return function(*arguments)
     except CanonicalFormError as error:
         return Failure(str(error))
+    except MemoryError:
+        return Failure("The memory of this machine is not enough.")
     except Exception as error:  # any: it must not take the worker along
         return Failure(f"{type(error).__name__}: {error}")
     finally:
@@ -216,14 +220,21 @@ def _kilobytes(name: str) -> int:
 def begin_work() -> None:
     """Leave the keyboard to the process that started this one, and end when that is gone, killed or not."""
     import signal
+    from multiprocessing import parent_process
     from threading import Thread
 
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    parent = os.getppid()
+    if sys.platform == "linux":
+        import ctypes
+
+        with suppress(OSError, AttributeError):  # at once, also while Blender reads
+            ctypes.CDLL("libc.so.6").prctl(_DIE_WITH_PARENT, signal.SIGKILL)
+    parent = parent_process()
+    if parent is None:
+        return
 
     def watch() -> None:
-        while os.getppid() == parent:
-            time.sleep(0.5)
+        parent.join()
         os._exit(1)
 
     Thread(target=watch, daemon=True).start()

@@ -55,6 +55,11 @@ class JobOperator:
     def written(self, context: bpy.types.Context, task: Any, outcome: Any, interactive: bool) -> None:
         """Tell the user what came of it."""
 
+    def warn(self, sentences: list[str]) -> None:
+        """Show warnings of a computation."""
+        for sentence in sentences:
+            self.report({"WARNING"}, sentence)  # type: ignore[attr-defined]
+
     @staticmethod
     def busy() -> str | None:
         """Say that something is being computed already, for `poll`."""
@@ -88,6 +93,9 @@ class JobOperator:
             self._task = self.task(context)
         except CanonicalFormError as error:
             self.report({"ERROR"}, str(error))  # type: ignore[attr-defined]
+            return {"CANCELLED"}
+        except MemoryError:
+            self.report({"ERROR"}, _NO_MEMORY)  # type: ignore[attr-defined]
             return {"CANCELLED"}
         self._job, self._stopped_at = Job(self._task.compute), 0.0
         OBJECT_OT_canonical_form_cancel.job = self._job

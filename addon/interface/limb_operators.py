@@ -52,6 +52,7 @@ class OBJECT_OT_canonical_form_limb(JobOperator, bpy.types.Operator):
     def written(self, context: bpy.types.Context, task: VariantTask, outcome: Any, interactive: bool) -> None:
         """Say of how many limbs the pose is taken out."""
         self.report({"INFO"}, f"The pose is out of {sum(task.limbs)} of {len(task.limbs)} patches.")
+        self.warn(task.warnings)
 
 
 class OBJECT_OT_canonical_form_in_betweens(JobOperator, bpy.types.Operator):
@@ -78,6 +79,7 @@ class OBJECT_OT_canonical_form_in_betweens(JobOperator, bpy.types.Operator):
         """Say what the slider does now."""
         on = has_in_betweens(context.object.data)
         self.report({"INFO"}, f"{self.count} keys lie between pose and form." if on else "In-betweens removed.")
+        self.warn(task.warnings)
 
 
 class OBJECT_OT_canonical_form_select_patch(bpy.types.Operator):

@@ -95,8 +95,7 @@ class OBJECT_OT_canonical_form_distance(JobOperator, bpy.types.Operator):
         from ..blender.distance_fields import WEIGHTS
 
         self.report({"INFO"}, f"Distances are in the colours {outcome} and the vertex group {WEIGHTS.format(outcome)}.")
-        for warning in task.warnings:
-            self.report({"WARNING"}, warning)
+        self.warn(task.warnings)
         if task.unreached:
             self.report(
                 {"WARNING"}, f"{task.unreached:,} vertices cannot be reached from the selection; shown in grey."

@@ -50,7 +50,7 @@ def _least(pairs, place, length):
 def distances(library, vertices, faces, source):
     """Ask a library."""
     if library == "ours":
-        from addon.core.heat import heat_geodesics
+        from addon.core.fields import heat_geodesics
 
         return heat_geodesics(vertices, faces, source)[:, 0]
     if library == "potpourri3d":

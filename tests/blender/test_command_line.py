@@ -173,7 +173,9 @@ def test_files_of_one_name_get_their_folders_names(tmp_path):
     ("text", "words"),
     [("", "OFF"), ("PLY\n", "OFF"), ("OFF\n1 x 0\n", "well-formed"), ("OFF\n3 1 0\n0 0 0\n", "cut short"),
      ("OFF\n-3 1 0\n", "cut short|announces"), ("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 a\n3 0 1 2\n", "well-formed"),
-     ("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 9\n", "not there"), ("OFF", "well-formed")],
+     ("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 9\n", "not there"), ("OFF", "well-formed"),
+     ("OFF\n3 1 0\n0 0\n1 0\n0 1\n3 0 1 2\n", "less than three"),
+     ("4OFF\n3 1 0\n0 0 0 1\n1 0 0 1\n0 1 0 1\n3 0 1 2\n", "a kind that is not read")],
 )  # fmt: skip
 def test_broken_off_files_are_refused(tmp_path, text, words):
     path = tmp_path / "broken.off"

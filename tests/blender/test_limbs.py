@@ -190,3 +190,16 @@ def test_the_list_and_the_slider_are_drawn(formed):
     assert "All Limbs" in drawn(panels.VIEW3D_PT_canonical_form_patches)
     bpy.ops.object.canonical_form_in_betweens(count=1)
     assert drawn(panels.VIEW3D_PT_canonical_form_result)[0] == "Pose to Form"
+
+
+def test_warnings_on_the_way_are_told(formed, monkeypatch, capfd):
+    from addon.core import articulation
+
+    real = articulation.intrinsic_delaunay
+    monkeypatch.setattr(articulation, "intrinsic_delaunay", lambda surface, monitor: real(surface, monitor, 1))
+    bpy.ops.object.canonical_form_in_betweens(count=2)
+    assert "Warning: Some triangles are so long and thin" in capfd.readouterr().out
+    bpy.ops.object.canonical_form_clear()
+    bpy.ops.object.canonical_form(**QUICK)
+    bpy.ops.object.canonical_form_limb(patch=1, only=True)
+    assert "Warning: Some triangles are so long and thin" in capfd.readouterr().out

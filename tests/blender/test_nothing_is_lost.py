@@ -249,3 +249,17 @@ def test_an_object_that_left_the_scene_is_not_written_to(figure_object):
     bpy.context.scene.collection.objects.unlink(figure_object)
     with pytest.raises(CanonicalFormError, match="deleted or renamed"):
         task.write()
+
+
+@pytest.mark.parametrize("copied", [False, True])
+def test_no_keys_are_left_behind_without_a_mesh(figure_object, copied):
+    obj = figure_object
+    bpy.ops.object.canonical_form(**QUICK)
+    if copied:  # Blender before 5.2 miscounts the users of these keys
+        obj.data = obj.data.copy()
+    bpy.ops.object.canonical_form(**QUICK, result="OBJECT")
+    for each in (obj, bpy.data.objects["Figure Canonical Form"]):
+        bpy.context.view_layer.objects.active = each
+        bpy.ops.object.canonical_form_clear()
+    used = [mesh.shape_keys for mesh in bpy.data.meshes if mesh.shape_keys is not None]
+    assert len(bpy.data.shape_keys) == len(used)

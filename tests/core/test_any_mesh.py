@@ -5,14 +5,14 @@ import pytest
 
 from addon.core import (
     CanonicalFormError,
+    InvalidMeshError,
     InvalidSettingsError,
     Settings,
     TooLargeError,
     canonical_form,
     feature_patches,
 )
-from addon.core.fields import KINDS, distance_field
-from addon.core.heat import heat_geodesics
+from addon.core.fields import KINDS, distance_field, heat_geodesics
 from addon.core.limbs import limb_shapes
 from addon.core.measures import edge_stretch
 from addon.core.surface import surface_area
@@ -160,3 +160,27 @@ def test_limbs_of_any_mesh(name, forms):
     whole = limb_shapes(family.vertices, family.faces, form.vertices, form.patches >= 0, [0.5, 1.0])
     np.testing.assert_allclose(whole[1], form.vertices, atol=1e-9)
     assert np.isfinite(whole[0]).all()
+
+
+@pytest.mark.parametrize(
+    ("wrong", "error"),
+    [({"form": np.zeros((3, 3))}, InvalidMeshError), ({"form": np.full((36, 3), np.nan)}, InvalidMeshError),
+     ({"chosen": [True]}, InvalidSettingsError), ({"chosen": np.zeros(36)}, InvalidSettingsError),
+     ({"ways": [np.nan]}, InvalidSettingsError), ({"ways": [2]}, InvalidSettingsError)],
+)  # fmt: skip
+def test_limbs_of_what_does_not_fit_are_refused(wrong, error):
+    vertices, faces = shapes.grid(6, 6)
+    fitting = {"form": vertices, "chosen": vertices[:, 0] > 0.5, "ways": [1.0]}
+    limb_shapes(vertices, faces, **fitting)
+    with pytest.raises(error):
+        limb_shapes(vertices, faces, **(fitting | wrong))
+
+
+@pytest.mark.parametrize("size", [1e-120, 1e120])
+def test_limbs_of_any_size(size):
+    vertices, faces = shapes.grid(9, 3, 4.0, 1.0)
+    bent = np.column_stack([vertices[:, 0], vertices[:, 1], 0.2 * vertices[:, 0] ** 2])
+    chosen = vertices[:, 0] > 3
+    (small,) = limb_shapes(bent, faces, vertices, chosen)
+    (sized,) = limb_shapes(size * bent, faces, size * vertices, chosen)
+    np.testing.assert_allclose(sized / size, small, atol=1e-9)

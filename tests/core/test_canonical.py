@@ -13,7 +13,8 @@ from addon.core.alignment import rigid_fit
 from addon.core.canonical import CanonicalForm
 from addon.core.delaunay import intrinsic_delaunay
 from addon.core.distances import GreensFunction, all_geodesics, commute_time_squared
-from addon.core.heat import HeatMethod, heat_geodesics
+from addon.core.fields import heat_geodesics
+from addon.core.heat import HeatMethod
 from addon.core.laplacian import mass, stiffness
 from addon.core.measures import edge_stretch
 from addon.core.monitor import Monitor
@@ -242,7 +243,7 @@ def test_too_large_a_mesh_is_refused_before_the_memory_is_spent(sphere):
      {"landmarks": 2}, {"arrangement_share": -1},
      {"smoothing": -1}, {"quality": "best"}, {"preserve_detail": 2},
      {"iterations": -1}, {"tolerance": -1}, {"extrapolation": -1},
-     {"memory_limit": -1}],
+     {"memory_limit": -1}, {"memory_limit": "1"}, {"eigenpairs": 2.5}, {"landmarks": None}, {"as_published": "no"}],
 )  # fmt: skip
 def test_settings_out_of_range_are_refused_by_name(wrong):
     with pytest.raises(InvalidSettingsError, match=next(iter(wrong))):

@@ -15,7 +15,7 @@ from hypothesis import HealthCheck, Phase, given, settings
 
 from addon.core import InvalidMeshError, Settings, canonical_form
 from addon.core.alignment import rigid_fit
-from addon.core.heat import heat_geodesics
+from addon.core.fields import heat_geodesics
 from addon.core.parts import connected_parts
 from addon.core.surface import corner_lengths, surface_area
 from tests.sample import shapes
@@ -205,6 +205,16 @@ def made(seed):
     return vertices, faces
 
 
+def damaged(kind, seed, *damages):
+    """A sound mesh, noise on it, and these damages, as `meshes` draws them."""
+    rng = np.random.default_rng(seed)
+    vertices, faces = (each.copy() for each in sound()[kind])
+    vertices = vertices + 0.02 * rng.normal(size=vertices.shape)
+    for damage in damages:
+        vertices, faces = damage(vertices, faces, rng)
+    return vertices, faces
+
+
 def spiked(size):
     """A ball with one vertex pulled far out: triangles of very different sizes."""
     vertices, faces = shapes.sphere(1)
@@ -218,6 +228,7 @@ ONCE = {
     "the same with faces twice": made(317),
     "far away": made(333),
     "spikes far away": made(10820),
+    "spikes, far away, with spikes": damaged(1, 0, spikes, far_away, far_away, spikes),
     "a spike of 10³": spiked(1e3),
     "a spike of 10⁶": spiked(1e6),
 }

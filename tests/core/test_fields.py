@@ -2,10 +2,10 @@ import numpy as np
 import pygeodesic.geodesic
 import pytest
 
-from addon.core import CancelledError, InvalidSettingsError
+from addon.core import CancelledError, InvalidSettingsError, TooLargeError
 from addon.core.fast_marching import fast_marching
-from addon.core.fields import KINDS, distance_field
-from addon.core.heat import HeatMethod, heat_geodesics
+from addon.core.fields import KINDS, distance_field, heat_geodesics
+from addon.core.heat import HeatMethod
 from addon.core.surface import triangulated
 from tests.sample import shapes
 
@@ -105,3 +105,68 @@ def test_a_fallback_on_a_part_is_told(monkeypatch):
     said = []
     heat_geodesics(*shapes.grid(3, 3), [0], said.append)
     assert "along edges" in " ".join(said)
+
+
+def test_distances_beside_spikes_stay_possible_and_it_is_told():
+    vertices, faces = shapes.grid(40, 3)
+    vertices = vertices.copy()
+    vertices[7, 2] += 3
+    exact_ones = exact(vertices, faces, [0])
+    said = []
+    field = distance_field(vertices, faces, [0], warned=said.append)
+    assert "Heat runs astray" in said[0]
+    np.testing.assert_array_equal(heat_geodesics(vertices, faces, [0], lambda _: None)[:, 0], field)
+    assert (field >= np.linalg.norm(vertices - vertices[0], axis=1) - 1e-12).all()
+    assert (field >= exact_ones * 0.9 - 0.05 * exact_ones.max()).all()
+
+
+def test_many_sources_are_done_in_blocks(monkeypatch, figure):
+    whole = heat_geodesics(*figure, np.arange(0, 2000, 40))
+    monkeypatch.setattr("addon.core.heat._AT_ONCE", 30_000)
+    np.testing.assert_allclose(heat_geodesics(*figure, np.arange(0, 2000, 40)), whole, atol=1e-9)
+
+
+@pytest.mark.parametrize("size", [1e-120, 1e120])
+def test_no_size_is_too_small_or_too_large(size):
+    vertices, faces = shapes.sphere(2)
+    for kind in KINDS:
+        unit = 1 if kind == "commute_time" else size
+        field = distance_field(size * vertices, faces, [3], kind)
+        np.testing.assert_allclose(field / unit, distance_field(vertices, faces, [3], kind), rtol=1e-6, atol=1e-9)
+    np.testing.assert_allclose(
+        heat_geodesics(size * vertices, faces, [3]) / size, heat_geodesics(vertices, faces, [3]), rtol=1e-6, atol=1e-9
+    )
+
+
+def test_small_meshes_are_refined_until_distances_are_right():
+    vertices, faces = shapes.grid(2, 2)
+    true = np.linalg.norm(vertices - vertices[0], axis=1)
+    np.testing.assert_allclose(heat_geodesics(vertices, faces, [0])[:, 0], true, atol=0.01)
+
+
+@pytest.mark.parametrize("kind", ["biharmonic", "commute_time"])
+def test_a_mesh_that_cannot_be_made_coarse_is_told_or_refused(kind, monkeypatch):
+    monkeypatch.setattr("addon.core.fields._WORKED_ON", 300)
+    vertices, faces = fans(850)
+    said = []
+    assert np.isfinite(distance_field(vertices, faces, [0], kind, warned=said.append)).all()
+    assert "could only be reduced to" in said[0]
+    with pytest.raises(TooLargeError, match="All pairs of points need"):
+        distance_field(vertices, faces, [0], kind, memory_limit=0.11)
+
+
+def fans(count):
+    """Triangles in a row that touch at their corners only."""
+    x = np.arange(count)[:, None, None]
+    corners = np.concatenate([np.broadcast_to([[0, 0, 0], [1, 0, 0], [0.5, 1, 0]], (count, 3, 3)) + x * [1, 0, 0]])
+    points, faces = np.unique(corners.reshape(-1, 3), axis=0, return_inverse=True)
+    return points, faces.reshape(-1, 3)
+
+
+def test_a_single_vertex_may_stand_for_a_list_and_nothing_else():
+    mesh = shapes.grid(5, 5)
+    np.testing.assert_array_equal(heat_geodesics(*mesh, 3), heat_geodesics(*mesh, [3]))
+    for sources in ([[0, 1], [2, 3]], [[0], [1, 2]]):
+        for measure in (heat_geodesics, distance_field):
+            with pytest.raises(InvalidSettingsError, match="must be a list"):
+                measure(*mesh, sources)

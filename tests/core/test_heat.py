@@ -3,7 +3,8 @@ import pygeodesic.geodesic
 import pytest
 
 from addon.core import SolverError
-from addon.core.heat import HeatMethod, heat_geodesics
+from addon.core.fields import heat_geodesics
+from addon.core.heat import HeatMethod
 from addon.core.surface import triangulated
 from tests.sample import shapes
 

@@ -4,8 +4,7 @@ import sys
 import pytest
 
 from addon.core import Settings, TooLargeError
-from addon.core.fields import KINDS, distance_field
-from addon.core.heat import heat_geodesics
+from addon.core.fields import KINDS, distance_field, heat_geodesics
 from addon.core.memory import (
     field_memory_estimate,
     free_memory,

@@ -10,7 +10,7 @@ from sklearn.manifold import smacof as sklearn_smacof
 
 from addon.core import CancelledError, InvalidSettingsError, Settings, TooLargeError, canonical_form
 from addon.core.alignment import closest_point_fit, rigid_fit
-from addon.core.heat import heat_geodesics
+from addon.core.fields import heat_geodesics
 from addon.core.measures import compactness_error, edge_stretch
 from addon.core.memory import memory_estimate
 from addon.core.monitor import Monitor

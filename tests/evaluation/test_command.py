@@ -198,6 +198,18 @@ def test_the_code_is_read_alike_whatever_the_language_of_the_machine():
     assert done.stdout.split() == [code_version()], done.stderr
 
 
+def test_tables_are_not_written_among_what_is_read(dataset, tmp_path, capsys):
+    classes = tmp_path / "classes.csv"
+    classes.write_text("a.off,one\n")
+    (tmp_path / "in").mkdir()
+    shapes.write_off(tmp_path / "in" / "a.off", *shapes.sphere(1))
+    words = [str(tmp_path / "in"), "--classes", str(classes), "--methods", "fast", "--output"]
+    for output in (tmp_path, tmp_path / "in"):
+        assert main([*words, str(output)]) == 2
+        assert "Choose another --output" in capsys.readouterr().err
+    assert classes.read_text() == "a.off,one\n"
+
+
 def died():
     os._exit(9)
 

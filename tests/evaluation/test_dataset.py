@@ -1,5 +1,7 @@
 import os
+import time
 from contextlib import closing
+from threading import Timer
 
 import numpy as np
 import pytest
@@ -109,6 +111,21 @@ def test_a_crash_of_blender_costs_one_file(tmp_path, monkeypatch):
         read, read_faces = reader.triangles(tmp_path / "good.obj")
     assert read.shape == vertices.shape
     np.testing.assert_array_equal(read_faces, faces)
+
+
+def leave_after(path):
+    found = real_read(path)
+    Timer(0.2, os._exit, [9]).start()
+    return found
+
+
+def test_a_reader_that_dies_between_two_files_costs_none(tmp_path, monkeypatch):
+    monkeypatch.setattr(reading, "_read_or_refused", leave_after)
+    (tmp_path / "a.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    with closing(reading.Reader()) as reader:
+        for _ in range(3):
+            assert len(reader.triangles(tmp_path / "a.obj")[0]) == 3
+            time.sleep(0.5)
 
 
 def test_what_blender_refuses_is_told_from_the_other_process(tmp_path):

@@ -15,6 +15,7 @@ import psutil
 import pytest
 
 from addon.evaluation.command import main
+from tests.sample import shapes
 
 METHODS = "ours,skeleton,fast"
 KILLS = 5
@@ -135,3 +136,20 @@ def test_a_dask_worker_is_killed(dataset, undisturbed, tmp_path, tables_of, clus
         chance.choice([worker for nanny in nannies for worker in workers_of(nanny)]).kill()
     finished(process)
     assert tables_of(folder) == tables_of(undisturbed)
+
+
+@pytest.mark.parametrize("moment", [0.0, 0.1, 0.5, 2.0])
+def test_nothing_lives_on_when_the_run_is_killed(moment, tmp_path):
+    vertices, faces = shapes.sphere(2)
+    (tmp_path / "in" / "ball").mkdir(parents=True)
+    lines = [f"v {x} {y} {z}" for x, y, z in vertices] + [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in faces]
+    for name in ("a.obj", "b.obj"):  # which Blender reads, in another process
+        (tmp_path / "in" / "ball" / name).write_text("\n".join(lines))
+    process = started(tmp_path / "in", tmp_path / "out", "--workers", "2")
+    wait_for(lambda: workers_of(process), process)
+    time.sleep(moment)
+    children = psutil.Process(process.pid).children(recursive=True)
+    process.kill()
+    process.wait()
+    process.stderr.close()
+    assert not psutil.wait_procs(children, timeout=10)[1]

@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from addon.core import Settings, feature_patches
-from addon.core.heat import heat_geodesics
+from addon.core.fields import heat_geodesics
 from addon.core.surface import component_labels, vertex_pairs
 from tests.figures.drawing import show
 from tests.figures.models import facing
