@@ -75,3 +75,11 @@ def test_geodesics_that_do_not_fit_are_refused(monkeypatch):
     monkeypatch.setattr("addon.core.memory.free_memory", lambda: 0.01)
     with pytest.raises(TooLargeError, match="These distances need"):
         heat_geodesics(*shapes.grid(5, 5), [0])
+
+
+def test_what_heat_refines_is_counted_refined():
+    mesh = shapes.grid(70, 70)  # about 0.06 GB as it is, 0.13 GB refined
+    with pytest.raises(TooLargeError):
+        distance_field(*mesh, [0], memory_limit=0.1)
+    with pytest.raises(TooLargeError):
+        heat_geodesics(*mesh, [0], memory_limit=0.1)
