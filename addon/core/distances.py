@@ -81,7 +81,8 @@ class GreensFunction:
     def biharmonic_distances(self, points: IntArray) -> FloatArray:
         """Compute biharmonic distances between some vertices (equation 9, all eigenpairs).
 
-        With g = L⁺ M L⁺ (L⁺ orthogonal to constants under M), ``dB_ij² = g_ii + g_jj - 2 g_ij``.
+        With ``L u_i = e_i`` but for what is the same for all i, and the mean under M of each taken out,
+        ``dB_ij² = |u_i - u_j|²`` under M.
 
         Parameters
         ----------
@@ -97,9 +98,9 @@ class GreensFunction:
         ----------
         Lipman, Rustamov and Funkhouser, "Biharmonic Distance", 2010.
         """
-        area = self._mass.sum()
-        solved = self._grounded(points) - self._balancing()[:, None]
-        solved -= (self._mass @ solved) / area
+        solved = self._grounded(points)
+        solved -= solved.mean(axis=1, keepdims=True)  # the drain, which cancels out: better before than after
+        solved -= (self._mass @ solved) / self._mass.sum()
         product = solved.T @ (self._mass[:, None] * solved)  # g_ij
         diagonal = np.diag(product)
         squared = diagonal[:, None] + diagonal[None, :] - product - product.T
@@ -112,12 +113,6 @@ class GreensFunction:
         right[points, np.arange(len(points))] = 1.0
         solved = np.zeros_like(right)
         solved[:-1] = self._solve(right[:-1])
-        return solved
-
-    def _balancing(self) -> FloatArray:
-        """Solve for a unit source spread evenly over the area."""
-        solved = np.zeros(len(self._mass))
-        solved[:-1] = self._solve(self._mass[:-1] / self._mass.sum())
         return solved
 
 

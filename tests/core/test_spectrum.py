@@ -84,8 +84,9 @@ def test_auto_diffusion_is_constant_on_a_sphere_and_scales_like_one_over_area(sp
 
 def test_auto_diffusion_needs_a_positive_time(sphere):
     spectrum = compute_spectrum(*operators(*sphere), 5)
-    with pytest.raises(InvalidSettingsError, match="positive"):
-        auto_diffusion(spectrum, 0.0)
+    for time in (0.0, -1.0):
+        with pytest.raises(InvalidSettingsError, match="positive"):
+            auto_diffusion(spectrum, time)
 
 
 def test_it_hears_a_cancel(sphere):
@@ -108,3 +109,10 @@ def test_a_surface_in_two_parts_has_no_spectrum(sphere):
 def test_the_diffusion_time_is_that_of_the_settings():
     spectrum = compute_spectrum(*operators(*shapes.sphere(2)), 20)
     np.testing.assert_array_equal(auto_diffusion(spectrum), auto_diffusion(spectrum, Settings().diffusion_time))
+
+
+@pytest.mark.parametrize("size", [1.0, 1e3])
+def test_a_thread_is_one_surface(size):
+    vertices, faces = shapes.grid(300, 2, 100.0, 0.1)
+    spectrum = compute_spectrum(*operators(size * vertices, faces), 3)
+    assert spectrum.eigenvalues[0] == pytest.approx((np.pi / (100 * size)) ** 2, rel=1e-3)
