@@ -67,13 +67,13 @@ class Hand:
         region = self.region("UI")
         return region.x + share * (region.width - 1.2 * UNIT), region.y + region.height - pixels
 
-    def click_until(self, happened, offsets, share=0.5, before=None):
-        """Click down a column of the sidebar until something has happened."""
+    def click_until(self, happened, offsets, share=0.5, before=None, seconds=0.6):
+        """Click down a column of the sidebar until something has happened, each time waiting so long for it."""
         for offset in offsets:
             if before is not None:
                 before()
             yield from self.click(*self.below_top(offset, share))
-            for _ in range(30):
+            for _ in range(int(seconds / 0.02)):
                 if happened():
                     return
                 yield 0.02
