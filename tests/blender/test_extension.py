@@ -62,6 +62,7 @@ assert "Canonical Form" in obj.data.shape_keys.key_blocks
 assert bpy.ops.object.canonical_form_limb(patch=1, only=True) == {"FINISHED"}
 assert bpy.ops.object.canonical_form_in_betweens(count=2) == {"FINISHED"}
 assert bpy.ops.object.canonical_form_select_patch(patch=1) == {"FINISHED"}
+obj.data.vertices.foreach_set("select", [True] + [False] * (len(obj.data.vertices) - 1))  # a cube is one patch
 assert bpy.ops.object.canonical_form_distance(kind="heat") == {"FINISHED"}
 assert bpy.ops.object.canonical_form_clear() == {"FINISHED"}
 assert obj.data.shape_keys is None
