@@ -101,7 +101,7 @@ class GreensFunction:
         solved = self._grounded(points)
         solved -= solved.mean(axis=1, keepdims=True)  # the drain, which cancels out: better before than after
         solved -= (self._mass @ solved) / self._mass.sum()
-        product = solved.T @ (self._mass[:, None] * solved)  # g_ij
+        product = solved.T @ (self._mass[:, None] * solved)  # (k, k)
         diagonal = np.diag(product)
         squared = diagonal[:, None] + diagonal[None, :] - product - product.T
         np.fill_diagonal(squared, 0.0)

@@ -16,7 +16,7 @@ from .memory import require_field_memory, require_pair_memory
 from .monitor import Cancelled, Monitor, Progress, Warned
 from .parts import Part, connected_parts
 from .settings import Settings
-from .surface import FloatArray, IntArray, Triangulation, of_unit_area, triangulated
+from .surface import FloatArray, IntArray, of_unit_area, triangulated
 
 KINDS = ("heat", "fast_marching", "biharmonic", "commute_time")
 _WORKED_ON = 2000  # vertices between which biharmonic distance and commute time are computed, all pairs
@@ -75,7 +75,7 @@ def distance_field(
     CancelledError
         If `cancelled` returned True.
     """
-    monitor = Monitor(progress, cancelled)
+    monitor, settings = Monitor(progress, cancelled), Settings(memory_limit=memory_limit)
     if kind not in KINDS:
         raise InvalidSettingsError(f"kind must be one of {', '.join(KINDS)}; got {kind!r}.")
     with monitor.stage("Surface", 0.1):
@@ -89,11 +89,11 @@ def distance_field(
                     f"Select at most {_MOST_SOURCES:,} vertices to measure from; {len(starts):,} are."
                 )
             if len(starts):
-                require_field_memory(_measured_on(len(part.vertices), kind), kind, memory_limit)
+                require_field_memory(_measured_on(len(part.vertices), kind), kind, settings)
     fields = []
     for (part, own), (_, starts) in zip(parts.each(monitor), placed, strict=True):
         with own.stage("Distances", 1.0):
-            fields.append(_field_of_part(part, np.unique(starts), kind, own, memory_limit))
+            fields.append(_field_of_part(part, np.unique(starts), kind, own, settings))
     field = parts.together(fields, np.full(len(parts.vertices), np.inf))
     field[chosen] = 0.0
     monitor.hand_over(warned)
@@ -132,14 +132,17 @@ def heat_geodesics(
     TooLargeError
         If the surfaces with sources are too large for the memory limit.
     """
-    monitor = Monitor()
+    from scipy.sparse.csgraph import dijkstra
+    from scipy.spatial.distance import cdist
+
+    monitor, settings = Monitor(), Settings(memory_limit=memory_limit)
     parts = connected_parts(vertices, faces)
     monitor.warnings += parts.mended
     placed = parts.placed(sources)
     columns = np.atleast_1d(np.asarray(sources))
     for part, (here, _) in zip(parts.parts, placed, strict=True):
         if len(here):
-            require_field_memory(4 * len(part.vertices), "heat", memory_limit)
+            require_field_memory(4 * len(part.vertices), "heat", settings)
     distances = []
     for (part, own), (here, starts) in zip(parts.each(monitor), placed, strict=True):
         each = np.full((len(part.vertices), len(columns)), np.inf)
@@ -147,9 +150,8 @@ def heat_geodesics(
             points, _, unit = of_unit_area(part.points, part.faces)
             surface = triangulated(points, part.faces)
             found = HeatMethod(surface, monitor=own, fewest=WHOLE).distances(starts)
-            for column, start in enumerate(starts):
-                found[:, column] = _possible(found[:, column], points, surface, np.array([start]), own)
-            each[:, here] = unit * found
+            longest = dijkstra(edge_graph(surface), directed=False, indices=starts).T
+            each[:, here] = unit * _possible(found, cdist(points, points[starts]), longest, own)
         distances.append(each)
     monitor.hand_over(warned)
     result = parts.together(distances, np.full((len(parts.vertices), len(columns)), np.inf))
@@ -162,12 +164,15 @@ def _measured_on(count: int, kind: str) -> int:
     return 4 * count if kind == "heat" and count <= _REFINED else count
 
 
-def _field_of_part(part: Part, chosen: IntArray, kind: str, monitor: Monitor, memory_limit: float) -> FloatArray:
+def _field_of_part(part: Part, chosen: IntArray, kind: str, monitor: Monitor, settings: Settings) -> FloatArray:
+    from scipy.sparse.csgraph import dijkstra
+    from scipy.spatial import cKDTree
+
     if not len(chosen):
         return np.full(len(part.vertices), np.inf)
     points, _, unit = of_unit_area(part.points, part.faces)
     if kind in ("biharmonic", "commute_time"):
-        field = _between_all(points, part.faces, chosen, kind, monitor, memory_limit)
+        field = _between_all(points, part.faces, chosen, kind, monitor, settings)
         return field * (unit if kind == "biharmonic" else 1.0)
     surface = triangulated(points, part.faces)
     if kind == "fast_marching":
@@ -175,20 +180,15 @@ def _field_of_part(part: Part, chosen: IntArray, kind: str, monitor: Monitor, me
     heat = HeatMethod(surface, refine=len(points) <= _REFINED, monitor=monitor, fewest=WHOLE)
     one_by_one = len(chosen) <= _ONE_BY_ONE
     field = heat.distances(chosen).min(axis=1) if one_by_one else heat.distance_to_set(chosen)
-    return unit * _possible(field, points, surface, chosen, monitor)
-
-
-def _possible(
-    field: FloatArray, points: FloatArray, surface: Triangulation, chosen: IntArray, monitor: Monitor
-) -> FloatArray:
-    """Hold distances between the straight ones and the ways along edges, which heat misses beside spikes."""
-    from scipy.sparse.csgraph import dijkstra
-    from scipy.spatial import cKDTree
-
     longest = dijkstra(edge_graph(surface), directed=False, indices=chosen, min_only=True)
-    shortest = np.minimum(cKDTree(points[chosen]).query(points)[0], longest)
-    held = np.clip(field, shortest, longest)
-    far = np.count_nonzero(~(np.abs(held - field) <= _OFF * longest.max()))
+    return unit * _possible(field, cKDTree(points[chosen]).query(points)[0], longest, monitor)
+
+
+def _possible(field: FloatArray, straight: FloatArray, longest: FloatArray, monitor: Monitor) -> FloatArray:
+    """Hold distances between the straight ones and the ways along edges, which heat misses beside spikes."""
+    held = np.clip(field, np.minimum(straight, longest), longest)
+    off = ~(np.abs(held - field) <= _OFF * longest.max(axis=0))
+    far = np.count_nonzero(off.reshape(len(off), -1).any(axis=1))
     if far:
         which = "1 vertex" if far == 1 else f"{far:,} vertices"
         monitor.warn(
@@ -199,7 +199,7 @@ def _possible(
 
 
 def _between_all(
-    points: FloatArray, triangles: IntArray, chosen: IntArray, kind: str, monitor: Monitor, memory_limit: float
+    points: FloatArray, triangles: IntArray, chosen: IntArray, kind: str, monitor: Monitor, settings: Settings
 ) -> FloatArray:
     """Compute exact biharmonic distances or commute times on a coarse mesh and carry them to all vertices."""
     coarse = None
@@ -207,7 +207,7 @@ def _between_all(
         coarse = coarsened(points, triangles, _WORKED_ON, chosen, monitor)
         points, triangles, chosen = points[coarse.kept], coarse.faces, np.searchsorted(coarse.kept, chosen)
         if len(points) > 2 * _WORKED_ON:  # it would not get smaller
-            require_pair_memory(len(coarse.kept), [len(points)], Settings(memory_limit=memory_limit))
+            require_pair_memory(len(coarse.kept), [len(points)], settings)
             monitor.warn(
                 f"The mesh could only be reduced to {len(points):,} vertices, because of its many borders or edges of "
                 "more than two faces; the distances took longer. Merge vertices by distance for faster ones."

@@ -146,7 +146,7 @@ def require_memory(vertex_count: int, settings: Settings) -> None:
         )
 
 
-def require_field_memory(vertex_count: int, kind: str, memory_limit: float = 0.0) -> None:
+def require_field_memory(vertex_count: int, kind: str, settings: Settings) -> None:
     """Refuse to measure distances on a surface that is too large for the memory.
 
     Parameters
@@ -155,16 +155,16 @@ def require_field_memory(vertex_count: int, kind: str, memory_limit: float = 0.0
         As in `field_memory_estimate`.
     kind : str
         Likewise.
-    memory_limit : float
-        Gigabytes; 0 for a share of the memory that is free now.
+    settings : Settings
+        The memory limit.
 
     Raises
     ------
     TooLargeError
         With the memory needed and what to do.
     """
-    needed, settings = field_memory_estimate(vertex_count, kind), Settings(memory_limit=memory_limit)
-    limit = memory_limit or _SHARE * free_memory()
+    needed = field_memory_estimate(vertex_count, kind)
+    limit = memory_limit(settings)
     if needed > limit:
         other = "Fast marching takes far less. Or close" if kind == "heat" else "Close"
         raise TooLargeError(

@@ -50,7 +50,7 @@ class Reader:
         plain = _plain_triangles(path)
         if plain is not None:
             return plain
-        ((_, found),) = self._process.results(iter([(path, (_read_or_refused, (path,)))]))
+        ((_, found),) = self._process.results(iter([(path, (_read_by_blender, (path,)))]))
         if not isinstance(found, Failure):
             return cast("tuple[FloatArray, IntArray]", found)
         if found.died:
@@ -65,45 +65,6 @@ class Reader:
         self._process.close()
 
 
-def read_triangles(path: Path) -> tuple[FloatArray, IntArray]:
-    """Read the one mesh of a file.
-
-    Parameters
-    ----------
-    path : Path
-        A .off, .obj, .ply, .stl, .glb or .blend file.
-
-    Returns
-    -------
-    vertices : (n, 3) ndarray of float
-        Positions.
-    faces : (m, 3) ndarray of int
-        Triangles.
-
-    Raises
-    ------
-    InvalidMeshError
-        If it cannot be read, or holds more than one mesh.
-    """
-    plain = _plain_triangles(path)
-    if plain is not None:
-        return plain
-    try:
-        import bpy  # noqa: F401
-    except ImportError as error:
-        raise InvalidMeshError(
-            f"{path.name} can only be read by Blender as a module: pip install bpy. Triangles in .off files need none."
-        ) from error
-    from ..blender.files import open_meshes
-    from ..blender.mesh_reading import read_mesh
-
-    with _blender_silenced():
-        objects = open_meshes(path)
-    if len(objects) > 1:
-        raise InvalidMeshError(f"{path.name} holds {len(objects)} meshes; an evaluation needs one a file.")
-    return read_mesh(objects[0].data)
-
-
 def _plain_triangles(path: Path) -> tuple[FloatArray, IntArray] | None:
     """Read what needs no Blender."""
     if path.suffix.lower() != ".off":
@@ -114,13 +75,27 @@ def _plain_triangles(path: Path) -> tuple[FloatArray, IntArray] | None:
     return vertices, np.array(polygons, dtype=np.int64).reshape(-1, 3)
 
 
-def _read_or_refused(path: Path) -> tuple[FloatArray, IntArray]:
+def _read_by_blender(path: Path) -> tuple[FloatArray, IntArray]:
+    """Read a file in this process, which Blender may take along."""
     # where the first process has loaded Blender, its folders came along, and half of a bpy in them
     sys.path[:] = [folder for folder in sys.path if Path(folder).parts[-2:] != ("scripts", "modules")]
     try:
-        return read_triangles(path)
+        import bpy  # noqa: F401
+    except ImportError as error:
+        raise InvalidMeshError(
+            f"{path.name} can only be read by Blender as a module: pip install bpy. Triangles in .off files need none."
+        ) from error
+    from ..blender.files import open_meshes
+    from ..blender.mesh_reading import read_mesh
+
+    try:
+        with _blender_silenced():
+            objects = open_meshes(path)
     except (OSError, RuntimeError) as error:  # RuntimeError: Blender refuses
         raise InvalidMeshError(str(error)) from error
+    if len(objects) > 1:
+        raise InvalidMeshError(f"{path.name} holds {len(objects)} meshes; an evaluation needs one a file.")
+    return read_mesh(objects[0].data)
 
 
 @contextmanager

@@ -55,6 +55,12 @@ class JobOperator:
     def written(self, context: bpy.types.Context, task: Any, outcome: Any, interactive: bool) -> None:
         """Tell the user what came of it."""
 
+    def _failed(self, error: Exception) -> set[str]:
+        """Show why there is no result."""
+        sentence = _NO_MEMORY if isinstance(error, MemoryError) else str(error)
+        self.report({"ERROR"}, sentence)  # type: ignore[attr-defined]
+        return {"CANCELLED"}
+
     def warn(self, sentences: list[str]) -> None:
         """Show warnings of a computation."""
         for sentence in sentences:
@@ -75,12 +81,8 @@ class JobOperator:
             task = self.task(context)
             task.compute(lambda done, _: manager.progress_update(100 * done))
             self.written(context, task, task.write(), interactive=False)
-        except CanonicalFormError as error:
-            self.report({"ERROR"}, str(error))  # type: ignore[attr-defined]
-            return {"CANCELLED"}
-        except MemoryError:
-            self.report({"ERROR"}, _NO_MEMORY)  # type: ignore[attr-defined]
-            return {"CANCELLED"}
+        except (CanonicalFormError, MemoryError) as error:
+            return self._failed(error)
         finally:
             manager.progress_end()
         return {"FINISHED"}
@@ -91,12 +93,8 @@ class JobOperator:
             return self.execute(context)
         try:
             self._task = self.task(context)
-        except CanonicalFormError as error:
-            self.report({"ERROR"}, str(error))  # type: ignore[attr-defined]
-            return {"CANCELLED"}
-        except MemoryError:
-            self.report({"ERROR"}, _NO_MEMORY)  # type: ignore[attr-defined]
-            return {"CANCELLED"}
+        except (CanonicalFormError, MemoryError) as error:
+            return self._failed(error)
         self._job, self._stopped_at = Job(self._task.compute), 0.0
         OBJECT_OT_canonical_form_cancel.job = self._job
         OBJECT_OT_canonical_form_cancel.timer = context.window_manager.event_timer_add(_TICK, window=context.window)
@@ -125,12 +123,8 @@ class JobOperator:
         except CancelledError as error:
             self.report({"INFO"}, str(error))  # type: ignore[attr-defined]
             return {"CANCELLED"}
-        except CanonicalFormError as error:
-            self.report({"ERROR"}, str(error))  # type: ignore[attr-defined]
-            return {"CANCELLED"}
-        except MemoryError:
-            self.report({"ERROR"}, _NO_MEMORY)  # type: ignore[attr-defined]
-            return {"CANCELLED"}
+        except (CanonicalFormError, MemoryError) as error:
+            return self._failed(error)
         return {"FINISHED"}
 
     def cancel(self, context: bpy.types.Context) -> None:

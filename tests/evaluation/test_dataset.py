@@ -11,7 +11,6 @@ from addon.evaluation import reading
 from addon.evaluation.command import _words
 from addon.evaluation.dataset import shapes_in
 from addon.evaluation.methods import DEFAULT, chosen_methods
-from addon.evaluation.reading import read_triangles
 from tests.sample import shapes
 from tests.sample.shapes import write_off
 
@@ -75,22 +74,23 @@ def test_what_is_no_dataset_is_refused(tmp_path):
 def test_meshes_are_read_as_they_are(tmp_path):
     vertices, faces = shapes.sphere(1)
     write_off(tmp_path / "a.off", vertices, faces)
-    read, read_faces = read_triangles(tmp_path / "a.off")
-    np.testing.assert_allclose(read, vertices, atol=1e-8)
-    np.testing.assert_array_equal(read_faces, faces)
     lines = [f"v {x} {y} {z}" for x, y, z in vertices] + [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in faces]
     (tmp_path / "a.obj").write_text("\n".join(lines))
-    read, read_faces = read_triangles(tmp_path / "a.obj")
-    assert read.shape == vertices.shape
-    assert read_faces.shape == faces.shape
     (tmp_path / "two.obj").write_text(
         "\n".join(["o one", *lines, "o two", "v 0 0 9", "v 1 0 9", "v 0 1 9", "f -1 -2 -3"])
     )
-    with pytest.raises(InvalidMeshError, match="holds 2 meshes"):
-        read_triangles(tmp_path / "two.obj")
+    with closing(reading.Reader()) as reader:
+        read, read_faces = reader.triangles(tmp_path / "a.off")
+        np.testing.assert_allclose(read, vertices, atol=1e-8)
+        np.testing.assert_array_equal(read_faces, faces)
+        read, read_faces = reader.triangles(tmp_path / "a.obj")
+        assert read.shape == vertices.shape
+        assert read_faces.shape == faces.shape
+        with pytest.raises(InvalidMeshError, match="holds 2 meshes"):
+            reader.triangles(tmp_path / "two.obj")
 
 
-real_read = reading._read_or_refused
+real_read = reading._read_by_blender
 
 
 def read_or_crash(path):
@@ -100,7 +100,7 @@ def read_or_crash(path):
 
 
 def test_a_crash_of_blender_costs_one_file(tmp_path, monkeypatch):
-    monkeypatch.setattr(reading, "_read_or_refused", read_or_crash)
+    monkeypatch.setattr(reading, "_read_by_blender", read_or_crash)
     vertices, faces = shapes.sphere(1)
     lines = [f"v {x} {y} {z}" for x, y, z in vertices] + [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in faces]
     for name in ("bad.obj", "good.obj"):
@@ -120,7 +120,7 @@ def leave_after(path):
 
 
 def test_a_reader_that_dies_between_two_files_costs_none(tmp_path, monkeypatch):
-    monkeypatch.setattr(reading, "_read_or_refused", leave_after)
+    monkeypatch.setattr(reading, "_read_by_blender", leave_after)
     (tmp_path / "a.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
     with closing(reading.Reader()) as reader:
         for _ in range(3):
