@@ -3,10 +3,10 @@ python = .venv/bin/python
 
 environment:
 	@for each in python3 python3.11 python3.13; do \
-	  $$each -c '' 2>/dev/null && exec $$each tests/environment.py; done; echo "Python 3.11 or 3.13 is needed."; exit 1
+	  $$each -c '' 2>/dev/null && exec $$each tools/environment.py; done; echo "Python 3.11 or 3.13 is needed."; exit 1
 
 run: environment
-	$(python) tests/sample/run.py
+	$(python) tools/sample/run.py
 
 test: environment
 	$(python) -m pytest
@@ -17,24 +17,24 @@ check: environment
 	$(python) -m mypy
 
 package: environment
-	$(python) tests/package.py
+	$(python) tools/package.py
 
 docs: environment
-	$(python) docs/make_reference.py
+	$(python) tools/api_reference.py
 
 bench: environment
-	$(python) tests/benchmarks/form_tables.py $(DATA)
-	$(python) tests/benchmarks/contact_sheet.py build/benchmarks/gallery.npz docs/pictures/contact-sheet.png
+	$(python) tools/benchmarks/form_tables.py $(DATA)
+	$(python) tools/benchmarks/contact_sheet.py build/benchmarks/gallery.npz docs/pictures/contact-sheet.png
 
 evaluate: environment
 	$(python) -m addon evaluate $(DATA) --output build/evaluation
 
 figures: environment
-	$(python) tests/figures/run.py $(DATA)
+	$(python) tools/figures/run.py $(DATA)
 
 test-window: environment
 	$(python) tests/window/run.py $(if $(BLENDER),--blender $(BLENDER)) $(if $(MESH),--mesh $(MESH))
 
 guide-pictures: environment
-	$(python) tests/window/run.py --session tests/window/guide_pictures.py --pictures docs/pictures/guide \
+	$(python) tests/window/run.py --session tools/figures/guide_pictures.py --pictures docs/pictures/guide \
 	  $(if $(BLENDER),--blender $(BLENDER))

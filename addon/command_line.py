@@ -17,8 +17,8 @@ from .blender.computing import Request, compute_on
 from .blender.files import open_meshes, save_blend, save_form
 from .blender.mesh_reading import refusal
 from .core import CanonicalForm, CanonicalFormError, Settings
-from .core.memory import memory_estimate
-from .core.settings import METHODS, QUALITIES, STARTS
+from .core.run.memory import memory_estimate
+from .core.unfolding.settings import METHODS, QUALITIES, STARTS
 from .result_lines import claim_output
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.sample import shapes
+from tests.meshes import shapes
 
 DATA = Path(os.environ.get("CANONICAL_FORM_DATA", Path(__file__).resolve().parents[2] / "shared" / "data"))
 

@@ -9,14 +9,14 @@ from pathlib import Path
 import pytest
 
 from addon.core import Settings
-from tests.sample import shapes
+from tests.meshes import shapes
 
 ROOT = Path(__file__).resolve().parents[1]
 
 
 def test_the_api_page_is_up_to_date():
     done = subprocess.run(
-        [sys.executable, "docs/make_reference.py", "--check"], cwd=ROOT, capture_output=True, text=True
+        [sys.executable, "tools/api_reference.py", "--check"], cwd=ROOT, capture_output=True, text=True
     )
     assert done.returncode == 0, done.stderr
 

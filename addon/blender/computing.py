@@ -22,8 +22,8 @@ from .undeforming import positions_before
 
 if TYPE_CHECKING:
     from ..core import CanonicalForm, FeaturePatches
-    from ..core.monitor import Cancelled, Progress
-    from ..core.surface import FloatArray
+    from ..core.numerics.arrays import FloatArray
+    from ..core.run.monitor import Cancelled, Progress
 
 
 @dataclass(frozen=True)
@@ -114,8 +114,8 @@ class FormTask:
             If the only mesh cannot be used, or the run was cancelled; the message says what to do.
         """
         from ..core import canonical_form, feature_patches
-        from ..core.limbs import limb_shapes
-        from ..core.monitor import Monitor
+        from ..core.limb_shapes import limb_shapes
+        from ..core.run.monitor import Monitor
 
         count = len(self.readings)
         work = canonical_form if self.request.step == "FORM" else feature_patches
@@ -306,7 +306,7 @@ def _with_features(obj: bpy.types.Object, request: Request) -> Settings:
 
 def _report(reading: Reading, found: CanonicalForm | FeaturePatches, request: Request) -> dict[str, Any]:
     from ..core import CanonicalForm
-    from ..core.measures import summary
+    from ..core.measures.form_measures import summary
 
     report: dict[str, Any] = {
         "vertices": len(reading.vertices),

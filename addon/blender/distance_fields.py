@@ -14,8 +14,8 @@ from .palette import ramp, with_isolines
 from .records import DISTANCES, colour_print, free_name, group_prints
 
 if TYPE_CHECKING:
-    from ..core.monitor import Cancelled, Progress
-    from ..core.surface import FloatArray
+    from ..core.numerics.arrays import FloatArray
+    from ..core.run.monitor import Cancelled, Progress
 
 WEIGHTS = "{} Weights"  # the vertex group: one of the colours' own name would hide them from the view
 NAMES = {  # of the colours, by the core's name of the kind
@@ -76,7 +76,7 @@ class DistanceTask:
         CanonicalFormError
             If the mesh cannot be used, or the run was cancelled; the message says what to do.
         """
-        from ..core.fields import distance_field
+        from ..core.distance_field import distance_field
 
         reading = self._reading
         self._field = distance_field(

@@ -13,7 +13,7 @@ import bpy
 import numpy as np
 
 from ..core import InvalidMeshError
-from ..core.surface import FloatArray
+from ..core.numerics.arrays import FloatArray
 from .off_format import read_off
 
 SUFFIXES = (".blend", ".obj", ".ply", ".stl", ".glb", ".off")

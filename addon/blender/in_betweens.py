@@ -11,7 +11,7 @@ from ..core import CanonicalFormError
 from .records import keep_record, key_print, named_key, record_of, required_key, required_record
 
 if TYPE_CHECKING:
-    from ..core.surface import FloatArray
+    from ..core.numerics.arrays import FloatArray
 
 PROPERTY = "Pose to Form"  # a property of the shape keys' own data, so that it goes wherever the keys go
 IN_BETWEEN = "Canonical Form {:.0%}"

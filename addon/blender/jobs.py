@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 from ..core import CancelledError
-from ..core.monitor import Cancelled, Progress
+from ..core.run.monitor import Cancelled, Progress
 
 
 class Job:

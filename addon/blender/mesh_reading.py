@@ -14,7 +14,7 @@ from ..core import CanonicalFormError
 from .records import fingerprint, named_key, record_of
 
 if TYPE_CHECKING:
-    from ..core.surface import FloatArray, IntArray
+    from ..core.numerics.arrays import FloatArray, IntArray
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ..core import InvalidMeshError
-from ..core.surface import FloatArray
+from ..core.numerics.arrays import FloatArray
 
 _HEADS = {"".join(parts) for parts in product(("", "ST"), ("", "C"), ("", "N"), ("OFF",))}  # 4 and n: other dimensions
 

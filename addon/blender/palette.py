@@ -10,7 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..core.surface import FloatArray, IntArray, vertex_pairs
+from ..core.mesh.connectivity import vertex_pairs
+from ..core.numerics.arrays import FloatArray, IntArray
 
 _TO_CONE = np.array(
     [[1.0, 0.3963377774, 0.2158037573], [1.0, -0.1055613458, -0.0638541728], [1.0, -0.0894841775, -1.2914855480]]

@@ -31,7 +31,7 @@ from .records import (
 
 if TYPE_CHECKING:
     from ..core import CanonicalForm, FeaturePatches
-    from ..core.surface import FloatArray, IntArray
+    from ..core.numerics.arrays import FloatArray, IntArray
     from .palette import Colours
 
 SHAPE_KEY = "Canonical Form"

@@ -12,7 +12,7 @@ from .mesh_reading import read_mesh, read_shown, without_result
 from .records import restore_twins, twins_of
 
 if TYPE_CHECKING:
-    from ..core.surface import FloatArray
+    from ..core.numerics.arrays import FloatArray
 
 _STEPS = 6
 _CLOSE = 1e-4  # of the size of the mesh: as near as the shown vertices have to come

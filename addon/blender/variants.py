@@ -22,8 +22,8 @@ from .records import keep_record, named_key, record_of, required_key, required_r
 from .result_writing import patches_of, refill_key, whole_form_of
 
 if TYPE_CHECKING:
-    from ..core.monitor import Cancelled, Progress
-    from ..core.surface import FloatArray
+    from ..core.numerics.arrays import FloatArray
+    from ..core.run.monitor import Cancelled, Progress
 
 
 def limbs_of(mesh: bpy.types.Mesh) -> list[bool]:
@@ -116,8 +116,8 @@ class VariantTask:
         CancelledError
             If `cancelled` returned True.
         """
-        from ..core.limbs import limb_shapes
-        from ..core.monitor import Monitor
+        from ..core.limb_shapes import limb_shapes
+        from ..core.run.monitor import Monitor
 
         reading, monitor = self._reading, Monitor(progress, cancelled)
         chosen = np.array([*self.limbs, False])[self._patches]  # -1, of no face: the last

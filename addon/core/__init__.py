@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING, Any
 
-from .errors import (
+from .run.errors import (
     CancelledError,
     CanonicalFormError,
     InvalidMeshError,
@@ -10,11 +10,11 @@ from .errors import (
     SolverError,
     TooLargeError,
 )
-from .settings import Settings
+from .unfolding.settings import Settings
 
 if TYPE_CHECKING:
     from .canonical import CanonicalForm, canonical_form
-    from .recognition import FeaturePatches, feature_patches
+    from .unfolding.recognition import FeaturePatches, feature_patches
 
 __all__ = [
     "CancelledError",
@@ -38,7 +38,7 @@ def __getattr__(name: str) -> Any:
 
         return getattr(canonical, name)
     if name in ("FeaturePatches", "feature_patches"):
-        from . import recognition
+        from .unfolding import recognition
 
         return getattr(recognition, name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

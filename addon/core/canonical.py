@@ -7,14 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .alignment import rigid_fit
-from .embedding import Embedding
-from .local_features import local_feature_form
-from .monitor import Cancelled, Monitor, Progress
-from .parts import Part
-from .recognition import FeaturePatches, parts_to_work_on, recognised, together
-from .settings import Settings
-from .surface import FloatArray, IntArray, surface_area, vertex_areas
+from .assembly.parts import Part
+from .measures.alignment import rigid_fit
+from .mesh.geometry import surface_area, vertex_areas
+from .methods.local_features import local_feature_form
+from .numerics.arrays import FloatArray, IntArray
+from .run.monitor import Cancelled, Monitor, Progress
+from .unfolding.embedding import Embedding
+from .unfolding.recognition import FeaturePatches, parts_to_work_on, recognised, together
+from .unfolding.settings import Settings
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,7 +131,7 @@ def _form_of_part(
     if settings.method == "local_features":
         embedded = local_feature_form(found, settings, monitor)
     else:
-        from .rivals.choice import rival_form
+        from .unfolding.catalogue import rival_form
 
         embedded = rival_form(found, settings, monitor)
     with monitor.stage("Alignment", 1.0):

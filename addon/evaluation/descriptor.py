@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..core.surface import FloatArray, IntArray, vertex_areas
+from ..core.mesh.geometry import vertex_areas
+from ..core.numerics.arrays import FloatArray, IntArray
 
 SHELLS = 32  # between the centre and REACH
 DEGREES = 16  # l from 0 to 15

@@ -6,7 +6,7 @@ from dataclasses import dataclass, fields, replace
 from typing import Any
 
 from ..core import InvalidSettingsError, Settings
-from ..core.settings import METHODS as CORE_METHODS
+from ..core.unfolding.settings import METHODS as CORE_METHODS
 
 _PATIENT = 1e-5  # tolerance of the rivals, which need more steps to settle than the method of this project
 _TRUTH = {"true": True, "false": False}

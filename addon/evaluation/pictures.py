@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..core.surface import FloatArray, IntArray, area_vectors
+from ..core.mesh.geometry import area_vectors
+from ..core.numerics.arrays import FloatArray, IntArray
 
 _POINTS_A_PIXEL = 16
 _OUTSIDE, _INSIDE = np.array([205.0, 205.0, 212.0]), np.array([220.0, 60.0, 60.0])

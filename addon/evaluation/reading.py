@@ -16,7 +16,7 @@ import numpy as np
 
 from ..blender.off_format import read_off
 from ..core import InvalidMeshError
-from ..core.surface import FloatArray, IntArray
+from ..core.numerics.arrays import FloatArray, IntArray
 from .scheduling import LocalCrew
 from .work import Failure
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..core.surface import FloatArray
+from ..core.numerics.arrays import FloatArray
 
 
 @dataclass(frozen=True)

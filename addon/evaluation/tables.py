@@ -9,8 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from ..core.alignment import rigid_fit
-from ..core.surface import FloatArray, surface_area
+from ..core.measures.alignment import rigid_fit
+from ..core.mesh.geometry import surface_area
+from ..core.numerics.arrays import FloatArray
 from .dataset import Shape
 from .methods import INPUT, KNOWN, Method
 from .retrieval import Retrieval, retrieval

@@ -14,8 +14,9 @@ from typing import Any
 import numpy as np
 
 from ..core import CanonicalFormError, Settings, canonical_form
-from ..core.measures import hausdorff, summary
-from ..core.surface import FloatArray, IntArray, surface_area
+from ..core.measures.form_measures import hausdorff, summary
+from ..core.mesh.geometry import surface_area
+from ..core.numerics.arrays import FloatArray, IntArray
 from .descriptor import harmonic_descriptor
 from .methods import RECOGNITION, Method
 

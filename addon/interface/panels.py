@@ -9,8 +9,8 @@ from ..blender.in_betweens import PROPERTY, has_in_betweens
 from ..blender.records import named_key, record_of, required_record
 from ..blender.variants import limbs_of
 from ..core import Settings
-from ..core.memory import memory_estimate, time_estimate
-from ..core.settings import METHODS
+from ..core.run.memory import memory_estimate, time_estimate
+from ..core.unfolding.settings import METHODS
 from .job_operator import OBJECT_OT_canonical_form_cancel
 from .limb_operators import (
     OBJECT_OT_canonical_form_in_betweens,

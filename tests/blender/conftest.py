@@ -7,7 +7,7 @@ bpy = pytest.importorskip("bpy")
 
 import addon  # noqa: E402
 from addon.blender.records import RECORD  # noqa: E402
-from tests.sample import shapes  # noqa: E402
+from tests.meshes import shapes  # noqa: E402
 
 QUICK = {"iterations": 3, "eigenpairs": 30, "landmarks": 20}
 

@@ -14,7 +14,7 @@ import pytest
 from addon.blender.off_format import read_off
 from addon.command_line import _output_names, main
 from addon.core import CanonicalFormError, InvalidMeshError
-from tests.sample import shapes
+from tests.meshes import shapes
 
 QUICK = ["--iterations", "2", "--eigenpairs", "20", "--landmarks", "12"]
 

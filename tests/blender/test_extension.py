@@ -91,7 +91,7 @@ print("PASSED", f"| {bpy.app.version_string} | {sys.version_info.major}.{sys.ver
 
 @pytest.fixture(scope="module")
 def package():
-    subprocess.run([sys.executable, "tests/package.py", "--here"], cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
+    subprocess.run([sys.executable, "tools/package.py", "--here"], cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
     return next((ROOT / "build" / "here").glob("canonical_form-*.zip"))
 
 

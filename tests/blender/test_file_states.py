@@ -9,7 +9,7 @@ import pytest
 from addon.blender.mesh_reading import read_mesh
 from addon.blender.records import record_of
 from tests.blender.conftest import QUICK, add_object, flat, snapshot
-from tests.sample import shapes
+from tests.meshes import shapes
 
 
 def in_mode(mode):

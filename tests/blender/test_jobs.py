@@ -13,7 +13,7 @@ from addon.core import CancelledError, CanonicalFormError, Settings
 from addon.interface import panels
 from addon.interface.job_operator import OBJECT_OT_canonical_form_cancel
 from tests.blender.conftest import QUICK, add_object, drawn, snapshot
-from tests.sample import shapes
+from tests.meshes import shapes
 
 
 def ended(job, seconds=60):

@@ -193,7 +193,7 @@ def test_the_list_and_the_slider_are_drawn(formed):
 
 
 def test_warnings_on_the_way_are_told(formed, monkeypatch, capfd):
-    from addon.core import articulation
+    from addon.core.posing import articulation
 
     real = articulation.intrinsic_delaunay
     monkeypatch.setattr(articulation, "intrinsic_delaunay", lambda surface, monitor: real(surface, monitor, 1))

@@ -11,7 +11,7 @@ from addon.core import Settings, canonical_form
 from addon.interface import panels
 from addon.interface.properties import METHOD_NAMES, settings_of
 from tests.blender.conftest import QUICK, add_object, drawn, flat, snapshot
-from tests.sample import shapes
+from tests.meshes import shapes
 
 
 def compute(**options):

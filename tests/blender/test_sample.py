@@ -2,9 +2,9 @@ import bpy
 import numpy as np
 
 from addon.blender.mesh_reading import read_mesh
-from addon.core.measures import enclosed_volume
-from addon.core.parts import connected_parts
-from tests.sample.posed_figure import build
+from addon.core.assembly.parts import connected_parts
+from addon.core.measures.form_measures import enclosed_volume
+from tools.sample.posed_figure import build
 
 
 def test_the_posed_figure_is_one_closed_surface_and_the_pose_moves_it():

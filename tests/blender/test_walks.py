@@ -2,9 +2,9 @@ import bpy
 import pytest
 
 from addon.blender import computing, records
-from addon.core import errors
+from addon.core.run import errors
 from tests.blender.walks import Walk
-from tests.sample import shapes
+from tests.meshes import shapes
 
 
 @pytest.mark.parametrize("seed", [1, 2])

@@ -12,12 +12,12 @@ from addon.core import (
     canonical_form,
     feature_patches,
 )
-from addon.core.fields import KINDS, distance_field, heat_geodesics
-from addon.core.limbs import limb_shapes
-from addon.core.measures import edge_stretch
-from addon.core.surface import surface_area
-from tests.sample import shapes
-from tests.sample.families import families
+from addon.core.distance_field import KINDS, distance_field, heat_geodesics
+from addon.core.limb_shapes import limb_shapes
+from addon.core.measures.form_measures import edge_stretch
+from addon.core.mesh.geometry import surface_area
+from tests.meshes import shapes
+from tests.meshes.families import families
 
 FAMILIES = families()
 

@@ -9,19 +9,21 @@ import pytest
 
 import addon.core
 from addon.core import CancelledError, InvalidMeshError, InvalidSettingsError, Settings, TooLargeError, canonical_form
-from addon.core.alignment import rigid_fit
 from addon.core.canonical import CanonicalForm
-from addon.core.delaunay import intrinsic_delaunay
-from addon.core.distances import GreensFunction, all_geodesics, commute_time_squared
-from addon.core.fields import heat_geodesics
-from addon.core.heat import HeatMethod
-from addon.core.laplacian import mass, stiffness
-from addon.core.measures import edge_stretch
-from addon.core.monitor import Monitor
-from addon.core.patches import closed_cell_faces
-from addon.core.spectrum import compute_spectrum
-from addon.core.surface import corner_lengths, face_areas, surface_area, triangulated, vertex_areas
-from tests.sample import shapes
+from addon.core.distance_field import heat_geodesics
+from addon.core.distances.geodesics import all_geodesics
+from addon.core.distances.heat import HeatMethod
+from addon.core.distances.spectral import GreensFunction, commute_time_squared
+from addon.core.measures.alignment import rigid_fit
+from addon.core.measures.form_measures import edge_stretch
+from addon.core.mesh.geometry import surface_area, vertex_areas
+from addon.core.patching.cells import closed_cell_faces
+from addon.core.run.monitor import Monitor
+from addon.core.surface.delaunay import intrinsic_delaunay
+from addon.core.surface.laplacian import mass, stiffness
+from addon.core.surface.spectrum import compute_spectrum
+from addon.core.surface.triangulation import corner_lengths, face_areas, triangulated
+from tests.meshes import shapes
 
 
 @pytest.fixture(scope="module")

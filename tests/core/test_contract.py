@@ -14,12 +14,13 @@ import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 
 from addon.core import InvalidMeshError, Settings, canonical_form
-from addon.core.alignment import rigid_fit
-from addon.core.fields import heat_geodesics
-from addon.core.parts import connected_parts
-from addon.core.surface import corner_lengths, surface_area
-from tests.sample import shapes
-from tests.sample.families import families, klein_bottle, moebius_band, torus
+from addon.core.assembly.parts import connected_parts
+from addon.core.distance_field import heat_geodesics
+from addon.core.measures.alignment import rigid_fit
+from addon.core.mesh.geometry import surface_area
+from addon.core.surface.triangulation import corner_lengths
+from tests.meshes import shapes
+from tests.meshes.families import families, klein_bottle, moebius_band, torus
 
 MANY = int(os.environ.get("CANONICAL_FORM_EXAMPLES", "0"))
 QUICK = Settings(quality="draft", iterations=30, landmarks=20)

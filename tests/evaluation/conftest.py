@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from tests.sample import shapes
-from tests.sample.shapes import write_off
+from tests.meshes import shapes
+from tests.meshes.shapes import write_off
 
 
 @pytest.fixture(scope="session")

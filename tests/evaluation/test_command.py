@@ -16,8 +16,8 @@ from addon.evaluation.scheduling import LocalCrew
 from addon.evaluation.store import code_version
 from addon.evaluation.tables import evenly
 from addon.evaluation.work import Failure, hausdorff_row, measured
-from tests.sample import shapes
-from tests.sample.shapes import write_off
+from tests.meshes import shapes
+from tests.meshes.shapes import write_off
 
 METHODS = "ours,fast"
 

@@ -11,8 +11,8 @@ from addon.evaluation import reading
 from addon.evaluation.command import _words
 from addon.evaluation.dataset import shapes_in
 from addon.evaluation.methods import DEFAULT, chosen_methods
-from tests.sample import shapes
-from tests.sample.shapes import write_off
+from tests.meshes import shapes
+from tests.meshes.shapes import write_off
 
 
 def touched(folder, *names):

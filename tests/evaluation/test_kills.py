@@ -15,7 +15,7 @@ import psutil
 import pytest
 
 from addon.evaluation.command import main
-from tests.sample import shapes
+from tests.meshes import shapes
 
 METHODS = "ours,skeleton,fast"
 KILLS = 5

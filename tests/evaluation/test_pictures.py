@@ -3,8 +3,8 @@ import pytest
 
 from addon.core import feature_patches
 from addon.evaluation.pictures import drawn, upright
-from tests.figures.features import occluded, repeatability
-from tests.figures.models import own_models
+from tools.figures.features import occluded, repeatability
+from tools.figures.models import own_models
 
 
 def shown(image):

@@ -7,7 +7,7 @@ from scipy.special import lpmv
 from addon.evaluation import descriptor
 from addon.evaluation.descriptor import harmonic_descriptor
 from addon.evaluation.retrieval import precision_at_recall, retrieval
-from tests.sample import shapes
+from tests.meshes import shapes
 
 # six shapes on a line: three of class A, two of B, one alone
 PLACES = np.array([0.0, 1.0, 5.0, 2.2, 6.5, 9.5])

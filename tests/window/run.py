@@ -39,7 +39,7 @@ def main() -> int:
     if place is None:
         print("No Blender 4.2 or later with a window can be had here; the window session was not run.", flush=True)
         return NO_BLENDER
-    subprocess.run([sys.executable, ROOT / "tests" / "package.py", "--here"], check=True, stdout=subprocess.DEVNULL)
+    subprocess.run([sys.executable, ROOT / "tools" / "package.py", "--here"], check=True, stdout=subprocess.DEVNULL)
     package = next((ROOT / "build" / "here").glob("canonical_form-*.zip"))
     mesh = [options.mesh.resolve()] if options.mesh else []
     resources = ROOT / "build" / "window-home"

@@ -30,7 +30,7 @@ def add_figure():
     if MESH:
         bpy.ops.wm.obj_import(filepath=str(MESH[0]))
     else:
-        from tests.sample.posed_figure import build
+        from tools.sample.posed_figure import build
 
         bpy.context.view_layer.update()
         build(levels=3)

@@ -23,7 +23,7 @@ hand = Hand(PICTURES)
 
 def walk():
     from tests.blender.walks import Walk
-    from tests.sample import shapes
+    from tests.meshes import shapes
 
     bpy.ops.extensions.package_install_files(
         filepath=str(PACKAGE), repo="user_default", enable_on_install=True, overwrite=True

@@ -1,0 +1,252 @@
+"""As-rigid-as-possible deformation of the input towards an embedding, which turns no limb inside out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from ..mesh.connectivity import is_closed
+from ..mesh.geometry import signed_volume, surface_area, vertex_area_vectors
+from ..numerics.arrays import FloatArray, IntArray
+from ..numerics.factoring import factored
+from ..run.monitor import Monitor
+from ..surface.laplacian import mass, stiffness
+from ..surface.triangulation import Triangulation
+from .rotations import nearest_rotations
+
+_STRUT = 3.0  # stiffness of a strut, in areas of its end over its length squared; also the most that it may be
+_PRESSURE_STEPS = 3  # Newton steps of the pressure in each deformation step
+_MOST_PRESSURE = 0.05  # farthest a vertex may be pushed in one step, in units of sqrt(area)
+_WIDE = 0.01  # diffusion time of the first rotations, as a share of the area: wide enough to see a limb as a body
+_NEAR = 0.0015  # diffusion time of the frames that carry detail, as a share of the area: two edges of the coarse mesh
+
+
+class ElasticBody:
+    """The input as a body to be deformed: its surface is a shell, with struts through the flesh.
+
+    Parameters
+    ----------
+    surface : Triangulation
+        The surface, Delaunay, so that no weight is negative.
+    points : (n, 3) ndarray of float
+        Positions of the undeformed vertices.
+    faces : (m, 3) ndarray of int
+        Triangles of the mesh.
+    struts : (s, 2) ndarray of int, optional
+        Pairs of vertices that face each other through the flesh.
+
+    Attributes
+    ----------
+    points : (n, 3) ndarray of float
+        As given.
+    mass : (n,) ndarray of float
+        Areas of the vertices.
+    """
+
+    def __init__(
+        self, surface: Triangulation, points: FloatArray, faces: IntArray, struts: IntArray | None = None
+    ) -> None:
+        from scipy.sparse import csr_matrix, diags, triu
+
+        self.points, self.mass = points, mass(surface)
+        self._faces, self._closed = faces, is_closed(faces)
+        self._stiffness = stiffness(surface)
+        shell = triu(self._stiffness, 1).tocoo()
+        struts = np.empty((0, 2), dtype=np.int64) if struts is None else struts
+        self._i, self._j = np.concatenate([np.column_stack([shell.row, shell.col]), struts]).T
+        vectors = points[self._i] - points[self._j]  # (e, 3)
+        length = np.linalg.norm(vectors, axis=1)
+        self._is_shell = np.arange(len(length)) < shell.nnz
+        thickness = np.maximum(length[~self._is_shell], np.finfo(float).tiny)
+        area = self.mass[struts].mean(axis=1)
+        weight = np.concatenate([-shell.data, _STRUT * np.minimum(area / thickness**2, 1.0)])
+        self._weighted, self._stretch = weight[:, None] * vectors, weight * length
+        count = len(weight)
+        ends, start = np.column_stack([self._i, self._j]).ravel(), 2 * np.arange(count + 1)
+        differences = csr_matrix((np.tile([1.0, -1.0], count), ends, start), shape=(count, len(points)))
+        self._to_ends = differences.T.tocsr()
+        self._sums = abs(self._to_ends)
+        self._firmness = self._to_ends @ diags(weight) @ differences
+        self._smoothers: dict[float, Callable[[FloatArray], FloatArray]] = {}
+
+    def smoothed(self, integrals: FloatArray, share: float) -> FloatArray:
+        """Let what lies on the surface diffuse by one step of the heat flow.
+
+        Parameters
+        ----------
+        integrals : (n, d) ndarray of float
+            Values times areas.
+        share : float
+            Diffusion time, as a share of the area.
+
+        Returns
+        -------
+        (n, d) ndarray of float
+            Smoothed values.
+        """
+        from scipy.sparse import diags
+
+        if share not in self._smoothers:
+            time = share * float(self.mass.sum())
+            self._smoothers[share] = factored(diags(self.mass) + time * self._stiffness).solve
+        return self._smoothers[share](integrals)
+
+    def covariances(self, after: FloatArray, share: float = _WIDE) -> FloatArray:
+        """Compare the surroundings of every vertex before and after, over an area as wide as a limb.
+
+        Parameters
+        ----------
+        after : (n, 3) ndarray of float
+            Positions of the vertices.
+        share : float
+            Diffusion time, as a share of the area.
+
+        Returns
+        -------
+        (n, 3, 3) ndarray of float
+            Covariances of edge vectors, those before by row and those after by column, smoothed by the heat flow.
+        """
+        return self.smoothed(self._covariances(after).reshape(-1, 9), share).reshape(-1, 3, 3)
+
+    def turns(self, after: FloatArray) -> FloatArray:
+        """Find how the surroundings of every vertex have turned: the edges near it.
+
+        Parameters
+        ----------
+        after : (n, 3) ndarray of float
+            Positions of the vertices.
+
+        Returns
+        -------
+        (n, 3, 3) ndarray of float
+            Rotations, ``x ↦ x R``.
+        """
+        return nearest_rotations(self.covariances(after, _NEAR))
+
+    def frames(self, after: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Find the rigid motion of the surroundings of every vertex: of the edges near it.
+
+        One ring alone would not do: a few edges that lie almost in one plane have a second rotation that fits as well.
+
+        Parameters
+        ----------
+        after : (n, 3) ndarray of float
+            Positions of the vertices.
+
+        Returns
+        -------
+        rotation : (n, 3, 3) ndarray of float
+            R, as nearly a rotation as the mean of neighbouring ones is.
+        shift : (n, 3) ndarray of float
+            t; the motion is ``x ↦ x R + t``.
+        """
+        rotation = self.turns(after)
+        shift = after - np.einsum("ij,ijk->ik", self.points, rotation)
+        motion = np.column_stack([rotation.reshape(-1, 9), shift]) * self.mass[:, None]
+        motion = self.smoothed(motion, _NEAR)
+        return motion[:, :9].reshape(-1, 3, 3), motion[:, 9:]
+
+    def deformed_towards(
+        self,
+        target: FloatArray,
+        pull: float,
+        steps: int,
+        memory: float = 1.0,
+        monitor: Monitor | None = None,
+        pressure: bool = False,
+        done: float = 0.0,
+        share: float = 1.0,
+    ) -> FloatArray:
+        """Deform the body as rigidly as possible while its vertices are pulled to given places.
+
+        Parameters
+        ----------
+        target : (n, 3) ndarray of float
+            Where the vertices are pulled to.
+        pull : float
+            Strength of the pull, in 1/area.
+        steps : int
+            Number of alternations between rotations and positions.
+        memory : float
+            Share of the shell's energy that remembers how it was bent, 0 to 1. The rest asks for the lengths of the
+            edges only, whichever way they point: creases of the pose may open. Struts always remember.
+        monitor : Monitor, optional
+            Told the progress and asked whether to stop.
+        pressure : bool
+            Whether the compactness ``V² / A³`` of a closed mesh is kept, by an even pressure.
+        done, share : float
+            The fraction of the present stage that is done before, and that this call is worth.
+
+        Returns
+        -------
+        (n, 3) ndarray of float
+            The deformed vertices.
+
+        Raises
+        ------
+        CancelledError
+            If the monitor says so.
+
+        References
+        ----------
+        Sorkine and Alexa, "As-Rigid-As-Possible Surface Modeling", 2007. The first rotations come from covariances
+        diffused over the surface, so that a limb that the target squashes or turns inside out comes out right.
+        """
+        from scipy.sparse import diags
+
+        monitor = monitor or Monitor()
+        anchor = pull * self.mass
+        solve = factored(self._firmness + diags(anchor)).solve
+        monitor.check()
+        remembered: FloatArray = np.where(self._is_shell, float(memory), 1.0)
+        positions, rotation = target, nearest_rotations(self.covariances(target))
+        for step in range(steps):
+            force = self._rotated(rotation, remembered)
+            if memory < 1:
+                force += self._with_lengths_kept(positions, 1.0 - remembered)
+            positions = solve(force + anchor[:, None] * target)
+            if pressure and self._closed:
+                positions = _under_pressure(positions, self.points, self._faces, solve)
+            monitor.tick(done + share * (step + 1) / steps)
+            if step + 1 < steps:
+                rotation = nearest_rotations(self._covariances(positions))
+        return positions
+
+    def _covariances(self, after: FloatArray) -> FloatArray:
+        moved = after[self._i] - after[self._j]
+        outer = (self._weighted[:, :, None] * moved[:, None, :]).reshape(-1, 9)
+        return (self._sums @ outer).reshape(-1, 3, 3)
+
+    def _rotated(self, rotation: FloatArray, share: FloatArray) -> FloatArray:
+        turn = rotation[self._i] + rotation[self._j]
+        return self._to_ends @ np.einsum("ij,ijk->ik", share[:, None] * self._weighted / 2, turn)
+
+    def _with_lengths_kept(self, positions: FloatArray, share: FloatArray) -> FloatArray:
+        moved = positions[self._i] - positions[self._j]
+        length = np.linalg.norm(moved, axis=1)
+        length[length == 0] = 1.0
+        return self._to_ends @ ((share * self._stretch / length)[:, None] * moved)
+
+
+def _under_pressure(
+    positions: FloatArray, before: FloatArray, faces: IntArray, solve: Callable[[FloatArray], FloatArray]
+) -> FloatArray:
+    """Blow a closed mesh up, or let air out, until its compactness is that of the mesh before."""
+    wanted = _signed_compactness(before, faces)
+    way = solve(vertex_area_vectors(positions, faces))  # along the growth of the volume
+    way *= np.sqrt(surface_area(before, faces) / (way**2).sum(axis=1).max())  # an amount of 1 moves by sqrt(area)
+    side = np.sign(wanted)  # -1 where the triangles face inwards
+    way, wanted, amount, step = side * way, abs(wanted), 0.0, 1e-4
+    for _ in range(_PRESSURE_STEPS):
+        here = side * _signed_compactness(positions + amount * way, faces) - wanted
+        slope = (side * _signed_compactness(positions + (amount + step) * way, faces) - wanted - here) / step
+        if not slope > 0:  # the mesh has no inside to speak of
+            return positions
+        amount = float(np.clip(amount - here / slope, -_MOST_PRESSURE, _MOST_PRESSURE))
+    return positions + amount * way
+
+
+def _signed_compactness(positions: FloatArray, faces: IntArray) -> float:
+    """Divide the volume by the area to the power 3/2: the root of the compactness, with the volume's sign."""
+    return signed_volume(positions, faces) / surface_area(positions, faces) ** 1.5

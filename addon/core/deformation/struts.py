@@ -1,0 +1,95 @@
+"""Struts: pairs of vertices that face each other through the flesh, so that what is inside stays inside."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..mesh.connectivity import is_closed
+from ..mesh.geometry import area_vectors, signed_volume, vertex_area_vectors
+from ..numerics.arrays import FloatArray, IntArray
+from ..numerics.products import product
+from ..run.monitor import Monitor
+
+_REACH = 0.3  # radius of the widest ball, in units of sqrt(area)
+_WAY, _DETOUR = 0.13, 2.0  # longest way on the surface: this, and so many times the strut
+_FACING = 0.5  # least cosine between a strut and the normals at its ends
+_TOUCH = 0.02  # share of the radius within which a ball rests on a vertex
+_TIE = 1e-6  # share within which vertices are equally far, the lower first
+_ROWS = 128
+_OPENNESS, _VOLUME = 0.1, 0.002  # an open mesh with more and less than these, over area and area^1.5, has no inside
+
+
+def struts_through(
+    points: FloatArray, faces: IntArray, to_features: FloatArray, monitor: Monitor | None = None
+) -> IntArray:
+    """Pair vertices with those that face them through the body, where the body is thin.
+
+    From each vertex a ball is let into the body, as wide as it can be without another vertex inside. The vertex that it
+    rests on, the farthest of them if they are several, is the other end. What a surface alone does not know, that a
+    mouth is a hole in a head and no pouch on it, is in these pairs; and they change little with the pose. Pairs that
+    are far from each other on the surface, as far as their distances from the feature points tell, are left out: they
+    join limbs that the pose pushed into each other. A sheet has no inside and no struts.
+
+    Parameters
+    ----------
+    points : (n, 3) ndarray of float
+        Vertices, of unit area.
+    faces : (m, 3) ndarray of int
+        Triangles, all outwards or all inwards.
+    to_features : (n, k) ndarray of float
+        Geodesic distance of every vertex from each feature point.
+    monitor : Monitor, optional
+        Asked whether to stop.
+
+    Returns
+    -------
+    (s, 2) ndarray of int
+        Pairs of vertices.
+
+    Raises
+    ------
+    CancelledError
+        If the monitor says so.
+
+    References
+    ----------
+    The balls: Ma, Bae and Choi, "3D medial axis point approximation using nearest neighbors and the normal field",
+    2012.
+    """
+    if not _has_inside(points, faces):
+        return np.empty((0, 2), dtype=np.int64)
+    normals = np.sign(signed_volume(points, faces)) * vertex_area_vectors(points, faces)
+    normals /= np.maximum(np.linalg.norm(normals, axis=1), np.finfo(float).tiny)[:, None]
+    other = np.arange(len(points))
+    square = (points**2).sum(axis=1)
+    for start in range(0, len(points), _ROWS):
+        if monitor is not None:
+            monitor.check()
+        rows = slice(start, start + _ROWS)
+        apart = np.maximum(square[rows, None] + square - 2 * product(points[rows], points.T), 0.0)  # squared
+        depth = np.einsum("ij,ij->i", points[rows], normals[rows])[:, None] - product(normals[rows], points.T)
+        inside = depth > 1e-9
+        radius = np.divide(apart, 2 * depth, out=np.full_like(apart, np.inf), where=inside)  # of the ball through both
+        widest = radius.min(axis=1, keepdims=True)
+        apart[radius > (1 + _TOUCH) * widest] = -1.0
+        farthest = apart.max(axis=1, keepdims=True)
+        found = np.argmax(apart >= (1 - _TIE) * farthest, axis=1)
+        other[rows] = np.where(widest[:, 0] < _REACH, found, other[rows])
+    here = np.flatnonzero(other != np.arange(len(points)))
+    other = other[here]
+    away = points[here] - points[other]
+    length = np.linalg.norm(away, axis=1)
+    away /= np.maximum(length, np.finfo(float).tiny)[:, None]
+    faces_it = np.einsum("ij,ij->i", away, normals[here]) > _FACING
+    faces_it &= np.einsum("ij,ij->i", away, normals[other]) < -_FACING
+    faces_it &= np.abs(to_features[here] - to_features[other]).max(axis=1) < _WAY + _DETOUR * length
+    pairs = np.sort(np.column_stack([here, other])[faces_it], axis=1)
+    return np.unique(pairs, axis=0)
+
+
+def _has_inside(points: FloatArray, faces: IntArray) -> bool:
+    """Tell a body, be it with holes, from a sheet."""
+    if is_closed(faces):
+        return True
+    openness = float(np.linalg.norm(area_vectors(points, faces).sum(axis=0)))
+    return openness < _OPENNESS and abs(signed_volume(points, faces)) > _VOLUME

@@ -1,0 +1,52 @@
+"""Farthest point sampling."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..numerics.arrays import FloatArray, IntArray
+from ..run.monitor import Monitor
+from .heat import HeatMethod
+
+
+def farthest_points(
+    heat: HeatMethod, first: IntArray, distances: FloatArray, count: int, monitor: Monitor
+) -> tuple[IntArray, FloatArray]:
+    """Choose points that lie far from each other, one after the other.
+
+    Parameters
+    ----------
+    heat : HeatMethod
+        Measures distances on the surface.
+    first : (k,) ndarray of int
+        Points to start from, at least one.
+    distances : (n, k) ndarray of float
+        Distances from these.
+    count : int
+        Number l of points wanted.
+    monitor : Monitor
+        Told the progress and asked whether to stop.
+
+    Returns
+    -------
+    points : (l,) ndarray of int
+        The points; the first k are those given.
+    distances : (n, l) ndarray of float
+        Distance of every vertex from each of them.
+
+    Raises
+    ------
+    CancelledError
+        If the monitor says so.
+    """
+    count = max(min(count, len(distances)), len(first))
+    points = [int(point) for point in first]
+    columns = [distances[:, i] for i in range(len(first))]
+    nearest = distances.min(axis=1)
+    while len(points) < count:
+        tie = np.flatnonzero(nearest >= nearest.max() * (1 - 1e-7))  # mirrored pairs: the first, on every machine
+        points.append(int(tie[0]))
+        columns.append(heat.distances([points[-1]])[:, 0])
+        nearest = np.minimum(nearest, columns[-1])
+        monitor.tick(len(points) / count)
+    return np.array(points), np.column_stack(columns)

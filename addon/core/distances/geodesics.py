@@ -1,0 +1,50 @@
+"""Geodesic distances between all vertices of a patch (paper section 3.3)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..numerics.arrays import FloatArray
+from ..numerics.blocks import columns_at_once, symmetrize
+from ..run.monitor import Monitor
+from ..surface.triangulation import Triangulation
+from .heat import HeatMethod
+
+
+def all_geodesics(
+    surface: Triangulation, monitor: Monitor, smooth: float | None = None, done: float = 0.0, share: float = 1.0
+) -> FloatArray:
+    """Measure geodesic distances between all vertices of a patch by the heat method (paper section 3.3).
+
+    Parameters
+    ----------
+    surface : Triangulation
+        The patch, connected, with its natural (Neumann) border.
+    monitor : Monitor
+        Asked between blocks of sources whether to stop, and told the progress.
+    smooth : float, optional
+        Diffusion time of smoothed distances; see `HeatMethod`. Without, the triangles are refined for accuracy.
+    done, share : float
+        The fraction of the present stage that is done before, and that this call is worth.
+
+    Returns
+    -------
+    (p, p) ndarray of float
+        Distances, symmetric (the mean of both ways), diagonal 0.
+
+    Raises
+    ------
+    CancelledError
+        If the monitor says so.
+    """
+    count = surface.vertex_count
+    heat = HeatMethod(surface, smooth, refine=smooth is None, monitor=monitor)
+    distance = np.empty((count, count))
+    chunk = columns_at_once(count)
+    for start in range(0, count, chunk):
+        block = np.arange(start, min(start + chunk, count))
+        distance[block] = heat.distances(block).T  # by rows: a column of a large matrix touches every page of it
+        monitor.tick(done + share * (block[-1] + 1) / count)
+    symmetrize(distance, monitor.check)
+    np.fill_diagonal(distance, 0.0)
+    return distance

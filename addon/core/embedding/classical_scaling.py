@@ -1,0 +1,164 @@
+"""Classical scaling on landmarks carried to the rest (section 2, equation 4), and least-squares scaling from there."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..numerics.arrays import FloatArray, IntArray
+from ..numerics.products import product
+
+
+def classical_scaling(distances: ArrayLike, dimensions: int = 3) -> tuple[FloatArray, FloatArray]:
+    """Embed a full matrix of distances by the leading eigenvectors of its Gram matrix.
+
+    ``G = -½ J D² J`` with ``J = I - 11ᵀ/n`` (equation 4; the paper prints J = 11ᵀ/n).
+
+    Parameters
+    ----------
+    distances : (n, n) array_like of float
+        Distances, symmetric.
+    dimensions : int
+        Dimension d of the embedding.
+
+    Returns
+    -------
+    embedding : (n, d) ndarray of float
+        The points, centred, along their principal axes; the sign of each axis is arbitrary.
+    eigenvalues : (n,) ndarray of float
+        All eigenvalues of G, largest first. Negative ones show how far the distances are from Euclidean.
+
+    References
+    ----------
+    Torgerson, "Multidimensional scaling: I. Theory and method", 1952.
+    """
+    from scipy.linalg import eigh
+
+    squared = np.asarray(distances, dtype=np.float64) ** 2
+    row_mean = squared.mean(axis=1, keepdims=True)
+    gram = -(squared - row_mean - row_mean.T + squared.mean()) / 2
+    values, vectors = eigh((gram + gram.T) / 2)
+    values, vectors = values[::-1], vectors[:, ::-1]
+    leading = np.maximum(values[:dimensions], 0.0)
+    embedding = np.zeros((len(squared), dimensions))
+    embedding[:, : len(leading)] = vectors[:, :dimensions] * np.sqrt(leading)
+    return embedding, values
+
+
+def landmark_scaling(distances: FloatArray, landmarks: IntArray, dimensions: int = 3) -> FloatArray:
+    """Embed landmarks by classical scaling and every other point by its distances from them.
+
+    Parameters
+    ----------
+    distances : (n, l) ndarray of float
+        Distance of every point from each landmark.
+    landmarks : (l,) ndarray of int
+        The landmarks among the points.
+    dimensions : int
+        Dimension d of the embedding.
+
+    Returns
+    -------
+    (n, d) ndarray of float
+        The points.
+
+    References
+    ----------
+    De Silva and Tenenbaum, "Sparse multidimensional scaling using landmark points", 2004.
+    """
+    between = (distances[landmarks] + distances[landmarks].T) / 2  # (l, l)
+    embedding, values = classical_scaling(between, dimensions)
+    usable = values[:dimensions] > 1e-12 * values[0]
+    inverse = np.zeros_like(embedding)  # pseudo-inverse of the landmarks' embedding
+    axes = np.flatnonzero(usable)
+    inverse[:, axes] = embedding[:, axes] / values[axes]
+    return -((distances**2 - (between**2).mean(axis=0)) @ inverse) / 2
+
+
+def least_squares_scaling(
+    distances: FloatArray, landmarks: IntArray, start: FloatArray, depth: float = 1.0, steps: int = 60
+) -> FloatArray:
+    """Move points until their straight distances from the landmarks come as close to the given ones as they can.
+
+    Classical scaling only projects: every distance comes out too short, and limbs close up. This is SMACOF with unit
+    weights on the landmarks, and then on each other point against all landmarks.
+
+    Parameters
+    ----------
+    distances : (n, l) ndarray of float
+        Distance of every point from each landmark.
+    landmarks : (l,) ndarray of int
+        The landmarks among the points.
+    start : (n, 3) ndarray of float
+        The points, centred, as by classical scaling.
+    depth : float
+        What is kept of the third coordinate in each step, 0 to 1: below 1 it has to earn its place.
+    steps : int
+        Number of steps of the landmarks; the other points take a third of them.
+
+    Returns
+    -------
+    (n, 3) ndarray of float
+        The points, centred.
+
+    References
+    ----------
+    De Leeuw, "Applications of convex analysis to multidimensional scaling", 1977.
+    """
+    kept = np.array([1.0, 1.0, depth])
+    between = (distances[landmarks] + distances[landmarks].T) / 2  # (l, l)
+    fixed = start[landmarks]
+    for _ in range(steps):
+        fixed = _nearer(fixed, fixed, between) * kept
+    layout = placed_around(distances, landmarks, fixed, start, depth, steps // 3)
+    return np.asarray(layout - layout.mean(axis=0))
+
+
+def placed_around(
+    distances: FloatArray,
+    landmarks: IntArray,
+    fixed: FloatArray,
+    start: FloatArray,
+    depth: float = 1.0,
+    steps: int = 20,
+) -> FloatArray:
+    """Place every point by its distances from landmarks whose places are known: SMACOF, each point for itself.
+
+    Parameters
+    ----------
+    distances : (n, l) ndarray of float
+        Distance of every point from each landmark.
+    landmarks : (l,) ndarray of int
+        The landmarks among the points.
+    fixed : (l, 3) ndarray of float
+        Their places.
+    start : (n, 3) ndarray of float
+        The points before the landmarks went to their places; the others first move along with those near them.
+    depth : float
+        What is kept of the third coordinate in each step, 0 to 1.
+    steps : int
+        Number of steps.
+
+    Returns
+    -------
+    (n, 3) ndarray of float
+        The points.
+
+    References
+    ----------
+    De Leeuw, "Applications of convex analysis to multidimensional scaling", 1977.
+    """
+    nearness = 1 / np.maximum(distances, 1e-3 * distances.max()) ** 2
+    layout = start + product(nearness, fixed - start[landmarks]) / nearness.sum(axis=1)[:, None]
+    layout[landmarks] = fixed
+    for _ in range(steps):
+        layout = _nearer(layout, fixed, distances) * np.array([1.0, 1.0, depth])
+        layout[landmarks] = fixed
+    return layout
+
+
+def _nearer(points: FloatArray, fixed: FloatArray, distances: FloatArray) -> FloatArray:
+    """Take one step of SMACOF of each point against points that are thought fixed, with unit weights."""
+    squared = (points**2).sum(axis=1)[:, None] + (fixed**2).sum(axis=1) - 2 * product(points, fixed.T)
+    ratio = distances / np.sqrt(np.maximum(squared, 1e-12 * squared.max()))
+    return np.asarray(fixed.mean(axis=0) + (ratio.sum(axis=1)[:, None] * points - product(ratio, fixed)) / len(fixed))

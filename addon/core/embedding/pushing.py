@@ -1,0 +1,175 @@
+"""Points push each other apart while the edges of the mesh keep their lengths."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from ..mesh.connectivity import vertex_pairs
+from ..numerics.arrays import FloatArray, IntArray
+from ..numerics.factoring import factored
+from ..run.monitor import Monitor
+from ..unfolding.settings import Settings
+from .smacof import minimise_stress
+
+_FAR = 10.0  # distance that every pair is asked for, in units of sqrt(area): more than any body can give
+_PATIENCE = 1e-3  # times the tolerance: most of this stress is what no body can give, and never falls
+_LEAST = 1e-12  # distance below which a direction means nothing
+
+
+class LinkStress:
+    """The stress of a list of links: ``Σ w (t - d)²``.
+
+    Parameters
+    ----------
+    links : (e, 2) ndarray of int
+        Pairs of points.
+    targets : (e,) ndarray of float
+        Wanted lengths.
+    weights : (e,) ndarray of float
+        Weights.
+    count : int
+        Number n of points.
+    """
+
+    def __init__(self, links: IntArray, targets: FloatArray, weights: FloatArray, count: int) -> None:
+        from scipy.sparse import csr_matrix
+
+        self._i, self._j = links.T
+        self._targets, self._weights = targets, weights
+        ends, start = links.ravel(), 2 * np.arange(len(links) + 1)
+        values = np.tile([1.0, -1.0], len(links))
+        self._differences = csr_matrix((values, ends, start), shape=(len(links), count))
+        self._to_ends = self._differences.T.tocsr()
+
+    def value_and_pull(self, points: FloatArray) -> tuple[float, FloatArray]:
+        """Compute the stress and ``(B(X) - V) X``, minus half its gradient.
+
+        Parameters
+        ----------
+        points : (n, 3) ndarray of float
+            X.
+
+        Returns
+        -------
+        value : float
+            The stress.
+        pull : (n, 3) ndarray of float
+            Minus half the gradient.
+        """
+        apart = points[self._i] - points[self._j]
+        length = np.maximum(np.sqrt(np.einsum("ij,ij->i", apart, apart)), _LEAST)
+        short = self._targets - length
+        value = float(self._weights @ short**2)
+        return value, np.asarray(self._to_ends @ ((self._weights * short / length)[:, None] * apart))
+
+    def inverse(self) -> Callable[[FloatArray], FloatArray]:
+        """Factor V.
+
+        Returns
+        -------
+        callable
+            V⁺, for right-hand sides whose sum is 0.
+        """
+        from scipy.sparse import diags, eye
+
+        V = self._to_ends @ diags(self._weights) @ self._differences
+        solve = factored(V + 1e-9 * V.diagonal().mean() * eye(V.shape[0])).solve
+        return lambda pull: solve(np.ascontiguousarray(pull))
+
+
+class Pushing:
+    """Edges that ask for their lengths, and pairs that ask for a distance no body reaches: a nearly constant push.
+
+    Parameters
+    ----------
+    points : (n, 3) ndarray of float
+        Vertices, of unit area.
+    triangles : (m, 3) ndarray of int
+        Triangles.
+    samples : (s,) ndarray of int
+        The vertices that push each other.
+    strength : float
+        Sum of the pushes, in units of sqrt(area); an edge that is longer than it should be by d pulls with d. How much
+        a mesh gives way hardly depends on how fine it is.
+    depth : float
+        How much of a push along the third axis counts, 0 to 1.
+    normalised : bool
+        Push each pair by as much more as it lies nearer to each other, so that near pairs, which a bent joint brings
+        together, have as much say as far ones.
+    """
+
+    def __init__(
+        self,
+        points: FloatArray,
+        triangles: IntArray,
+        samples: IntArray,
+        strength: float,
+        depth: float = 1.0,
+        normalised: bool = False,
+    ) -> None:
+        count = len(points)
+        edges = vertex_pairs(triangles)
+        lengths = np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
+        first, second = np.triu_indices(len(samples), 1)
+        pairs = np.column_stack([samples[first], samples[second]])
+        push = np.ones(len(pairs))
+        if normalised:
+            push /= np.maximum(np.linalg.norm(points[pairs[:, 0]] - points[pairs[:, 1]], axis=1), _LEAST)
+        push *= strength / (_FAR * push.sum())
+        far, even = np.full(len(pairs), _FAR), np.ones(len(edges))
+        self._kept = LinkStress(edges, lengths, even, count)
+        self._pushed = LinkStress(pairs, far, push, count)
+        self._axes = np.array([1.0, 1.0, depth])
+        self._all = LinkStress(
+            np.concatenate([edges, pairs]), np.concatenate([lengths, far]), np.concatenate([even, push]), count
+        )
+
+    def value_and_pull(self, points: FloatArray) -> tuple[float, FloatArray]:
+        """Compute the stress and minus half its gradient.
+
+        Parameters
+        ----------
+        points : (n, 3) ndarray of float
+            X.
+
+        Returns
+        -------
+        value : float
+            The stress.
+        pull : (n, 3) ndarray of float
+            Minus half the gradient.
+        """
+        kept, pull = self._kept.value_and_pull(points)
+        pushed, push = self._pushed.value_and_pull(points * self._axes)
+        return kept + pushed, pull + push * self._axes
+
+    def lowered(self, start: FloatArray, settings: Settings, monitor: Monitor) -> tuple[FloatArray, FloatArray]:
+        """Move the vertices until the edges withstand the push.
+
+        Parameters
+        ----------
+        start : (n, 3) ndarray of float
+            Where they start.
+        settings : Settings
+            Iterations, tolerance and extrapolation.
+        monitor : Monitor
+            Told the progress and asked whether to stop.
+
+        Returns
+        -------
+        form : (n, 3) ndarray of float
+            The vertices, centred.
+        history : (s + 1,) ndarray of float
+            The stress; it never rises.
+
+        Raises
+        ------
+        CancelledError
+            If the monitor says so.
+        """
+        inverse = self._all.inverse()  # of a V that is never too small, whatever the depth
+        monitor.check()
+        tolerance = _PATIENCE * settings.tolerance
+        return minimise_stress(self, inverse, start, settings.iterations, tolerance, settings.extrapolation, monitor)

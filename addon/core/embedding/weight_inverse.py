@@ -1,0 +1,133 @@
+"""V⁺, the pseudo-inverse of the weight Laplacian that a SMACOF step needs, factored once (paper section 3.4)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..numerics.arrays import FloatArray, IntArray
+from ..numerics.products import inverse_of_lower, product
+from ..run.monitor import Monitor
+from .stress import PairSet
+
+_BLOCK = 64
+
+
+class WeightInverse:
+    """V⁺, the pseudo-inverse of the weight Laplacian, by block elimination.
+
+    V is dense inside each pair set and empty between them. Vertices of one set only are eliminated set by set; what
+    remains is a small system on the shared ones: feature points and the bands between closed patches.
+
+    Parameters
+    ----------
+    vertex_count : int
+        Number of vertices n.
+    pair_sets : list of PairSet
+        The sets; together they must connect all vertices.
+    monitor : Monitor, optional
+        Asked between blocks whether to stop.
+    """
+
+    def __init__(self, vertex_count: int, pair_sets: list[PairSet], monitor: Monitor | None = None) -> None:
+        monitor = monitor or Monitor()
+        uses = np.zeros(vertex_count, dtype=np.int64)
+        for pairs in pair_sets:
+            uses[pairs.vertices] += 1
+        shared = uses > 1
+        if not shared.any():
+            shared[0] = True
+        self._shared = np.flatnonzero(shared)
+        position = np.full(vertex_count, -1, dtype=np.int64)
+        position[self._shared] = np.arange(len(self._shared))
+        remaining = np.zeros((len(self._shared), len(self._shared)))
+        scale = 0.0
+        self._blocks: list[tuple[IntArray, IntArray, _Cholesky, FloatArray]] = []
+        for done, pairs in enumerate(pair_sets):
+            matrix = pairs.laplacian(monitor)
+            border = np.flatnonzero(shared[pairs.vertices])
+            inner = np.flatnonzero(~shared[pairs.vertices])
+            place = position[pairs.vertices[border]]
+            remaining[np.ix_(place, place)] += matrix[np.ix_(border, border)]
+            scale = max(scale, float(np.diag(matrix).max()))
+            if len(inner):
+                coupling = matrix[np.ix_(inner, border)]
+                factor = _Cholesky(_submatrix(matrix, inner, monitor), monitor)
+                half = factor.forward(coupling, monitor)
+                remaining[np.ix_(place, place)] -= product(half.T, half)
+                self._blocks.append((pairs.vertices[inner], place, factor, half))
+            monitor.tick((done + 1) / len(pair_sets))
+        # what remains has constants as its null space; adding them makes it regular and leaves the rest alone
+        remaining += scale / len(remaining)
+        self._remaining = _Cholesky(remaining, monitor)
+
+    def __call__(self, right: FloatArray) -> FloatArray:
+        """Solve ``V Y = R`` for R whose columns sum to 0.
+
+        Parameters
+        ----------
+        right : (n, d) ndarray of float
+            R.
+
+        Returns
+        -------
+        (n, d) ndarray of float
+            Y = V⁺ R, columns centred.
+        """
+        shared = right[self._shared]
+        halves = []
+        for inner, place, factor, half in self._blocks:
+            halves.append(factor.forward(right[inner]))
+            shared[place] -= product(half.T, halves[-1])
+        at_shared = self._remaining.backward(self._remaining.forward(shared))
+        solved = np.empty_like(right)
+        solved[self._shared] = at_shared
+        for (inner, place, factor, half), forward in zip(self._blocks, halves, strict=True):
+            solved[inner] = factor.backward(forward - product(half, at_shared[place]))
+        return solved - solved.mean(axis=0)
+
+
+def _submatrix(matrix: FloatArray, chosen: IntArray, monitor: Monitor) -> FloatArray:
+    """Copy the chosen rows and columns, a few rows at a time so that a cancel is heard."""
+    part = np.empty((len(chosen), len(chosen)))
+    for start in range(0, len(chosen), _BLOCK):
+        monitor.check()
+        rows = chosen[start : start + _BLOCK]
+        np.take(matrix[rows], chosen, axis=1, out=part[start : start + _BLOCK])
+    return part
+
+
+class _Cholesky:
+    """L with L Lᵀ = A, made in place of A block by block so that a cancel is heard; solves for a few right-hand sides.
+
+    A triangular solve of a linear algebra library would run on all threads; this chain of small products does not.
+    """
+
+    def __init__(self, matrix: FloatArray, monitor: Monitor) -> None:
+        self._lower = matrix
+        self._corners: list[tuple[slice, FloatArray]] = []  # inverses of the diagonal blocks
+        for start in range(0, len(matrix), _BLOCK):
+            monitor.check()
+            here, below = slice(start, start + _BLOCK), slice(start + _BLOCK, None)
+            if start:
+                matrix[start:, here] -= product(matrix[start:, :start], matrix[here, :start].T)
+            corner = inverse_of_lower(np.linalg.cholesky(matrix[here, here]))
+            matrix[below, here] = product(matrix[below, here], corner.T)
+            self._corners.append((here, corner))
+
+    def forward(self, right: FloatArray, monitor: Monitor | None = None) -> FloatArray:
+        """Solve L Y = R."""
+        solved = np.empty_like(right)
+        for here, corner in self._corners:
+            if monitor is not None:
+                monitor.check()
+            known = product(self._lower[here, : here.start], solved[: here.start])
+            solved[here] = product(corner, right[here] - known)
+        return solved
+
+    def backward(self, right: FloatArray) -> FloatArray:
+        """Solve Lᵀ Y = R."""
+        solved = right.copy()
+        for here, corner in reversed(self._corners):
+            solved[here] = product(corner.T, solved[here])
+            solved[: here.start] -= product(self._lower[here, : here.start].T, solved[here])
+        return solved

@@ -1,0 +1,143 @@
+"""Rigid motions: least-squares fit, iterative closest points, and which mirror image keeps the outside out."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..deformation.elastic_body import ElasticBody
+from ..numerics.arrays import FloatArray
+
+if TYPE_CHECKING:
+    from scipy.spatial import KDTree
+
+_SCOUTS = 2000  # points of a cloud that are tried from every start
+
+
+def rigid_fit(
+    source: FloatArray, target: FloatArray, weights: FloatArray | None = None, mirror: bool = False
+) -> tuple[FloatArray, FloatArray]:
+    """Find the rigid motion that takes matching points onto each other best.
+
+    Parameters
+    ----------
+    source, target : (n, 3) ndarray of float
+        Matching points.
+    weights : (n,) ndarray of float, optional
+        Weight of each match; 1 when left out.
+    mirror : bool
+        Whether a mirror image is allowed too.
+
+    Returns
+    -------
+    rotation : (3, 3) ndarray of float
+        R, with determinant 1 unless `mirror`.
+    shift : (3,) ndarray of float
+        t; the motion is ``x ↦ x R + t``.
+
+    References
+    ----------
+    Kabsch, "A solution for the best rotation to relate two sets of vectors", 1976.
+    """
+    share = np.ones(len(source)) if weights is None else weights
+    share = share / share.sum()
+    source_centre, target_centre = share @ source, share @ target
+    left, _, right = np.linalg.svd((source - source_centre).T @ (share[:, None] * (target - target_centre)))
+    if not mirror and np.linalg.det(left @ right) < 0:
+        left[:, -1] *= -1
+    rotation = left @ right
+    return rotation, target_centre - source_centre @ rotation
+
+
+def closest_point_fit(
+    source: FloatArray, target: FloatArray, iterations: int = 60, mirror: bool = False
+) -> tuple[FloatArray, FloatArray]:
+    """Move one point cloud rigidly onto another without known matches (multi-start ICP).
+
+    Starts from the position as given and from every way to lay the principal axes onto each other; the one with the
+    least mean squared distance wins. Of large clouds a few thousand points find the way, and all take the last steps.
+
+    Parameters
+    ----------
+    source : (p, 3) ndarray of float
+        Points to move.
+    target : (q, 3) ndarray of float
+        Points to move them to.
+    iterations : int
+        Most steps from each start.
+    mirror : bool
+        Whether mirror images are tried too.
+
+    Returns
+    -------
+    rotation : (3, 3) ndarray of float
+        R.
+    shift : (3,) ndarray of float
+        t; the motion is ``x ↦ x R + t``.
+
+    References
+    ----------
+    Besl and McKay, "A Method for Registration of 3-D Shapes", 1992.
+    """
+    from scipy.spatial import KDTree
+
+    tree = KDTree(target)
+    rng = np.random.default_rng(0)
+    some = source if len(source) <= _SCOUTS else source[np.sort(rng.choice(len(source), _SCOUTS, replace=False))]
+    source_centre, target_centre = source.mean(axis=0), target.mean(axis=0)
+    source_axes = np.linalg.eigh(np.cov(source.T))[1]
+    target_axes = np.linalg.eigh(np.cov(target.T))[1]
+    starts = [(np.eye(3), np.zeros(3))]
+    for signs in np.ndindex(2, 2, 2):
+        rotation = source_axes @ np.diag(1.0 - 2.0 * np.array(signs)) @ target_axes.T
+        if mirror or np.linalg.det(rotation) > 0:
+            starts.append((rotation, target_centre - source_centre @ rotation))
+    best, best_error = starts[0], np.inf
+    for rotation, shift in starts:
+        *closer, error = _closer(some, target, tree, rotation, shift, iterations, mirror)
+        if error < best_error:
+            best, best_error = (closer[0], closer[1]), error
+    return best if some is source else _closer(source, target, tree, *best, iterations, mirror)[:2]
+
+
+def _closer(
+    source: FloatArray,
+    target: FloatArray,
+    tree: KDTree,
+    rotation: FloatArray,
+    shift: FloatArray,
+    iterations: int,
+    mirror: bool,
+) -> tuple[FloatArray, FloatArray, float]:
+    """Match each point with the nearest and fit, over and over; return the motion and the mean squared distance."""
+    error = np.inf
+    for _ in range(iterations):
+        distance, match = tree.query(source @ rotation + shift)
+        previous, error = error, float(np.mean(distance**2))
+        if previous - error <= 1e-9 * previous:
+            break
+        rotation, shift = rigid_fit(source, target[match], mirror=mirror)
+    return rotation, shift, float(np.mean(tree.query(source @ rotation + shift)[0] ** 2))
+
+
+def keeps_outside_out(body: ElasticBody, after: FloatArray) -> bool:
+    """Decide between an embedding and its mirror image, which no distance can tell apart.
+
+    Where most of the surface would have to be turned inside out, the mirror image is the right one.
+
+    Parameters
+    ----------
+    body : ElasticBody
+        The input.
+    after : (n, 3) ndarray of float
+        The embedding.
+
+    Returns
+    -------
+    bool
+        True if `after` is to be kept, False if its mirror image is.
+    """
+    covariance = body.covariances(after)
+    thinnest = np.linalg.svd(covariance, compute_uv=False)[:, -1]
+    return float((np.sign(np.linalg.det(covariance)) * thinnest) @ body.mass) >= 0

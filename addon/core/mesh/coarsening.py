@@ -1,0 +1,342 @@
+"""A coarse mesh on some of the vertices of a fine one, and the way back from there to all vertices."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..numerics.arrays import FloatArray, IntArray
+from ..run.monitor import Monitor
+from .geometry import area_vectors, vertex_areas
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_matrix
+
+_EVENNESS = 0.05  # weight of evenly spread vertices against the fit to the surface: fingers keep a few more
+_SHARE = 0.6  # of the vertices, the cheapest, may go in one round
+_FEW = 0.05  # of the vertices that may go in a round; fewer do not thin the mesh out
+_TURN = 0.2  # least cosine between the normals of a triangle before and after
+_THINNEST = 0.02  # least area of a triangle that a removal makes, in squares of its longest edge
+_TIE = 1e-8  # costs as close as this count as equal, lower vertex first, so that rounding decides nothing
+
+
+@dataclass(frozen=True, eq=False)
+class Coarsening:
+    """A coarse mesh and how every other vertex hangs between its neighbours.
+
+    Attributes
+    ----------
+    vertex_count : int
+        Number n of fine vertices.
+    kept : (c,) ndarray of int
+        The fine vertices that are left, in rising order.
+    faces : (m, 3) ndarray of int
+        Triangles of the coarse mesh; corners index `kept`.
+    rounds : list of (ndarray, csr_matrix)
+        Vertices removed together, in order of removal, and their weights ``(r, n)`` among the vertices left then.
+    """
+
+    vertex_count: int
+    kept: IntArray
+    faces: IntArray
+    rounds: list[tuple[IntArray, csr_matrix]]
+
+    def carried_back(self, values: FloatArray) -> FloatArray:
+        """Interpolate values on the coarse vertices to all vertices, smoothly over the surface.
+
+        Parameters
+        ----------
+        values : (c, d) or (c,) ndarray of float
+            Values on the coarse vertices.
+
+        Returns
+        -------
+        (n, d) or (n,) ndarray of float
+            Values on all vertices, each an average with positive weights.
+        """
+        full = np.zeros((self.vertex_count, *values.shape[1:]))
+        full[self.kept] = values
+        for removed, weights in reversed(self.rounds):
+            full[removed] = weights @ full
+        return full
+
+
+def coarsened(
+    points: FloatArray, faces: IntArray, target: int, fixed: IntArray | None = None, monitor: Monitor | None = None
+) -> Coarsening:
+    """Remove vertices until about `target` are left, keeping the shape and spreading the rest evenly.
+
+    Many vertices go at once: each is drawn onto the neighbour where it harms least (squared distance from the planes
+    of the surface it stands for, plus a term for evenness), never two that share an edge, and only where the surface
+    stays a surface and no triangle turns over.
+
+    Parameters
+    ----------
+    points : (n, 3) ndarray of float
+        Vertices.
+    faces : (m, 3) ndarray of int
+        Triangles.
+    target : int
+        Number of vertices wanted.
+    fixed : (k,) ndarray of int, optional
+        Vertices that stay.
+    monitor : Monitor, optional
+        Told the progress and asked whether to stop.
+
+    Returns
+    -------
+    Coarsening
+        The coarse mesh; more vertices than `target` are left where no more can go.
+
+    Raises
+    ------
+    CancelledError
+        If the monitor says so.
+
+    References
+    ----------
+    Garland and Heckbert, "Surface Simplification Using Quadric Error Metrics", 1997; Hoppe, "Progressive Meshes",
+    1996; Floater, "Mean Value Coordinates", 2003 (the weights).
+    """
+    monitor = monitor or Monitor()
+    count = len(points)
+    quadrics = _quadrics(points, faces)  # (n, 10)
+    areas = vertex_areas(points, faces)
+    patience = np.zeros(count)  # how often a vertex could not go where it wanted to
+    if fixed is not None:
+        patience[fixed] = np.inf
+    alive = np.ones(count, dtype=bool)
+    left = count
+    rounds: list[tuple[IntArray, csr_matrix]] = []
+    stuck = 0
+    while left > target and stuck < 4:
+        monitor.tick(np.log(count / left) / np.log(count / target))
+        links = _Links(faces, count)
+        monitor.check()
+        leaving, onto, rank = _wishes(points, links, quadrics, areas, patience)
+        monitor.check()
+        chosen = _independent(leaving, rank, links, count)
+        monitor.check()
+        leaving, onto, rank = leaving[chosen], onto[chosen], rank[chosen]
+        corners = _corners(faces, leaving, count)
+        good = _harmless(points, corners, links, leaving, onto, rank)
+        good &= ~_strands(corners, leaving, onto, np.bincount(faces.ravel(), minlength=count))
+        patience[leaving[~good]] += 1
+        stuck = stuck + 1 if np.count_nonzero(good) < 0.005 * left else 0
+        going = np.flatnonzero(good)
+        if len(going) > left - target:
+            going = np.sort(going[np.argsort(rank[going], kind="stable")[: left - target]])
+        if not len(going):
+            continue
+        monitor.check()
+        rounds.append((leaving[going], _mean_value_weights(points, corners, leaving, count)[going]))
+        leaving, onto = leaving[going], onto[going]
+        np.add.at(quadrics, onto, quadrics[leaving])
+        np.add.at(areas, onto, areas[leaving])
+        alive[leaving] = False
+        left -= len(leaving)
+        goes_to = np.arange(count)
+        goes_to[leaving] = onto
+        faces = goes_to[faces]
+        flat = (faces == np.roll(faces, 1, axis=1)).any(axis=1)
+        faces = faces[~flat]
+    kept = np.flatnonzero(alive)
+    number = np.full(count, -1, dtype=np.int64)
+    number[kept] = np.arange(len(kept))
+    return Coarsening(count, kept, number[faces], rounds)
+
+
+class _Links:
+    """The edges of the present mesh, both ways, sorted by their tail, and on how many triangles each lies."""
+
+    def __init__(self, faces: IntArray, count: int) -> None:
+        tail, head = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+        keys, triangles = np.unique(np.minimum(tail, head) * count + np.maximum(tail, head), return_counts=True)
+        low, high = np.divmod(keys, count)
+        marked = np.concatenate([keys, high * count + low]) * 4 + np.tile(np.minimum(triangles, 3), 2)
+        marked.sort()  # sorting is faster than ordering
+        self.key, self.triangles = marked >> 2, marked & 3
+        self.tail, self.head = np.divmod(self.key, count)
+        self.first = np.concatenate([[0], np.cumsum(np.bincount(self.tail, minlength=count))])
+        self.count = count
+
+    def out_of(self, vertices: IntArray) -> tuple[IntArray, IntArray]:
+        """List the edges out of some vertices: position of the vertex in the list, and number of the edge."""
+        degree = self.first[vertices + 1] - self.first[vertices]
+        owner = np.repeat(np.arange(len(vertices)), degree)
+        within = np.arange(len(owner)) - np.repeat(np.cumsum(degree) - degree, degree)
+        return owner, self.first[vertices][owner] + within
+
+    def hold(self, key: IntArray) -> np.ndarray:
+        """Tell which keys are edges."""
+        at = np.minimum(np.searchsorted(self.key, key), len(self.key) - 1)
+        return self.key[at] == key
+
+
+def _quadrics(points: FloatArray, faces: IntArray) -> FloatArray:
+    """Sum, over the triangles of each vertex, area times the squared distance from their planes."""
+    normal = area_vectors(points, faces)
+    area = np.linalg.norm(normal, axis=1)
+    normal /= np.maximum(area, np.finfo(float).tiny)[:, None]
+    plane = np.column_stack([normal, -np.einsum("ij,ij->i", normal, points[faces[:, 0]])])
+    row, column = np.triu_indices(4)
+    terms = plane[:, row] * plane[:, column] * (area / 3)[:, None]  # (m, 10)
+    return np.column_stack(
+        [np.bincount(faces.ravel(), np.repeat(terms[:, k], 3), minlength=len(points)) for k in range(10)]
+    )
+
+
+def _wishes(
+    points: FloatArray, links: _Links, quadrics: FloatArray, areas: FloatArray, patience: FloatArray
+) -> tuple[IntArray, IntArray, IntArray]:
+    """Find for every vertex that may go the neighbour where it harms least; the cheaper share, and their rank."""
+    u, v = links.tail, links.head
+    degree = np.diff(links.first)
+    x, y, z = (coordinate[v] for coordinate in points.T)
+    # the edges are sorted by their tail, so what belongs to it is repeated
+    q = [np.repeat(coefficient, degree) for coefficient in np.ascontiguousarray(quadrics.T)]
+    harm = q[0] * x * x + q[4] * y * y + q[7] * z * z + q[9]
+    harm += 2 * (q[1] * x * y + q[2] * x * z + q[5] * y * z + q[3] * x + q[6] * y + q[8] * z)
+    length = sum((np.repeat(coordinate, degree) - coordinate[v]) ** 2 for coordinate in points.T)
+    cost = np.maximum(harm, 0.0) + _EVENNESS * length * np.repeat(areas, degree)
+    cost[np.repeat(patience == np.inf, degree)] = np.inf
+    rim = links.triangles != 2
+    if rim.any():  # along a border, or off the inside
+        rims = np.bincount(u[rim], minlength=links.count)
+        wild = np.bincount(u[links.triangles > 2], minlength=links.count) > 0
+        cost[~np.where(rims[u] == 0, True, (rims[u] == 2) & ~wild[u] & rim)] = np.inf
+    alive = np.flatnonzero(degree)
+    least = np.minimum.reduceat(cost, links.first[alive]) if len(alive) else np.zeros(0)
+    pick = np.flatnonzero((cost <= np.repeat((1 + _TIE) * least, degree[alive])) & (cost < np.inf))
+    pick = pick[np.concatenate([[True], u[pick][1:] != u[pick][:-1]])] if len(pick) else pick
+    turn = patience[u[pick]].astype(np.int64)
+    again = np.flatnonzero(turn)  # those that could not go try the next best
+    owner, edge = links.out_of(u[pick[again]])
+    finite = cost[edge] < np.inf
+    owner, edge = owner[finite], edge[finite]
+    order = np.lexsort((_ranks(cost[edge]), owner))
+    start = np.searchsorted(owner, np.arange(len(again) + 1))
+    pick[again] = edge[order[start[:-1] + turn[again] % np.diff(start)]]
+    cost = cost[pick] * 2.0**turn
+    cheap = cost <= (1 + _TIE) * np.quantile(cost, _SHARE) if len(cost) else np.zeros(0, bool)
+    return u[pick[cheap]], v[pick[cheap]], _ranks(cost[cheap])
+
+
+def _ranks(cost: FloatArray) -> IntArray:
+    """Rank costs from the lowest; those that only rounding tells apart get one rank."""
+    order = np.argsort(cost)
+    rising = cost[order]
+    rank = np.empty(len(cost), dtype=np.int64)
+    rank[order] = np.concatenate([[0], np.cumsum(np.diff(rising) > _TIE * rising[1:])])[: len(cost)]
+    return rank
+
+
+def _independent(leaving: IntArray, rank: IntArray, links: _Links, count: int) -> IntArray:
+    """Choose vertices of which no two share an edge, cheap ones first, and none onto which another goes."""
+    place = np.full(count, count + 1, dtype=np.int64)  # in the order of going, the lower vertex first in a tie
+    place[np.sort(rank * count + leaving) % count] = np.arange(len(leaving))
+    free = place <= count
+    chosen = np.zeros(count, dtype=bool)
+    for turn in range(6):
+        if turn == 2 and np.count_nonzero(chosen) >= _FEW * len(leaving):
+            break
+        if turn == 2:  # costs rise steadily along the surface, and few are cheaper than all around: draw lots
+            place[place <= count] = np.random.default_rng(0).permutation(len(leaving))[place[place <= count]]
+        between = free[links.tail] & free[links.head]
+        tail, head = links.tail[between], links.head[between]
+        beaten = np.zeros(count, dtype=bool)
+        beaten[tail[place[tail] > place[head]]] = True
+        new = free & ~beaten
+        chosen |= new
+        free &= ~new
+        free[links.head[new[links.tail]]] = False
+    return np.flatnonzero(chosen[leaving])
+
+
+def _corners(faces: IntArray, leaving: IntArray, count: int) -> tuple[IntArray, IntArray, IntArray]:
+    """List the triangles around some vertices: whose, by place in the list, and the other two corners in order."""
+    place = np.full(count, -1, dtype=np.int64)
+    place[leaving] = np.arange(len(leaving))
+    owner = place[faces].ravel()
+    corner = np.flatnonzero(owner >= 0)
+    face, at = corner // 3, corner % 3
+    return owner[corner], faces[face, (at + 1) % 3], faces[face, (at + 2) % 3]
+
+
+def _harmless(
+    points: FloatArray,
+    corners: tuple[IntArray, IntArray, IntArray],
+    links: _Links,
+    leaving: IntArray,
+    onto: IntArray,
+    rank: IntArray,
+) -> np.ndarray:
+    """Tell which removals leave a surface a surface and turn no triangle over."""
+    count = links.count
+    good = np.ones(len(leaving), dtype=bool)
+    # the edges that a removal makes must be new, apart from those beside the edge that closes
+    owner, edge = links.out_of(leaving)
+    other = links.head[edge] != onto[owner]
+    closing = links.triangles[edge[~other]]  # one a vertex, in order
+    owner, ring = owner[other], links.head[edge[other]]
+    made = np.minimum(onto[owner], ring) * count + np.maximum(onto[owner], ring)
+    old = links.hold(made)
+    good &= np.bincount(owner[old], minlength=len(leaving)) == closing
+    # and no two removals may make the same one: the cheaper stays
+    owner, made = owner[~old], made[~old]
+    sorted_made = np.sort(made)
+    twice = np.isin(made, sorted_made[1:][sorted_made[1:] == sorted_made[:-1]])
+    owner, made = owner[twice], made[twice]
+    order = np.lexsort((leaving[owner], rank[owner], made))
+    again = np.flatnonzero(made[order][1:] == made[order][:-1]) + 1
+    good[owner[order[again]]] = False
+    owner, one, two = corners
+    stays = (one != onto[owner]) & (two != onto[owner])
+    owner, one, two = owner[stays], one[stays], two[stays]
+    u, v = leaving[owner], onto[owner]
+    before = np.cross(points[one] - points[u], points[two] - points[u])
+    after = np.cross(points[one] - points[v], points[two] - points[v])
+    size_before, size_after = np.linalg.norm(before, axis=1), np.linalg.norm(after, axis=1)
+    turned = np.einsum("ij,ij->i", before, after) < _TURN * size_before * size_after
+    longest = np.maximum.reduce(
+        [((points[a] - points[b]) ** 2).sum(axis=1) for a, b in ((one, two), (one, v), (two, v))]
+    )
+    thin = (size_after < _THINNEST * longest) & (size_after < size_before)
+    good[owner[turned | thin]] = False
+    return good
+
+
+def _strands(
+    corners: tuple[IntArray, IntArray, IntArray], leaving: IntArray, onto: IntArray, valence: IntArray
+) -> np.ndarray:
+    """Tell which removals would leave a vertex without a triangle: the tip of an ear, or where pieces just touch."""
+    owner, one, two = corners
+    closes = (one == onto[owner]) | (two == onto[owner])
+    owner, tip = owner[closes], np.where(one == onto[owner], two, one)[closes]
+    lost = np.bincount(tip, minlength=len(valence)) + np.bincount(onto[owner], minlength=len(valence))
+    brought = valence[leaving] - np.bincount(owner, minlength=len(leaving))
+    stranded = (brought < 1) & (lost[onto] >= valence[onto])
+    stranded[owner[lost[tip] >= valence[tip]]] = True
+    return stranded
+
+
+def _mean_value_weights(
+    points: FloatArray, corners: tuple[IntArray, IntArray, IntArray], leaving: IntArray, count: int
+) -> csr_matrix:
+    """Weigh the neighbours of each vertex so that it is their mean, seen along the surface."""
+    from scipy.sparse import coo_matrix
+
+    owner, one, two = corners
+    u = leaving[owner]
+    to_one, to_two = points[one] - points[u], points[two] - points[u]
+    tiny = np.finfo(float).tiny
+    length_one = np.maximum(np.linalg.norm(to_one, axis=1), 1e-12)
+    length_two = np.maximum(np.linalg.norm(to_two, axis=1), 1e-12)
+    cosine = np.einsum("ij,ij->i", to_one, to_two) / (length_one * length_two)
+    tangent = np.sqrt(np.maximum(1 - cosine, 0) / np.maximum(1 + cosine, 1e-6))  # of half the corner's angle
+    row = np.tile(owner, 2)
+    weight = np.concatenate([tangent / length_one, tangent / length_two]) + tiny
+    weight /= np.bincount(row, weight, minlength=len(leaving))[row]
+    return coo_matrix((weight, (row, np.concatenate([one, two]))), shape=(len(leaving), count)).tocsr()

@@ -1,0 +1,181 @@
+"""The mesh as a metric surface: checks, triangles with edge lengths, areas and connectivity.
+
+Everything behind this file sees the surface through its triangles and the lengths of their edges only, so no later
+step can depend on how the mesh lies in space.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..numerics.arrays import FloatArray, IntArray
+from ..run.errors import InvalidMeshError
+
+
+def checked_arrays(vertices: ArrayLike, faces: ArrayLike) -> tuple[FloatArray, IntArray]:
+    """Return a mesh as arrays of the core's types, or say why they are no mesh.
+
+    Parameters
+    ----------
+    vertices : (n, 3) array_like of float
+        Vertex positions, any unit of length.
+    faces : (m, 3) array_like of int
+        Triangles as vertex indices.
+
+    Returns
+    -------
+    vertices : (n, 3) ndarray of float64
+        The positions.
+    faces : (m, 3) ndarray of int64
+        The triangles.
+
+    Raises
+    ------
+    InvalidMeshError
+        If a shape is wrong, a coordinate is not finite, an index is out of range, or there is no triangle.
+    """
+    try:
+        points, corners = np.asarray(vertices), np.asarray(faces)
+        if np.iscomplexobj(points):
+            raise TypeError("complex numbers")
+        points = np.ascontiguousarray(points, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InvalidMeshError(f"Vertices and faces must be arrays of numbers ({error}).") from error
+    if corners.size == 0:
+        raise InvalidMeshError("The mesh has no faces. Choose a mesh with a surface.")
+    if points.ndim != 2 or points.shape[1] != 3:
+        raise InvalidMeshError(f"Vertices must be an (n, 3) array; got shape {points.shape}.")
+    if corners.ndim != 2 or corners.shape[1] != 3:
+        raise InvalidMeshError(f"Faces must be an (m, 3) array of triangles; got shape {corners.shape}.")
+    if not np.issubdtype(corners.dtype, np.integer):
+        raise InvalidMeshError(f"Faces must be integers; got {corners.dtype}.")
+    if not np.isfinite(points).all():
+        bad = int(np.count_nonzero(~np.isfinite(points).all(axis=1)))
+        which = "1 vertex has" if bad == 1 else f"{bad:,} vertices have"
+        raise InvalidMeshError(f"{which} coordinates that are not numbers. Delete or repair them.")
+    if corners.min() < 0 or corners.max() >= len(points):
+        raise InvalidMeshError(f"Faces name vertices outside 0 to {len(points) - 1}.")
+    return points, np.ascontiguousarray(corners, dtype=np.int64)
+
+
+def area_vectors(vertices: FloatArray, faces: IntArray) -> FloatArray:
+    """Give every triangle its normal, as long as its area is large.
+
+    Parameters
+    ----------
+    vertices : (n, 3) ndarray of float
+        Vertex positions.
+    faces : (m, 3) ndarray of int
+        Triangles.
+
+    Returns
+    -------
+    (m, 3) ndarray of float
+        Vectors on the side from which a triangle is counter-clockwise.
+    """
+    a, b, c = vertices[faces].transpose(1, 0, 2)
+    return np.asarray(np.cross(b - a, c - a) / 2)
+
+
+def vertex_area_vectors(vertices: FloatArray, faces: IntArray) -> FloatArray:
+    """Sum the area vectors of the triangles around every vertex: its normal, as long as their area is large.
+
+    Parameters
+    ----------
+    vertices : (n, 3) ndarray of float
+        Vertex positions.
+    faces : (m, 3) ndarray of int
+        Triangles.
+
+    Returns
+    -------
+    (n, 3) ndarray of float
+        The sums; a third of one is how fast the volume grows as the vertex moves.
+    """
+    each = np.repeat(area_vectors(vertices, faces), 3, axis=0)
+    corners = faces.ravel()
+    return np.column_stack([np.bincount(corners, each[:, axis], minlength=len(vertices)) for axis in range(3)])
+
+
+def surface_area(vertices: FloatArray, faces: IntArray) -> float:
+    """Compute the area of a mesh.
+
+    Parameters
+    ----------
+    vertices : (n, 3) ndarray of float
+        Vertex positions.
+    faces : (m, 3) ndarray of int
+        Triangles.
+
+    Returns
+    -------
+    float
+        Area, in squared units of length.
+    """
+    return float(np.linalg.norm(area_vectors(vertices, faces), axis=1).sum())
+
+
+def of_unit_area(vertices: FloatArray, faces: IntArray) -> tuple[FloatArray, FloatArray, float]:
+    """Move a mesh to its centre and scale it to unit area, whatever its size is.
+
+    Parameters
+    ----------
+    vertices : (n, 3) ndarray of float
+        Vertex positions.
+    faces : (m, 3) ndarray of int
+        Triangles, of some area together.
+
+    Returns
+    -------
+    points : (n, 3) ndarray of float
+        The positions there.
+    centre : (3,) ndarray of float
+        Where the centre was.
+    unit : float
+        Root of the area: ``vertices = points * unit + centre``.
+    """
+    scale = 2.0 ** np.floor(np.log2(np.abs(vertices).max()))  # exact, and squares of what is left do not overflow
+    points = vertices / scale
+    centre, width = points.mean(axis=0), float(np.ptp(points, axis=0).max())
+    points = (points - centre) / width
+    size = float(np.sqrt(surface_area(points, faces)))
+    return points / size, centre * scale, width * size * scale
+
+
+def vertex_areas(vertices: FloatArray, faces: IntArray) -> FloatArray:
+    """Give every vertex a third of the area of its triangles in space.
+
+    Parameters
+    ----------
+    vertices : (n, 3) ndarray of float
+        Vertex positions.
+    faces : (m, 3) ndarray of int
+        Triangles.
+
+    Returns
+    -------
+    (n,) ndarray of float
+        Areas.
+    """
+    thirds = np.linalg.norm(area_vectors(vertices, faces), axis=1) / 3
+    return np.bincount(faces.ravel(), weights=np.repeat(thirds, 3), minlength=len(vertices)).astype(np.float64)
+
+
+def signed_volume(vertices: FloatArray, faces: IntArray) -> float:
+    """Sum the signed volumes between the triangles and the centre.
+
+    Parameters
+    ----------
+    vertices : (n, 3) ndarray of float
+        Vertex positions.
+    faces : (m, 3) ndarray of int
+        Triangles.
+
+    Returns
+    -------
+    float
+        The volume inside a closed mesh, positive if its triangles are counter-clockwise seen from outside.
+    """
+    a, b, c = (vertices[faces] - vertices.mean(axis=0)).transpose(1, 0, 2)
+    return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)

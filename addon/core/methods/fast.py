@@ -1,0 +1,101 @@
+"""Fast multidimensional scaling: FastMap on geodesic distances (Faloutsos and Lin)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from ..numerics.arrays import FloatArray
+from ..run.monitor import Monitor
+from ..unfolding.embedding import Embedding
+from ..unfolding.samples import WholeSurface
+from ..unfolding.settings import Settings
+from .classical import plain_stress
+
+_ROUNDS = 5  # of the search for two points that lie far apart, as the authors advise
+
+
+def fast_map(
+    distances_from: Callable[[int], FloatArray], first: int, dimensions: int = 3
+) -> tuple[FloatArray, list[int]]:
+    """Embed points by their distances from two pivots an axis.
+
+    Parameters
+    ----------
+    distances_from : callable
+        Gives the distances of all n points from one of them, (n,).
+    first : int
+        Where the search for pivots starts.
+    dimensions : int
+        Dimension d of the embedding.
+
+    Returns
+    -------
+    embedding : (n, d) ndarray of float
+        The points.
+    pivots : list of int
+        Two an axis; fewer axes where nothing is left to embed.
+
+    References
+    ----------
+    Faloutsos and Lin, "FastMap: a fast algorithm for indexing, data-mining and visualization", 1995.
+    """
+    known: dict[int, FloatArray] = {}
+
+    def squared_from(point: int) -> FloatArray:
+        if point not in known:
+            known[point] = np.asarray(distances_from(point), dtype=np.float64) ** 2
+        flat = embedding[:, :axis] - embedding[point, :axis]
+        return np.maximum(known[point] - (flat**2).sum(axis=1), 0.0)  # what the axes so far leave over
+
+    axis, pivots = 0, []
+    embedding = np.zeros((len(np.asarray(distances_from(first))), dimensions))
+    for axis in range(dimensions):
+        near = far = first
+        for _ in range(_ROUNDS):
+            near, far = far, int(np.argmax(squared_from(far)))
+        from_near, from_far = squared_from(near), squared_from(far)
+        between = (from_near[far] + from_far[near]) / 2
+        if not between > 0:
+            break
+        pivots += [near, far]
+        embedding[:, axis] = (from_near + between - from_far) / (2 * np.sqrt(between))
+    return embedding, pivots
+
+
+def fast_form(whole: WholeSurface, settings: Settings, monitor: Monitor) -> Embedding:
+    """Unfold a surface by FastMap: a handful of distance fields and no minimisation.
+
+    Parameters
+    ----------
+    whole : WholeSurface
+        The mesh.
+    settings : Settings
+        Options; none matters but the quality, which says how accurate the geodesics are.
+    monitor : Monitor
+        Told the progress and asked whether to stop.
+
+    Returns
+    -------
+    Embedding
+        The form; its history is the stress among the pivots.
+
+    Raises
+    ------
+    CancelledError
+        If the monitor says so.
+    """
+    fields: dict[int, FloatArray] = {}
+
+    def distances_from(point: int) -> FloatArray:
+        if point not in fields:
+            monitor.check()
+            fields[point] = np.maximum(whole.heat.distances([point])[:, 0], 0.0)
+        return fields[point]
+
+    with monitor.stage("Embedding", 0.95):
+        form, pivots = fast_map(distances_from, int(whole.features[0]))
+        between = np.column_stack([fields[point][pivots] for point in pivots])
+        stress = plain_stress(form[pivots], (between + between.T) / 2)
+        return whole.embedding(form, [stress], len(fields) * len(form))

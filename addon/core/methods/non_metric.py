@@ -1,0 +1,130 @@
+"""Non-metric multidimensional scaling: only the order of the geodesic distances counts (Kruskal)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..numerics.arrays import FloatArray
+from ..run.monitor import Monitor
+from ..unfolding.embedding import Embedding
+from ..unfolding.samples import WholeSurface
+from ..unfolding.settings import Settings
+from .classical import scaled_classically
+
+
+def non_metric_scaling(
+    distances: FloatArray, start: FloatArray, iterations: int, tolerance: float, monitor: Monitor | None = None
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Alternate between the best rising function of the distances and a majorisation step towards its values.
+
+    The function's values, the disparities, keep the sum of squares of the given distances, so that the points cannot
+    escape by shrinking. Where two given distances are equal, the first in the matrix comes first (the secondary
+    approach to ties makes no difference to geodesics, which are hardly ever equal).
+
+    Parameters
+    ----------
+    distances : (n, n) ndarray of float
+        Given distances, symmetric; only their order is used.
+    start : (n, d) ndarray of float
+        First embedding.
+    iterations : int
+        Most steps.
+    tolerance : float
+        Stop when a step lowers the stress by less than this share of it.
+    monitor : Monitor, optional
+        Told the progress and asked whether to stop.
+
+    Returns
+    -------
+    embedding : (n, d) ndarray of float
+        The points, centred.
+    history : (s + 1,) ndarray of float
+        ``Σ_{i<j} (d̂_ij - d_ij)²`` before each step and after the last; it never rises.
+    disparities : (n (n - 1) / 2,) ndarray of float
+        d̂ of the pairs i < j, row by row.
+
+    Raises
+    ------
+    CancelledError
+        If the monitor says so.
+
+    References
+    ----------
+    Kruskal, "Nonmetric multidimensional scaling: a numerical method", 1964; De Leeuw, 1977 (the steps).
+    """
+    from scipy.optimize import isotonic_regression
+    from scipy.spatial.distance import pdist, squareform
+
+    monitor = monitor or Monitor()
+    given = squareform(distances, checks=False)
+    order = np.argsort(given, kind="stable")
+    monitor.check()
+    size = np.sqrt((given**2).sum())
+    points = start - start.mean(axis=0)
+
+    def disparities_of(straight: FloatArray) -> FloatArray:
+        rising = np.empty_like(straight)
+        rising[order] = isotonic_regression(straight[order]).x
+        monitor.check()
+        return rising * (size / np.sqrt((rising**2).sum()))
+
+    straight = pdist(points)
+    wanted = disparities_of(straight)
+    history = [float(((wanted - straight) ** 2).sum())]
+    for step in range(iterations):
+        ratio = squareform(wanted / np.maximum(straight, 1e-12 * size))
+        trial = (ratio.sum(axis=1)[:, None] * points - ratio @ points) / len(points)  # n⁻¹ B(X) X
+        monitor.check()
+        trial_straight = pdist(trial)
+        trial_wanted = disparities_of(trial_straight)
+        value = float(((trial_wanted - trial_straight) ** 2).sum())
+        if value > history[-1]:  # rounding is all that is left
+            break
+        points, straight, wanted = trial, trial_straight, trial_wanted
+        history.append(value)
+        monitor.tick((step + 1) / iterations)
+        if history[-2] - value < tolerance * history[-2]:
+            break
+    return points, np.array(history), wanted
+
+
+def non_metric_form(whole: WholeSurface, settings: Settings, monitor: Monitor) -> Embedding:
+    """Unfold a surface so that the order of its distances is kept.
+
+    Parameters
+    ----------
+    whole : WholeSurface
+        The mesh.
+    settings : Settings
+        At quality 'full' all pairs are used. Otherwise the landmarks are embedded and the rising function that was
+        found for them turns the other vertices' distances from them into those to place them by.
+    monitor : Monitor
+        Told the progress and asked whether to stop.
+
+    Returns
+    -------
+    Embedding
+        The form.
+
+    Raises
+    ------
+    TooLargeError
+        If all pairs do not fit into the memory limit.
+    CancelledError
+        If the monitor says so.
+    """
+    from scipy.spatial.distance import squareform
+
+    with monitor.stage("Distances", 0.5):
+        samples = whole.samples()
+    with monitor.stage("Embedding", 0.95):
+        start = scaled_classically(samples)
+        placed, history, wanted = non_metric_scaling(
+            samples.between, start[samples.vertices], settings.iterations, settings.tolerance, monitor
+        )
+        given = squareform(samples.between, checks=False)
+        order = np.argsort(given, kind="stable")
+        known = np.concatenate([[0.0], given[order]]), np.concatenate([[0.0], wanted[order]])
+        targets = None if samples.complete else np.interp(samples.distances, *known)
+        placed = placed + start[samples.vertices].mean(axis=0)
+        return whole.embedding(samples.spread(placed, start, targets), history, samples.distances.size)

@@ -1,0 +1,190 @@
+"""Unbending the curve skeleton, which then drives the mesh (Pickup et al. 2016)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..deformation.elastic_body import ElasticBody
+from ..embedding.smacof import smacof
+from ..mesh.connectivity import vertex_pairs
+from ..mesh.geometry import vertex_areas
+from ..numerics.arrays import FloatArray, IntArray
+from ..run.monitor import Monitor
+from ..unfolding.embedding import Embedding
+from ..unfolding.samples import WholeSurface
+from ..unfolding.settings import Settings
+
+_RINGS = 40  # level sets between the root and the farthest vertex
+_LEAST_RING = 1.5  # mean edges that a level set is wide at least
+_SMALL = 1e-3  # share of the area below which a node is joined with its neighbour
+_PULL = 3.0  # 1/area: how firmly the vertices follow their nodes
+_ROUNDS, _STEPS = 3, 12  # of moving every node's vertices onto it, and of the deformation in each
+
+
+@dataclass(frozen=True, eq=False)
+class CurveSkeleton:
+    """A graph of curves inside a surface.
+
+    Attributes
+    ----------
+    nodes : (b, 3) ndarray of float
+        Where the nodes are.
+    bones : (e, 2) ndarray of int
+        Pairs of nodes.
+    node_of : (n,) ndarray of int
+        Node of every vertex of the surface.
+    areas : (b,) ndarray of float
+        Area of the vertices of each node.
+    """
+
+    nodes: FloatArray
+    bones: IntArray
+    node_of: IntArray
+    areas: FloatArray
+
+    def path_lengths(self) -> FloatArray:
+        """Measure the shortest way between all nodes along the bones.
+
+        Returns
+        -------
+        (b, b) ndarray of float
+            Lengths.
+        """
+        from scipy.sparse import coo_matrix
+        from scipy.sparse.csgraph import dijkstra
+
+        i, j = self.bones.T
+        length = np.maximum(np.linalg.norm(self.nodes[i] - self.nodes[j], axis=1), 1e-12)
+        graph = coo_matrix((length, (i, j)), shape=(len(self.nodes),) * 2).tocsr()
+        return np.asarray(dijkstra(graph, directed=False))
+
+
+def curve_skeleton(points: FloatArray, triangles: IntArray, from_root: FloatArray) -> CurveSkeleton:
+    """Find the curve skeleton of a surface: the centres of the rings of equal distance from a root.
+
+    Parameters
+    ----------
+    points : (n, 3) ndarray of float
+        Vertices.
+    triangles : (m, 3) ndarray of int
+        Triangles.
+    from_root : (n,) ndarray of float
+        Geodesic distance of every vertex from the root.
+
+    Returns
+    -------
+    CurveSkeleton
+        The skeleton.
+
+    References
+    ----------
+    Verroust and Lazarus, "Extracting skeletal curves from 3D scattered data", 2000.
+    """
+    edges = vertex_pairs(triangles)
+    edge = float(np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1).mean())
+    width = max(float(from_root.max()) / _RINGS, _LEAST_RING * edge)
+    ring = np.floor(from_root / width).astype(np.int64)
+    node_of = _connected(len(points), edges[ring[edges[:, 0]] == ring[edges[:, 1]]])
+    area = vertex_areas(points, triangles)
+    total = float(area.sum())
+    while True:  # small pieces of rings join the neighbour with which they share most edges
+        areas = np.bincount(node_of, area).astype(np.float64)
+        between = edges[node_of[edges[:, 0]] != node_of[edges[:, 1]]]
+        if not len(between) or areas.min() >= _SMALL * total:
+            break
+        small = int(np.argmin(areas))
+        pairs = node_of[between]
+        beside = pairs[(pairs == small).any(axis=1)].sum(axis=1) - small
+        node_of = np.where(node_of == small, int(np.argmax(np.bincount(beside))), node_of)
+        node_of = np.unique(node_of, return_inverse=True)[1].reshape(-1)
+    nodes = np.column_stack([np.bincount(node_of, area * points[:, axis]) for axis in range(3)]) / areas[:, None]
+    bones = np.unique(np.sort(node_of[between], axis=1), axis=0).reshape(-1, 2)
+    return CurveSkeleton(nodes, bones, node_of, areas)
+
+
+def _connected(count: int, edges: IntArray) -> IntArray:
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
+    graph = coo_matrix((np.ones(len(edges)), edges.T), shape=(count, count))
+    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
+
+
+def driven(body: ElasticBody, skeleton: CurveSkeleton, places: FloatArray, monitor: Monitor) -> FloatArray:
+    """Deform a mesh as rigidly as possible so that its skeleton goes where it is wanted.
+
+    Parameters
+    ----------
+    body : ElasticBody
+        The mesh.
+    skeleton : CurveSkeleton
+        Its skeleton.
+    places : (b, 3) ndarray of float
+        Where the nodes are wanted.
+    monitor : Monitor
+        Told the progress and asked whether to stop.
+
+    Returns
+    -------
+    (n, 3) ndarray of float
+        The vertices.
+
+    Raises
+    ------
+    CancelledError
+        If the monitor says so.
+    """
+    form = body.points
+    for number in range(_ROUNDS):
+        centre = np.column_stack([np.bincount(skeleton.node_of, body.mass * form[:, axis]) for axis in range(3)])
+        target = form + (places - centre / np.bincount(skeleton.node_of, body.mass)[:, None])[skeleton.node_of]
+        form = body.deformed_towards(target, _PULL, _STEPS, 1.0, monitor, done=number / _ROUNDS, share=1 / _ROUNDS)
+    return form
+
+
+def skeleton_form(whole: WholeSurface, settings: Settings, monitor: Monitor) -> Embedding:
+    """Unfold a surface by least-squares scaling of its curve skeleton, which starts as it lies.
+
+    Parameters
+    ----------
+    whole : WholeSurface
+        The mesh; the most prominent feature point is the root of the skeleton.
+    settings : Settings
+        Iterations, tolerance and extrapolation.
+    monitor : Monitor
+        Told the progress and asked whether to stop.
+
+    Returns
+    -------
+    Embedding
+        The form; its history is the stress of the skeleton.
+
+    Raises
+    ------
+    CancelledError
+        If the monitor says so.
+
+    References
+    ----------
+    Pickup, Sun, Rosin and Martin, "Skeleton-based canonical forms for non-rigid 3D shape retrieval", 2016.
+    """
+    with monitor.stage("Skeleton", 0.5):
+        from_root = np.maximum(whole.heat.distances(whole.features[:1])[:, 0], 0.0)
+        skeleton = curve_skeleton(whole.points, whole.triangles, from_root)
+        wanted = skeleton.path_lengths()
+    with monitor.stage("Embedding", 0.6):
+        places, history = skeleton.nodes, np.zeros(1)
+        if len(skeleton.nodes) > 1:
+            places, history = smacof(
+                wanted,
+                skeleton.nodes,
+                np.outer(skeleton.areas, skeleton.areas),
+                settings.iterations,
+                settings.tolerance,
+                settings.extrapolation,
+            )
+    with monitor.stage("Detail", 0.95):
+        form = driven(whole.body, skeleton, places, monitor)
+        return Embedding(form, history, len(skeleton.nodes) ** 2)

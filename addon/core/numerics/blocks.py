@@ -1,0 +1,59 @@
+"""Large dense work in blocks: bounded memory, and a cancellation is noticed between two of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from .arrays import FloatArray
+
+_COLUMNS = 32  # most right-hand sides at once: more do not fit the processor's cache and take longer each
+_VALUES = 200_000  # most values at once
+_ROWS = 128
+
+
+def columns_at_once(rows: int) -> int:
+    """Choose how many right-hand sides of a linear system to solve together.
+
+    Parameters
+    ----------
+    rows : int
+        Unknowns of the system.
+
+    Returns
+    -------
+    int
+        From 4 to 32.
+
+    Examples
+    --------
+    >>> columns_at_once(1_000), columns_at_once(1_000_000)
+    (32, 4)
+    """
+    return int(np.clip(_VALUES // rows, 4, _COLUMNS))
+
+
+def symmetrize(matrix: FloatArray, check: Callable[[], object]) -> None:
+    """Replace a square matrix by the mean of itself and its transpose, in place.
+
+    Parameters
+    ----------
+    matrix : (n, n) ndarray of float
+        The matrix.
+    check : callable
+        Called between blocks; raises if the run is cancelled.
+
+    Examples
+    --------
+    >>> matrix = np.array([[0.0, 2.0], [4.0, 0.0]])
+    >>> symmetrize(matrix, lambda: None)
+    >>> matrix.tolist()
+    [[0.0, 3.0], [3.0, 0.0]]
+    """
+    for start in range(0, len(matrix), _ROWS):
+        check()
+        stop = start + _ROWS
+        mean = (matrix[start:stop, start:] + matrix[start:, start:stop].T) / 2
+        matrix[start:stop, start:] = mean
+        matrix[start:, start:stop] = mean.T

@@ -1,0 +1,41 @@
+"""Sparse factorisation."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..run.errors import SolverError
+
+if TYPE_CHECKING:
+    from scipy.sparse.linalg import SuperLU
+
+
+def factored(matrix: object) -> SuperLU:
+    """Factor a sparse symmetric positive definite matrix such as ``M + t L``.
+
+    Parameters
+    ----------
+    matrix : (n, n) scipy.sparse matrix
+        The matrix.
+
+    Returns
+    -------
+    scipy.sparse.linalg.SuperLU
+        Its factors; `solve` takes one or many right-hand sides. Columns are ordered by COLAMD, which on surfaces is
+        many times faster than SuperLU's orderings for symmetric matrices.
+
+    Raises
+    ------
+    SolverError
+        If rounding makes the matrix singular.
+    """
+    from scipy.sparse import csc_matrix
+    from scipy.sparse.linalg import splu
+
+    try:
+        return splu(csc_matrix(matrix), permc_spec="COLAMD", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    except RuntimeError as error:  # what SuperLU calls it
+        raise SolverError(
+            "The triangles are too thin, or of too different sizes, to compute with. Clean the mesh up (Mesh > "
+            "Clean Up > Merge by Distance and Degenerate Dissolve) or remesh it."
+        ) from error

@@ -1,0 +1,58 @@
+"""How far each vertex goes when the pose is taken out of some limbs only."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..mesh.connectivity import vertex_pairs
+from ..mesh.geometry import of_unit_area
+from ..numerics.arrays import FloatArray, IntArray
+
+_BAND = 0.15  # half the width of the band in which a limb's form passes into the pose, in sqrt(area)
+_DEEPEST = 0.5  # of the way from the border of a limb to its tip: the most that the band may take
+
+
+def limb_amounts(points: FloatArray, faces: IntArray, chosen: np.ndarray) -> FloatArray:
+    """Say how far each vertex goes when the pose is taken out of some limbs only.
+
+    Parameters
+    ----------
+    points : (n, 3) ndarray of float
+        Vertices of the pose.
+    faces : (m, 3) ndarray of int
+        Triangles.
+    chosen : (n,) ndarray of bool
+        The vertices of those limbs: whole patches.
+
+    Returns
+    -------
+    (n,) ndarray of float
+        1 in the limbs and 0 outside, rising smoothly over a band along their borders, measured along edges.
+    """
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components, dijkstra
+
+    if chosen.all() or not chosen.any():
+        return chosen.astype(np.float64)
+    points = of_unit_area(points, faces)[0]
+    pairs = vertex_pairs(faces)
+    length = np.linalg.norm(points[pairs[:, 0]] - points[pairs[:, 1]], axis=1)
+    graph = coo_matrix((length, (pairs[:, 0], pairs[:, 1])), shape=(len(points), len(points))).tocsr()
+    border = pairs[chosen[pairs[:, 0]] != chosen[pairs[:, 1]]].ravel()
+
+    def depth(side: np.ndarray) -> FloatArray:
+        """Distance from the other side's vertices along the border."""
+        sources = np.unique(border[~side[border]])
+        return dijkstra(graph, directed=False, indices=sources, min_only=True)
+
+    same = pairs[chosen[pairs[:, 0]] == chosen[pairs[:, 1]]]
+    sides = coo_matrix((np.ones(len(same)), (same[:, 0], same[:, 1])), shape=graph.shape)
+    # each limb, and each piece of the rest, has a band of its own
+    part = connected_components(sides, directed=False)[1]
+    distance = np.where(chosen, depth(chosen), depth(~chosen))
+    deepest = np.zeros(int(part.max()) + 1)
+    np.maximum.at(deepest, part, distance)
+    half = np.minimum(_BAND, _DEEPEST * deepest[part])
+    signed = np.where(chosen, distance, -distance) / half
+    share = np.clip((1 + signed) / 2, 0.0, 1.0)
+    return share * share * (3 - 2 * share)

@@ -1,0 +1,137 @@
+"""A surface as triangles with edge lengths, without a place in space."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..numerics.arrays import FloatArray, IntArray
+
+
+@dataclass(frozen=True, eq=False)
+class Triangulation:
+    """Triangles glued along edges, each edge with a length: a surface without a place in space.
+
+    Attributes
+    ----------
+    vertex_count : int
+        Number of vertices n.
+    faces : (m, 3) ndarray of int
+        Corners of each triangle. An intrinsic triangle may name a vertex twice: it then wraps around a limb.
+    lengths : (m, 3) ndarray of float
+        Length of the edge opposite to each corner.
+    edges : (m, 3) ndarray of int
+        Number of the edge opposite to each corner, from 0. Two edges may join the same two vertices.
+    """
+
+    vertex_count: int
+    faces: IntArray
+    lengths: FloatArray
+    edges: IntArray
+
+
+def triangulated(vertices: FloatArray, faces: IntArray, slack: float = 1e-5) -> Triangulation:
+    """Read the triangulation off a mesh in space, mollified so that every triangle has some area.
+
+    Parameters
+    ----------
+    vertices : (n, 3) ndarray of float
+        Vertex positions.
+    faces : (m, 3) ndarray of int
+        Triangles.
+    slack : float
+        Of `mollified`.
+
+    Returns
+    -------
+    Triangulation
+        The same triangles with their edge lengths.
+    """
+    tail, head = np.roll(faces, -1, axis=1), np.roll(faces, -2, axis=1)
+    key = np.minimum(tail, head) * len(vertices) + np.maximum(tail, head)
+    _, number = np.unique(key, return_inverse=True)
+    return Triangulation(
+        len(vertices), faces, mollified(corner_lengths(vertices, faces), slack), number.reshape(-1, 3).astype(np.int64)
+    )
+
+
+def corner_lengths(vertices: FloatArray, faces: IntArray) -> FloatArray:
+    """Measure the edges of every triangle.
+
+    Parameters
+    ----------
+    vertices : (n, 3) ndarray of float
+        Vertex positions.
+    faces : (m, 3) ndarray of int
+        Triangles.
+
+    Returns
+    -------
+    (m, 3) ndarray of float
+        Column i holds the length of the edge opposite to corner i.
+    """
+    corners = vertices[faces]  # (m, 3 corners, 3)
+    opposite = np.roll(corners, -1, axis=1) - np.roll(corners, -2, axis=1)
+    return np.linalg.norm(opposite, axis=2)  # (m, 3)
+
+
+def mollified(lengths: FloatArray, factor: float = 1e-5) -> FloatArray:
+    """Lengthen all edges by one constant, just enough that no triangle is degenerate.
+
+    A mesh whose triangles all have some thickness comes back as it was.
+
+    Parameters
+    ----------
+    lengths : (m, 3) ndarray of float
+        Edge lengths by triangle.
+    factor : float
+        Slack demanded of every triangle inequality, in units of the mean edge length.
+
+    Returns
+    -------
+    (m, 3) ndarray of float
+        Lengths with ``l_j + l_k - l_i >= factor * mean`` in every triangle.
+
+    References
+    ----------
+    Sharp and Crane, "A Laplacian for Nonmanifold Triangle Meshes", 2020, section 4.5.
+    """
+    slack = lengths.sum(axis=1, keepdims=True) - 2 * lengths  # (m, 3)
+    return lengths + max(0.0, factor * float(lengths.mean()) - float(slack.min()))
+
+
+def face_areas(lengths: FloatArray) -> FloatArray:
+    """Compute triangle areas from edge lengths (Heron's formula in Kahan's stable order).
+
+    Parameters
+    ----------
+    lengths : (m, 3) ndarray of float
+        Edge lengths by triangle.
+
+    Returns
+    -------
+    (m,) ndarray of float
+        Areas; 0 where a triangle inequality is violated.
+    """
+    c, b, a = np.sort(lengths, axis=1).T  # a >= b >= c
+    squared = (a + (b + c)) * (c - (a - b)) * (c + (a - b)) * (a + (b - c))
+    return np.sqrt(np.maximum(squared, 0.0)) / 4
+
+
+def corner_cotangents(lengths: FloatArray) -> FloatArray:
+    """Compute the cotangent of every corner from edge lengths.
+
+    Parameters
+    ----------
+    lengths : (m, 3) ndarray of float
+        Edge lengths by triangle, of positive area.
+
+    Returns
+    -------
+    (m, 3) ndarray of float
+        Cotangents of the angle at each corner.
+    """
+    squared = lengths**2
+    area = np.maximum(face_areas(lengths), np.finfo(np.float64).tiny)
+    return (squared.sum(axis=1, keepdims=True) - 2 * squared) / (4 * area[:, None])

@@ -1,0 +1,177 @@
+"""What the rivals share: the whole surface, and geodesics between its vertices or from landmarks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..deformation.elastic_body import ElasticBody
+from ..distances.farthest_points import farthest_points
+from ..distances.geodesics import all_geodesics
+from ..distances.heat import HeatMethod
+from ..embedding.classical_scaling import placed_around
+from ..measures.alignment import keeps_outside_out
+from ..numerics.arrays import FloatArray, IntArray
+from ..run.memory import require_pair_memory
+from ..run.monitor import Monitor
+from ..surface.delaunay import intrinsic_delaunay
+from ..surface.triangulation import Triangulation, triangulated
+from .embedding import Embedding
+from .recognition import Recognition
+from .settings import Settings
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """Geodesic distances of all vertices from some of them.
+
+    Attributes
+    ----------
+    vertices : (s,) ndarray of int
+        The samples; all vertices at quality 'full'.
+    distances : (n, s) ndarray of float
+        Distance of every vertex from each of them, on a surface of unit area.
+    """
+
+    vertices: IntArray
+    distances: FloatArray
+
+    @property
+    def complete(self) -> bool:
+        """Whether every vertex is a sample."""
+        return len(self.vertices) == len(self.distances)
+
+    @cached_property
+    def between(self) -> FloatArray:
+        """Distances among the samples, (s, s), symmetric."""
+        if self.complete:
+            return self.distances
+        square = self.distances[self.vertices]
+        return (square + square.T) / 2
+
+    def spread(self, placed: FloatArray, start: FloatArray, distances: FloatArray | None = None) -> FloatArray:
+        """Place all other vertices by their distances from the samples.
+
+        Parameters
+        ----------
+        placed : (s, 3) ndarray of float
+            Where the samples are.
+        start : (n, 3) ndarray of float
+            All vertices, where the samples were before.
+        distances : (n, s) ndarray of float, optional
+            Other distances than the geodesic ones.
+
+        Returns
+        -------
+        (n, 3) ndarray of float
+            All vertices.
+        """
+        if self.complete:
+            return placed
+        return placed_around(self.distances if distances is None else distances, self.vertices, placed, start)
+
+
+class WholeSurface:
+    """All vertices of a mesh, as the rivals need them.
+
+    Parameters
+    ----------
+    found : Recognition
+        The mesh and its feature points.
+    settings : Settings
+        Quality and number of landmarks.
+    monitor : Monitor
+        Told the progress and asked whether to stop.
+
+    Attributes
+    ----------
+    points : (n, 3) ndarray of float
+        Vertices, of unit area.
+    triangles : (m, 3) ndarray of int
+        Triangles.
+    features : (k,) ndarray of int
+        Feature points.
+    """
+
+    def __init__(self, found: Recognition, settings: Settings, monitor: Monitor) -> None:
+        self.points, self.triangles, self.features = found.whole_points, found.whole_triangles, found.whole_features
+        self._settings, self._monitor = settings, monitor
+
+    @cached_property
+    def surface(self) -> Triangulation:
+        """The intrinsic Delaunay triangulation of all vertices."""
+        return intrinsic_delaunay(triangulated(self.points, self.triangles), self._monitor)
+
+    @cached_property
+    def body(self) -> ElasticBody:
+        """The mesh as an elastic body, without struts."""
+        return ElasticBody(self.surface, self.points, self.triangles)
+
+    @cached_property
+    def heat(self) -> HeatMethod:
+        """Geodesics from any vertex."""
+        return HeatMethod(self.surface, refine=self._settings.whole, monitor=self._monitor)
+
+    def samples(self) -> Samples:
+        """Measure geodesics: between all vertices at quality 'full', otherwise from landmarks spread over the surface.
+
+        Returns
+        -------
+        Samples
+            The samples and distances; the landmarks start with the feature points.
+
+        Raises
+        ------
+        TooLargeError
+            If all pairs do not fit into the memory limit.
+        CancelledError
+            If the monitor says so.
+        """
+        count = len(self.points)
+        if self._settings.whole:
+            require_pair_memory(count, [count], self._settings)
+            return Samples(np.arange(count), all_geodesics(self.surface, self._monitor))
+        first = self.heat.distances(self.features)
+        landmarks, distances = farthest_points(self.heat, self.features, first, self._settings.landmarks, self._monitor)
+        distances = np.maximum(distances, 0.0)
+        if len(landmarks) == count:  # a small mesh: all pairs, in the order of the vertices
+            distances = distances[:, np.argsort(landmarks)]
+            return Samples(np.arange(count), (distances + distances.T) / 2)
+        return Samples(landmarks, distances)
+
+    def outside_out(self, form: FloatArray) -> FloatArray:
+        """Choose between an embedding and its mirror image, which no distance can tell apart.
+
+        Parameters
+        ----------
+        form : (n, 3) ndarray of float
+            The embedding.
+
+        Returns
+        -------
+        (n, 3) ndarray of float
+            The embedding or its mirror image.
+        """
+        return form if keeps_outside_out(self.body, form) else form * [1.0, 1.0, -1.0]
+
+    def embedding(self, form: FloatArray, history: ArrayLike, pair_count: int) -> Embedding:
+        """Finish an embedding that may be a mirror image.
+
+        Parameters
+        ----------
+        form : (n, 3) ndarray of float
+            All vertices.
+        history : (s + 1,) array_like of float
+            What was minimised.
+        pair_count : int
+            Distances used.
+
+        Returns
+        -------
+        Embedding
+            Outside out.
+        """
+        return Embedding(self.outside_out(form), np.asarray(history, dtype=np.float64), pair_count)

@@ -1,0 +1,87 @@
+"""The elastic body, its rotations, and the detail pass."""
+
+import numpy as np
+import pytest
+
+from addon.core import Settings, canonical_form
+from addon.core.deformation.detail import carried_by_frames
+from addon.core.deformation.elastic_body import ElasticBody
+from addon.core.deformation.rotations import nearest_rotations
+from addon.core.measures.form_measures import compactness_error, edge_stretch
+from addon.core.mesh.coarsening import coarsened
+from addon.core.surface.delaunay import intrinsic_delaunay
+from addon.core.surface.triangulation import triangulated
+from tests.meshes.shapes import prepared
+
+
+def by_singular_values(covariances):
+    left, _, right = np.linalg.svd(covariances)
+    left[:, :, -1] *= np.sign(np.linalg.det(left @ right))[:, None]
+    return left @ right
+
+
+def test_nearest_rotations_are_those_of_the_singular_values(rotation):
+    rng = np.random.default_rng(2)
+    many = rng.normal(size=(3000, 3, 3)) * 10.0 ** rng.uniform(-6, 6, (3000, 1, 1))
+    flat = many[:500] * [1.0, 1.0, 0.0]
+    nearly_flat = many[:500] * [1.0, 1.0, 1e-4]
+    turns = np.linalg.qr(rng.normal(size=(2, 2000, 3, 3)))[0]
+    values = np.column_stack([np.ones(2000), rng.uniform(0.2, 1, 2000), np.zeros(2000)])
+    values[:, 2] = -values[:, 1] + 10.0 ** rng.uniform(-7, -1, 2000)  # two rotations fit almost as well
+    close = turns[0] * values[:, None] @ turns[1]
+    for given in (many, flat, nearly_flat, close, rotation[None], -rotation[None], 1e-160 * many, 1e150 * many):
+        found = nearest_rotations(given)
+        np.testing.assert_allclose(found @ found.transpose(0, 2, 1), np.tile(np.eye(3), (len(given), 1, 1)), atol=1e-9)
+        fits = [np.einsum("nij,nij->n", turn, given) for turn in (found, by_singular_values(given))]
+        given = given / np.abs(given).max(axis=(1, 2), keepdims=True)
+        size = np.linalg.norm(given, axis=(1, 2))
+        np.testing.assert_allclose(fits[0] / size, fits[1] / size, atol=1e-9)
+        assert (np.linalg.det(found) > 0).all()
+    np.testing.assert_allclose(nearest_rotations(7 * rotation[None])[0], rotation, atol=1e-12)
+
+
+def test_rotations_that_nothing_tells_are_still_rotations():
+    degenerate = np.stack([np.zeros((3, 3)), np.outer([1.0, 2, 3], [3.0, 1, 2]), -np.eye(3)])
+    found = nearest_rotations(degenerate)
+    np.testing.assert_allclose(found @ found.transpose(0, 2, 1), np.tile(np.eye(3), (3, 1, 1)), atol=1e-9)
+    np.testing.assert_allclose(np.linalg.det(found), 1.0)
+
+
+@pytest.mark.parametrize("memory", [1.0, 0.0])
+def test_a_rigid_motion_of_the_target_is_followed_exactly(figure, rotation, memory):
+    points, surface = prepared(*figure)
+    target = points @ rotation + 0.3
+    body = ElasticBody(surface, points, figure[1], np.array([[0, 1000], [7, 2000]]))
+    moved = body.deformed_towards(target, 10.0, 3, memory, pressure=True)
+    np.testing.assert_allclose(moved, target, atol=1e-9)
+
+
+def test_pressure_keeps_the_compactness(figure):
+    points, surface = prepared(*figure)
+    squashed = points * [1.0, 1.0, 0.4]
+    body = ElasticBody(surface, points, figure[1])
+    bare = body.deformed_towards(squashed, 30.0, 5)
+    kept = body.deformed_towards(squashed, 30.0, 5, pressure=True)
+    assert compactness_error(points, kept, figure[1]) < 0.1 * compactness_error(points, bare, figure[1])
+
+
+def test_preserve_detail_goes_from_the_bare_form_to_the_rigid_one(figure):
+    vertices, faces = figure
+    stretch = [
+        np.abs(
+            edge_stretch(vertices, canonical_form(vertices, faces, Settings(preserve_detail=much)).vertices, faces) - 1
+        ).mean()
+        for much in (0.0, 0.3, 0.5, 0.8, 1.0)
+    ]
+    assert stretch == sorted(stretch, reverse=True)
+    assert stretch[-1] < 0.3 * stretch[0]
+
+
+def test_frames_carry_a_rigid_motion_exactly(figure, rotation):
+    points, _ = prepared(*figure)
+    coarse = coarsened(points, figure[1], 500)
+    small = points[coarse.kept]
+    body = ElasticBody(intrinsic_delaunay(triangulated(small, coarse.faces)), small, coarse.faces)
+    np.testing.assert_allclose(
+        carried_by_frames(coarse, body, small @ rotation + 1.0, points), points @ rotation + 1.0, atol=1e-9
+    )

@@ -1,0 +1,331 @@
+from itertools import combinations
+
+import numpy as np
+import pytest
+from scipy.optimize import isotonic_regression
+from scipy.spatial.distance import pdist, squareform
+from scipy.spatial.transform import Rotation
+from sklearn.manifold import ClassicalMDS
+from sklearn.manifold import smacof as sklearn_smacof
+
+from addon.core import CancelledError, InvalidSettingsError, Settings, TooLargeError, canonical_form
+from addon.core.distance_field import heat_geodesics
+from addon.core.embedding.pushing import LinkStress, Pushing
+from addon.core.measures.alignment import closest_point_fit, rigid_fit
+from addon.core.measures.form_measures import compactness_error, edge_stretch
+from addon.core.mesh.connectivity import vertex_pairs
+from addon.core.mesh.geometry import surface_area
+from addon.core.methods.classical import leading_scaling
+from addon.core.methods.fast import fast_map
+from addon.core.methods.least_squares import unit_smacof
+from addon.core.methods.non_metric import non_metric_scaling
+from addon.core.methods.one_form import with_one_form_kept
+from addon.core.methods.skeleton import curve_skeleton
+from addon.core.run.memory import memory_estimate
+from addon.core.run.monitor import Monitor
+from addon.core.unfolding.catalogue import RIVALS
+from addon.core.unfolding.settings import METHODS
+from tests.meshes import shapes
+
+
+@pytest.fixture(scope="module")
+def distances():
+    """Geodesics between 500 points of a small figure: not Euclidean."""
+    vertices, faces = shapes.figure(13)
+    some = np.arange(500)
+    table = heat_geodesics(vertices, faces, some)[some]
+    table = (table + table.T) / 2
+    np.fill_diagonal(table, 0.0)
+    return np.maximum(table, 0.0)
+
+
+@pytest.fixture(scope="module")
+def forms(figure):
+    return {method: canonical_form(*figure, Settings(method=method)) for method in RIVALS}
+
+
+def test_every_rival_has_a_name_in_the_settings():
+    assert set(METHODS) == {"local_features", *RIVALS}
+    with pytest.raises(InvalidSettingsError, match="method must be one of local_features, classical"):
+        Settings(method="tsne")
+    with pytest.raises(InvalidSettingsError, match="as_published"):
+        Settings(method="fast", as_published=True)
+
+
+def test_classical_scaling_is_that_of_scikit_learn(distances):
+    theirs = ClassicalMDS(n_components=3, metric="precomputed").fit_transform(distances)
+    for ours in (leading_scaling(distances), leading_scaling(distances[:300, :300])):
+        wanted = (
+            theirs
+            if len(ours) == 500
+            else ClassicalMDS(n_components=3, metric="precomputed").fit_transform(distances[:300, :300])
+        )
+        ours = ours * np.sign((ours * wanted).sum(axis=0))
+        np.testing.assert_allclose(ours, wanted, atol=1e-8 * np.abs(wanted).max())
+
+
+def test_least_squares_reaches_the_stress_of_scikit_learn(distances):
+    start = leading_scaling(distances)
+    settings = Settings(iterations=3000, tolerance=1e-9)
+    _, history = unit_smacof(distances, start, settings, Monitor())
+    _, theirs = sklearn_smacof(distances, init=start, n_init=1, max_iter=3000, eps=1e-9, normalized_stress=False)
+    assert history[-1] == pytest.approx(theirs, rel=0.01)
+    assert history[-1] <= theirs * (1 + 1e-6)
+    assert (np.diff(history) <= 1e-12 * history[:-1]).all()
+
+
+def pooled(values):
+    """Isotonic regression by the min-max formula: brute force over all intervals."""
+    count = len(values)
+    mean = np.array([[values[i : j + 1].mean() if j >= i else np.nan for j in range(count)] for i in range(count)])
+    return np.array([max(min(mean[i, j] for j in range(k, count)) for i in range(k + 1)) for k in range(count)])
+
+
+def test_isotonic_regression_is_that_by_brute_force():
+    rng = np.random.default_rng(0)
+    for _ in range(20):
+        values = rng.normal(size=12)
+        np.testing.assert_allclose(isotonic_regression(values).x, pooled(values), atol=1e-12)
+
+
+def test_non_metric_disparities_rise_with_the_distances(distances):
+    start = leading_scaling(distances[:12, :12])
+    points, history, wanted = non_metric_scaling(distances[:12, :12], start, 50, 0.0)
+    given, straight = squareform(distances[:12, :12]), pdist(points)
+    order = np.argsort(given, kind="stable")
+    best = pooled(straight[order])
+    best *= np.sqrt((given**2).sum() / (best**2).sum())
+    np.testing.assert_allclose(wanted[order], best, atol=1e-10)
+    assert history[-1] == pytest.approx(((best - straight[order]) ** 2).sum(), rel=1e-8)
+    assert (np.diff(history) <= 1e-12 * history[:-1]).all()
+
+
+def test_non_metric_scaling_knows_the_order_only():
+    points = np.random.default_rng(1).normal(size=(60, 3))
+    straight = squareform(pdist(points))
+    found, history, _ = non_metric_scaling(straight**3, leading_scaling(straight**3), 3000, 0.0)
+    assert history[-1] < 2e-3 * history[0]
+    assert np.corrcoef(pdist(found), pdist(points))[0, 1] > 0.995
+
+
+def naive_fast_map(table, first, dimensions):
+    """FastMap on a whole matrix, as its authors write it down."""
+    count = len(table)
+    squared, places = table**2, np.zeros((count, dimensions))
+    for axis in range(dimensions):
+        near = far = first
+        for _ in range(5):
+            near, far = far, max(range(count), key=lambda i, at=far: squared[at, i])
+        between = squared[near, far]
+        for i in range(count):
+            places[i, axis] = (squared[near, i] + between - squared[far, i]) / (2 * between**0.5)
+        for i in range(count):
+            for j in range(count):
+                squared[i, j] = max(squared[i, j] - (places[i, axis] - places[j, axis]) ** 2, 0.0)
+    return places
+
+
+def test_fast_map_is_that_by_brute_force(distances):
+    table = distances[:40, :40]
+    places, pivots = fast_map(lambda point: table[point], 3)
+    assert len(pivots) == 6
+    np.testing.assert_allclose(places, naive_fast_map(table, 3, 3), atol=1e-9)
+
+
+def test_fast_map_of_a_box_is_exact():
+    corners = np.array([[x, y, z] for x in (0, 3) for y in (0, 2) for z in (0, 1)], dtype=float)
+    table = squareform(pdist(corners))
+    places, _ = fast_map(lambda point: table[point], 0)
+    np.testing.assert_allclose(squareform(pdist(places)), table, atol=1e-9)
+
+
+def test_closest_points_find_the_turn_that_brute_force_finds():
+    rng = np.random.default_rng(0)
+    points = rng.normal(size=(40, 3)) * [1.0, 2.0, 3.5]
+    turn = Rotation.from_rotvec([0.4, 1.9, -2.0]).as_matrix()
+    moved = points @ turn + [5.0, 1.0, -2.0]
+    found, shift = closest_point_fit(points, moved)
+    np.testing.assert_allclose(points @ found + shift, moved, atol=1e-6)
+    noisy = moved + 0.05 * rng.normal(size=moved.shape)
+    found, shift = closest_point_fit(points, noisy)
+    tries = Rotation.random(4000, random_state=1).as_matrix()
+    centre = points.mean(axis=0)
+
+    def error(rotation, centred):
+        placed = (points - centre) @ rotation + centred
+        return (((placed[:, None] - noisy) ** 2).sum(axis=2).min(axis=1)).mean()
+
+    best = min(error(rotation, noisy.mean(axis=0)) for rotation in tries)
+    assert error(found, shift + centre @ found) <= best
+
+
+@pytest.mark.parametrize("method", RIVALS)
+def test_the_contract(figure, forms, method):
+    vertices, faces = figure
+    form = forms[method]
+    assert form.vertices.shape == vertices.shape
+    assert np.isfinite(form.vertices).all()
+    assert surface_area(form.vertices, faces) == pytest.approx(surface_area(vertices, faces), rel=1e-9)
+    assert (np.diff(form.stress) <= 1e-12 * form.stress[:-1]).all()
+    assert len(form.feature_points) == 5
+    assert form.pair_count > 0
+    turn = rigid_fit(form.vertices, vertices)[0]
+    assert np.linalg.norm(turn - np.eye(3)) < 0.2  # the fit of the form weighs by area
+    np.testing.assert_array_equal(canonical_form(vertices, faces, Settings(method=method)).vertices, form.vertices)
+
+
+@pytest.mark.parametrize("method", RIVALS)
+def test_where_and_how_large_a_mesh_is_does_not_matter(figure, forms, method, rotation):
+    vertices, faces = figure
+    moved = (
+        canonical_form(700 * (vertices @ rotation + [1.0, -3.0, 2.0]), faces, Settings(method=method)).vertices / 700
+    )
+    turn, shift = rigid_fit(moved, forms[method].vertices)
+    apart = np.linalg.norm(moved @ turn + shift - forms[method].vertices, axis=1).max()
+    assert apart < 1e-5 * np.linalg.norm(np.ptp(vertices, axis=0))
+
+
+@pytest.mark.parametrize("method", ["classical", "least_squares", "non_metric", "one_form"])
+def test_landmarks_stand_for_all_pairs(method):
+    vertices, faces = shapes.figure(13)
+    many = canonical_form(vertices, faces, Settings(method=method, quality="full", tolerance=1e-6))
+    few = canonical_form(vertices, faces, Settings(method=method, landmarks=150, tolerance=1e-6))
+    assert many.pair_count == len(vertices) ** 2
+    assert few.pair_count == 150 * len(vertices)
+    turn, shift = rigid_fit(few.vertices, many.vertices, mirror=True)
+    apart = np.sqrt(((few.vertices @ turn + shift - many.vertices) ** 2).sum(axis=1).mean())
+    assert apart < 0.12 * np.sqrt(surface_area(vertices, faces))
+
+
+@pytest.mark.parametrize("method", RIVALS)
+def test_small_meshes_use_all_their_vertices(method):
+    vertices, faces = shapes.sphere(1)
+    egg = vertices * [1.0, 1.5, 2.5]
+    default = canonical_form(egg, faces, Settings(method=method, tolerance=1e-7)).vertices
+    full = canonical_form(egg, faces, Settings(method=method, quality="full", tolerance=1e-7)).vertices
+    turn, shift = rigid_fit(default, full, mirror=True)
+    assert np.abs(default @ turn + shift - full).max() < 0.25
+    assert np.median(np.abs(edge_stretch(egg, default, faces) - 1)) < 0.35
+    corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    tetrahedron = canonical_form(corners, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]], Settings(method=method))
+    assert np.isfinite(tetrahedron.vertices).all()
+
+
+def test_detail_is_kept_by_those_that_promise_it(figure, forms):
+    vertices, faces = figure
+    error = {name: compactness_error(vertices, form.vertices, faces) for name, form in forms.items()}
+    stretch = {
+        name: np.median(np.abs(edge_stretch(vertices, form.vertices, faces) - 1)) for name, form in forms.items()
+    }
+    assert error["skeleton"] < 0.5 * error["least_squares"]
+    assert stretch["one_form"] < stretch["least_squares"]
+    assert stretch["skeleton"] < 0.06
+
+
+def test_links_are_a_stress_and_its_gradient():
+    rng = np.random.default_rng(0)
+    points, way = rng.normal(size=(2, 30, 3))
+    links = np.array([(i, j) for i in range(30) for j in range(i + 1, 30)])[::3]
+    targets, weights = rng.uniform(0.5, 2, (2, len(links)))
+    stress = LinkStress(links, targets, weights, 30)
+    value, pull = stress.value_and_pull(points)
+    naive = sum(w * (t - np.linalg.norm(points[i] - points[j])) ** 2
+                for (i, j), t, w in zip(links, targets, weights, strict=True))  # fmt: skip
+    assert value == pytest.approx(naive, rel=1e-12)
+    above, below = (stress.value_and_pull(points + s * 1e-6 * way)[0] for s in (1, -1))
+    assert np.vdot(pull, way) == pytest.approx(-(above - below) / 4e-6, rel=1e-5)
+
+
+def test_pushing_apart_straightens_a_bent_tube():
+    vertices, faces = bent_tube()
+    vertices = vertices / np.sqrt(surface_area(vertices, faces))
+    samples = np.arange(0, len(vertices), 20)
+    settings = Settings(tolerance=1e-6, iterations=2000)
+    form, history = Pushing(vertices, faces, samples, 0.5).lowered(vertices, settings, Monitor())
+    assert (np.diff(history) <= 0).all()
+    i, j = vertex_pairs(faces).T
+    kept = np.linalg.norm(form[i] - form[j], axis=1) / np.linalg.norm(vertices[i] - vertices[j], axis=1)
+    assert np.median(np.abs(kept - 1)) < 0.12
+    ends = np.linalg.norm(np.ptp(form, axis=0)), np.linalg.norm(np.ptp(vertices, axis=0))
+    assert ends[0] > 1.2 * ends[1]
+
+
+def bent_tube():
+    """A closed tube bent by half a turn."""
+    rings, around = 60, 12
+    angle = np.linspace(0, np.pi, rings)
+    turn = np.arange(around) * 2 * np.pi / around
+    wide = 0.15 * np.sqrt(np.sin(np.linspace(0.05, np.pi - 0.05, rings)))
+    out = 1 + wide[:, None] * np.cos(turn)
+    vertices = np.stack(
+        [out * np.cos(angle)[:, None], out * np.sin(angle)[:, None], wide[:, None] * np.sin(turn)], axis=2
+    ).reshape(-1, 3)
+    place = np.arange(rings * around).reshape(rings, around)
+    right = np.roll(place, -1, axis=1)
+    quads = np.stack([place[:-1], right[:-1], right[1:], place[1:]], axis=2).reshape(-1, 4)
+    caps = [[place[0, 0], place[0, k + 1], place[0, k]] for k in range(1, around - 1)]
+    caps += [[place[-1, 0], place[-1, k], place[-1, k + 1]] for k in range(1, around - 1)]
+    return vertices, np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]], np.array(caps)])
+
+
+def test_the_skeleton_of_a_tube_is_its_axis_and_comes_out_straight():
+    vertices, faces = bent_tube()
+    skeleton = curve_skeleton(vertices, faces, heat_geodesics(vertices, faces, [0])[:, 0].clip(0))
+    radius = np.hypot(skeleton.nodes[:, 0], skeleton.nodes[:, 1])
+    assert np.abs(radius - 1).max() < 0.05
+    assert len(skeleton.bones) == len(skeleton.nodes) - 1  # a tree
+    lengths = skeleton.path_lengths()
+    assert lengths.max() == pytest.approx(np.pi, rel=0.08)
+    form = canonical_form(vertices, faces, Settings(method="skeleton", tolerance=1e-8)).vertices
+    spread = np.linalg.svd(form - form.mean(axis=0), compute_uv=False)
+    assert spread[1] < 0.2 * spread[0]
+    assert np.median(np.abs(edge_stretch(vertices, form, faces) - 1)) < 0.08
+
+
+def test_a_turned_layout_gives_back_the_mesh(figure, rotation):
+    vertices, faces = figure
+    form = with_one_form_kept(vertices, faces, 2.5 * vertices @ rotation + 4.0)
+    np.testing.assert_allclose(form, (vertices - vertices.mean(axis=0)) @ rotation, atol=1e-6)
+
+
+@pytest.mark.parametrize("method", RIVALS)
+def test_rivals_stop_when_asked_and_tell_the_progress(figure, method):
+    seen = []
+    canonical_form(*figure, Settings(method=method), progress=lambda done, _: seen.append(done))
+    assert seen == sorted(seen)
+    assert seen[-1] == 1
+    asked = []
+
+    def cancelled():
+        asked.append(1)
+        return len(asked) > 60
+
+    with pytest.raises(CancelledError):
+        canonical_form(*figure, Settings(method=method), cancelled=cancelled)
+
+
+def test_all_pairs_of_a_large_mesh_are_refused_before_they_are_computed(figure):
+    with pytest.raises(TooLargeError, match="All pairs of points need about"):
+        canonical_form(*figure, Settings(method="classical", quality="full", memory_limit=0.02))
+    assert memory_estimate(13_000, Settings(method="classical", quality="full")) > 6
+    assert memory_estimate(13_000, Settings(method="classical")) < 0.5
+
+
+def test_unbending_takes_more_of_the_pose_out_of_our_form_and_lengthens_it(real_mesh):
+    meshes = [real_mesh(f"horse/{name}.obj") for name in ("bind", "horse_gallop_f00", "horse_idle_04_f76")]
+    apart, long = [], []
+    for unbending in (0.0, 3.0):
+        forms = [canonical_form(*mesh, Settings(unbending=unbending, tolerance=1e-5)).vertices for mesh in meshes]
+        fits = [(one, two, *rigid_fit(one, two)) for one, two in combinations(forms, 2)]
+        apart.append(np.mean([np.sqrt(((a @ turn + shift - b) ** 2).sum(axis=1).mean()) for a, b, turn, shift in fits]))
+        long.append(np.linalg.norm(np.ptp(forms[0], axis=0)))
+    assert apart[1] < 0.9 * apart[0]
+    assert long[1] > 1.05 * long[0]
+
+
+def test_a_push_without_depth_leaves_the_third_axis_alone():
+    vertices, faces = bent_tube()
+    vertices = vertices / np.sqrt(surface_area(vertices, faces))
+    pushing = Pushing(vertices, faces, np.arange(0, len(vertices), 20), 3.0, depth=0.0)
+    flat = vertices * [1.0, 1.0, 0.0]
+    assert np.abs(pushing.lowered(flat, Settings(iterations=20), Monitor())[0][:, 2]).max() < 1e-12

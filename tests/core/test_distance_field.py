@@ -1,0 +1,173 @@
+import numpy as np
+import pygeodesic.geodesic
+import pytest
+
+from addon.core import CancelledError, InvalidSettingsError, TooLargeError
+from addon.core.distance_field import KINDS, distance_field, heat_geodesics
+from addon.core.distances.fast_marching import fast_marching
+from addon.core.distances.heat import HeatMethod
+from addon.core.surface.triangulation import triangulated
+from tests.meshes import shapes
+
+
+def exact(vertices, faces, sources):
+    return pygeodesic.geodesic.PyGeodesicAlgorithmExact(vertices, faces).geodesicDistances(np.array(sources))[0]
+
+
+def test_fast_marching_on_a_plane_is_euclidean():
+    vertices, faces = shapes.grid(41, 31, 4.0, 3.0)
+    measured = fast_marching(triangulated(vertices, faces), np.array([0]))
+    assert np.abs(measured - np.linalg.norm(vertices, axis=1)).max() < 0.03 * 5.0
+
+
+def test_fast_marching_converges_on_a_sphere():
+    errors = []
+    for subdivisions in (3, 4, 5):
+        vertices, faces = shapes.sphere(subdivisions)
+        true = np.arccos(np.clip(vertices @ vertices[0], -1, 1))
+        errors.append(np.abs(fast_marching(triangulated(vertices, faces), np.array([0])) - true).mean())
+    assert errors[2] < 0.7 * errors[1] < 0.6 * errors[0]
+
+
+@pytest.mark.parametrize("name", ["horse/bind.obj", "man/walk1_04.obj"])
+@pytest.mark.parametrize(("kind", "most"), [("heat", 0.025), ("fast_marching", 0.025)])
+def test_geodesics_on_real_meshes_agree_with_exact_ones(real_mesh, name, kind, most):
+    vertices, faces = real_mesh(name)
+    true = exact(vertices, faces, [100, 2000])
+    measured = distance_field(vertices, faces, [100, 2000], kind)
+    assert np.abs(measured - true).mean() < most * true.mean()
+
+
+def test_many_sources_are_measured_from_together(figure):
+    vertices, faces = figure
+    sources = np.flatnonzero(vertices[:, 2] < np.quantile(vertices[:, 2], 0.1))
+    true = exact(vertices, faces, sources)
+    measured = distance_field(vertices, faces, sources, "heat")
+    assert (measured[sources] == 0).all()
+    assert np.abs(measured - true).mean() < 0.1 * true.mean()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_fields_vanish_at_the_source_and_scale(kind, figure, rotation):
+    vertices, faces = figure
+    here = distance_field(vertices, faces, [7], kind)
+    assert here[7] == pytest.approx(0, abs=1e-6 * here.max())
+    assert (np.delete(here, 7) > 0).all()
+    there = distance_field(5.0 * vertices @ rotation + 3, faces, [7], kind)
+    unit = 1.0 if kind == "commute_time" else 5.0
+    np.testing.assert_allclose(there, unit * here, atol=1e-5 * there.max())
+
+
+@pytest.mark.parametrize("kind", ["biharmonic", "commute_time"])
+def test_spectral_fields_on_all_vertices_agree_with_a_dense_decomposition(kind, figure):
+    from scipy.linalg import eigh
+
+    from addon.core.surface.delaunay import intrinsic_delaunay
+    from addon.core.surface.laplacian import mass, stiffness
+
+    vertices, faces = shapes.sphere(2)
+    vertices = vertices * [1.0, 1.3, 0.8]
+    surface = intrinsic_delaunay(triangulated(vertices, faces))
+    values, vectors = eigh(stiffness(surface).toarray(), np.diag(mass(surface)))
+    power = 2 if kind == "biharmonic" else 1
+    dense = (((vectors[:, 1:] - vectors[5, 1:]) ** 2) / values[1:] ** power).sum(axis=1) ** 0.5
+    np.testing.assert_allclose(distance_field(vertices, faces, [5], kind), dense, atol=1e-7 * dense.max())
+
+
+def test_what_makes_no_sense_is_refused(figure):
+    vertices, faces = figure
+    with pytest.raises(InvalidSettingsError, match="kind"):
+        distance_field(vertices, faces, [0], "euclidean")
+    with pytest.raises(InvalidSettingsError, match="at least one"):
+        distance_field(vertices, faces, [])
+    with pytest.raises(InvalidSettingsError, match="at most"):
+        distance_field(vertices, faces, np.arange(1500), "biharmonic")
+    with pytest.raises(CancelledError):
+        distance_field(vertices, faces, [0], cancelled=lambda: True)
+
+
+def test_what_was_mended_is_told(figure):
+    vertices, faces = figure
+    faces = np.vstack([faces, faces[:1]])
+    said = []
+    distance_field(vertices, faces, [0], warned=said.append)
+    assert len(said) == 1
+    assert said[0].startswith("1 face was left out")
+    with pytest.warns(UserWarning, match="1 face was left out"):
+        distance_field(vertices, faces, [0])
+    with pytest.warns(UserWarning, match="1 face was left out"):
+        heat_geodesics(vertices, faces, [0])
+
+
+def test_a_fallback_on_a_part_is_told(monkeypatch):
+    monkeypatch.setattr(HeatMethod, "_from_sparks", lambda self, source, column: np.full((9, len(source)), np.nan))
+    said = []
+    heat_geodesics(*shapes.grid(3, 3), [0], said.append)
+    assert "were measured along edges" in " ".join(said)
+
+
+def test_distances_beside_spikes_stay_possible_and_it_is_told():
+    vertices, faces = shapes.grid(40, 3)
+    vertices = vertices.copy()
+    vertices[7, 2] += 3
+    exact_ones = exact(vertices, faces, [0])
+    said = []
+    field = distance_field(vertices, faces, [0], warned=said.append)
+    assert "Heat runs astray" in said[0]
+    np.testing.assert_array_equal(heat_geodesics(vertices, faces, [0], lambda _: None)[:, 0], field)
+    assert (field >= np.linalg.norm(vertices - vertices[0], axis=1) - 1e-12).all()
+    assert (field >= exact_ones * 0.9 - 0.05 * exact_ones.max()).all()
+
+
+def test_many_sources_are_done_in_blocks(monkeypatch, figure):
+    whole = heat_geodesics(*figure, np.arange(0, 2000, 40))
+    monkeypatch.setattr("addon.core.heat._AT_ONCE", 30_000)
+    np.testing.assert_allclose(heat_geodesics(*figure, np.arange(0, 2000, 40)), whole, atol=1e-9)
+
+
+@pytest.mark.parametrize("size", [1e-120, 1e120])
+def test_no_size_is_too_small_or_too_large(size):
+    vertices, faces = shapes.sphere(2)
+    for kind in KINDS:
+        unit = 1 if kind == "commute_time" else size
+        field = distance_field(size * vertices, faces, [3], kind)
+        np.testing.assert_allclose(field / unit, distance_field(vertices, faces, [3], kind), rtol=1e-6, atol=1e-9)
+    np.testing.assert_allclose(
+        heat_geodesics(size * vertices, faces, [3]) / size, heat_geodesics(vertices, faces, [3]), rtol=1e-6, atol=1e-9
+    )
+
+
+def test_small_meshes_are_refined_until_distances_are_right(monkeypatch):
+    monkeypatch.setattr("addon.core.fields._possible", lambda field, *_: field)
+    vertices, faces = np.eye(3), np.array([[0, 1, 2]])
+    error = np.abs(heat_geodesics(vertices, faces, [0])[:, 0] - np.linalg.norm(vertices - vertices[0], axis=1)).max()
+    plain = HeatMethod(triangulated(vertices, faces)).distances([0])[:, 0]  # 400 vertices, as inside patches
+    assert error < 0.7 * np.abs(plain - np.linalg.norm(vertices - vertices[0], axis=1)).max()
+
+
+@pytest.mark.parametrize("kind", ["biharmonic", "commute_time"])
+def test_a_mesh_that_cannot_be_made_coarse_is_told_or_refused(kind, monkeypatch):
+    monkeypatch.setattr("addon.core.fields._WORKED_ON", 300)
+    vertices, faces = fans(850)
+    said = []
+    assert np.isfinite(distance_field(vertices, faces, [0], kind, warned=said.append)).all()
+    assert "could only be reduced to" in said[0]
+    with pytest.raises(TooLargeError, match="All pairs of points need"):
+        distance_field(vertices, faces, [0], kind, memory_limit=0.11)
+
+
+def fans(count):
+    """Triangles in a row that touch at their corners only."""
+    x = np.arange(count)[:, None, None]
+    corners = np.concatenate([np.broadcast_to([[0, 0, 0], [1, 0, 0], [0.5, 1, 0]], (count, 3, 3)) + x * [1, 0, 0]])
+    points, faces = np.unique(corners.reshape(-1, 3), axis=0, return_inverse=True)
+    return points, faces.reshape(-1, 3)
+
+
+def test_a_single_vertex_may_stand_for_a_list_and_nothing_else():
+    mesh = shapes.grid(5, 5)
+    np.testing.assert_array_equal(heat_geodesics(*mesh, 3), heat_geodesics(*mesh, [3]))
+    for sources in ([[0, 1], [2, 3]], [[0], [1, 2]]):
+        for measure in (heat_geodesics, distance_field):
+            with pytest.raises(InvalidSettingsError, match="must be a list"):
+                measure(*mesh, sources)

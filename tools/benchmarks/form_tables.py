@@ -1,0 +1,359 @@
+"""Measures the default form on real meshes, against libraries in the same run, and writes the tables to the docs.
+
+Run ``make bench DATA=folder`` on a folder with one subfolder a shape and one .obj a pose. Takes about a quarter of an
+hour. Every time is given as a ratio to a library's time on the same mesh in the same run.
+"""
+
+import argparse
+import itertools
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT))
+
+from addon.core import Settings, canonical_form  # noqa: E402
+from addon.core.distances.heat import HeatMethod  # noqa: E402
+from addon.core.measures.form_measures import compactness_error, edge_stretch  # noqa: E402
+from addon.core.mesh.geometry import surface_area  # noqa: E402
+from addon.core.run.memory import memory_estimate  # noqa: E402
+from addon.core.surface.triangulation import triangulated  # noqa: E402
+from addon.evaluation.tables import mean_apart  # noqa: E402
+from tests.meshes.shapes import poses_of, read_obj, unit  # noqa: E402
+from tools.benchmarks.remeshing import adaptive, noisy, quad_dominant, resized, uniform  # noqa: E402
+
+
+def shapes_of(data):
+    """Read every pose of every shape, the rest pose first, scaled to unit area."""
+    for folder in sorted(path for path in data.iterdir() if path.is_dir()):
+        yield folder.name, [(unit(vertices, faces), faces) for _, vertices, faces in poses_of(folder)]
+
+
+def nearest_apart(one, two):
+    from scipy.spatial import KDTree
+
+    from addon.core.measures.alignment import closest_point_fit
+
+    turn, shift = closest_point_fit(one, two)
+    one = one @ turn + shift
+    there, back = KDTree(two).query(one)[0], KDTree(one).query(two)[0]
+    return float(np.sqrt((there**2).mean() / 2 + (back**2).mean() / 2))
+
+
+def crossings(vertices, faces):
+    """Count pairs of triangles that cross and share no vertex; needs Blender's module."""
+    import bpy  # noqa: F401  it brings mathutils
+    from mathutils.bvhtree import BVHTree
+
+    tree = BVHTree.FromPolygons(vertices.tolist(), faces.tolist(), epsilon=0.0)
+    pairs = np.array(tree.overlap(tree), dtype=np.int64).reshape(-1, 2)
+    pairs = pairs[pairs[:, 0] < pairs[:, 1]]
+    shared = (faces[pairs[:, 0]][:, :, None] == faces[pairs[:, 1]][:, None, :]).any(axis=(1, 2))
+    return int(np.count_nonzero(~shared))
+
+
+def distance_change(meshes):
+    """Mean relative change of geodesics between 60 vertices from pose to pose: what no method on them can undo."""
+    vertices, _ = meshes[0]
+    some = np.random.default_rng(3).choice(len(vertices), 60, replace=False)
+    tables = [HeatMethod(triangulated(*mesh)).distances(some)[some] for mesh in meshes]
+    tables = [(table + table.T) / 2 for table in tables]
+    off = ~np.eye(60, dtype=bool)
+    return float(
+        np.mean(
+            [(np.abs(one - two)[off] / ((one + two) / 2)[off]).mean() for one, two in itertools.combinations(tables, 2)]
+        )
+    )
+
+
+def quality_table(data, picture):
+    rows, single = [], []
+    inputs_sum, proper_sum, mirror_sum = 0.0, 0.0, 0.0
+    gallery = []
+    for shape, meshes in shapes_of(data):
+        forms, errors, median, high, extra, counts = [], [], [], [], [], []
+        for vertices, faces in meshes:
+            form = canonical_form(vertices, faces)
+            forms.append(form.vertices)
+            errors.append(1e4 * compactness_error(vertices, form.vertices, faces))
+            stretch = np.abs(edge_stretch(vertices, form.vertices, faces) - 1)
+            median.append(float(np.median(stretch)))
+            high.append(float(np.quantile(stretch, 0.95)))
+            extra.append((crossings(form.vertices, faces) - crossings(vertices, faces)) / len(faces))
+            counts.append(len(form.feature_points))
+        given, proper, mirror = mean_apart([v for v, _ in meshes]), mean_apart(forms), mean_apart(forms, mirror=True)
+        inputs_sum, proper_sum, mirror_sum = inputs_sum + given, proper_sum + proper, mirror_sum + mirror
+        single += errors
+        rows.append(
+            f"| {shape} | {len(meshes)} | {min(counts)}-{max(counts)} | {np.mean(errors):.3f} | {max(errors):.3f} | "
+            f"{np.mean(median):.1%} | {np.mean(high):.1%} | {proper / given:.3f} | {mirror / given:.3f} | "
+            f"{distance_change(meshes):.1%} | {max(extra):+.2%} |"
+        )
+        print(rows[-1], flush=True)
+        gallery.append((meshes, forms))
+    np.savez(
+        picture,
+        **{
+            f"{k}_{i}_{name}": array
+            for k, (meshes, forms) in enumerate(gallery)
+            for i, ((vertices, faces), form) in enumerate(zip(meshes, forms, strict=True))
+            for name, array in (("v", vertices), ("f", faces), ("x", form))
+        },
+    )
+    head = (
+        "| shape | poses | features | compactness error, mean | worst | edge distortion, median | 95th percentile | "
+        "pose ratio | mirrored too | geodesics change | crossings added, worst |\n|" + " --- |" * 11
+    )
+    total = (
+        f"\nCompactness error over all: {np.mean(single):.3f}·10⁻⁴. Pose ratio over all, sum by sum: "
+        f"**{proper_sum / inputs_sum:.3f}** with proper rotations, {mirror_sum / inputs_sum:.3f} with mirror images."
+    )
+    print(total, flush=True)
+    return "\n".join([head, *rows, total])
+
+
+def library_seconds(vertices, faces):
+    """Seconds that potpourri3d's heat method takes to factor, and for one source, the mean of 20."""
+    import potpourri3d
+
+    began = time.perf_counter()
+    solver = potpourri3d.MeshHeatMethodDistanceSolver(vertices, faces)
+    factored = time.perf_counter() - began
+    began = time.perf_counter()
+    for source in range(20):
+        solver.compute_distance(source * 7)
+    return factored, (time.perf_counter() - began) / 20
+
+
+def speed_table(data):
+    vertices, faces = next(meshes for name, meshes in shapes_of(data) if name == "man")[0]
+    rows = []
+    for count, allowed in ((10_000, 4), (40_000, 1.5), (160_000, 0.7)):
+        mesh = resized(vertices, faces, count)
+        ratios, seconds, covered = [], [], []
+        for _ in range(3):
+            factored, single = library_seconds(*mesh)
+            began = time.perf_counter()
+            form = canonical_form(*mesh)
+            seconds.append(time.perf_counter() - began)
+            ratios.append(seconds[-1] / (factored + 100 * single))
+            covered.append(sum(form.timings.values()) / seconds[-1])
+        rows.append(
+            f"| {len(mesh[0]):,} | {np.median(seconds):.2f} s | **{np.median(ratios):.2f}** | {allowed} | "
+            f"{min(covered):.1%} | {longest_wait(*mesh):.2f} s |"
+        )
+        print(rows[-1], flush=True)
+    head = (
+        "| vertices | default form | its time over potpourri3d's (factor + 100 sources) | wanted | timings cover | "
+        "longest wait of a cancel |\n| --- | --- | --- | --- | --- | --- |"
+    )
+    text = draft_line(*resized(vertices, faces, 20_000))
+    return "\n".join([head, *rows, text, smacof_table(vertices, faces)])
+
+
+def draft_line(vertices, faces):
+    import potpourri3d
+
+    times = []
+    for _ in range(5):
+        factored, single = library_seconds(vertices, faces)
+        began = time.perf_counter()
+        potpourri3d.compute_distance(vertices, faces, 0)
+        alone = time.perf_counter() - began
+        began = time.perf_counter()
+        canonical_form(vertices, faces, Settings(quality="draft"))
+        times.append((time.perf_counter() - began, 25 * single, factored + 25 * single, 25 * alone))
+    draft, sources, with_factor, calls = np.median(times, axis=0)
+    line = (
+        f"\nDraft on {len(vertices):,} vertices: {draft:.2f} s. Over 25 single sources of potpourri3d: "
+        f"{draft / sources:.2f} once it is factored, **{draft / with_factor:.2f}** with the factorisation, "
+        f"{draft / calls:.2f} by 25 calls of `compute_distance`, each of which factors anew."
+    )
+    print(line, flush=True)
+    return line
+
+
+def smacof_table(vertices, faces):
+    """Our minimisation, factorisation included, against scikit-learn's on 2,000 points of the same mesh."""
+    from sklearn.manifold import smacof as library
+
+    from addon.core.embedding.smacof import smacof
+
+    rows = []
+    for count in (10_000, 2_000):
+        mesh = resized(vertices, faces, count)
+        some = np.sort(np.random.default_rng(0).choice(len(mesh[0]), 2_000, replace=False))
+        distances = HeatMethod(triangulated(*mesh)).distances(some)[some]
+        distances = (distances + distances.T) / 2
+        theirs, same, ours, wholes = [], [], [], []
+        for _ in range(3):
+            began = time.perf_counter()
+            _, reached, steps = library(
+                distances, init=mesh[0][some], n_init=1, eps=1e-6, max_iter=300, return_n_iter=True,
+                normalized_stress=False,
+            )  # fmt: skip
+            theirs.append(time.perf_counter() - began)
+            history = smacof(distances, mesh[0][some], tolerance=0.0, iterations=300)[1]
+            needed = int(np.argmax(np.append(history, -1.0) <= reached))  # 301: not in 300 steps
+            began = time.perf_counter()
+            smacof(distances, mesh[0][some], tolerance=0.0, iterations=needed)
+            same.append(time.perf_counter() - began)
+            for _ in range(3):
+                timings = canonical_form(*mesh).timings
+                wholes.append(sum(timings.values()))
+                ours.append(timings["Factorisation"] + timings["Embedding"])
+        seconds, alike, alone, whole = (float(np.median(each)) for each in (theirs, same, ours, wholes))
+        rows.append(
+            f"| {count:,} | {seconds:.1f} s, {steps} steps | "
+            f"{alike:.2f} s, {needed} steps: {seconds / alike:.1f} times | "
+            f"{alone:.2f} s: **{seconds / alone:.0f} times** | {whole:.2f} s: {seconds / whole:.1f} times |"
+        )
+        print(rows[-1], flush=True)
+    head = (
+        "\nscikit-learn's `smacof` on 2,000 points of a mesh, all pairs, distances and start given, n_init=1, "
+        "eps=1e-6, max_iter=300; and how many times faster are: our `smacof` on the same points, pairs and start, to "
+        "the same stress; the minimisation of the default form of that mesh, with its factorisation (pairs inside the "
+        "patches of 1,600 vertices, tolerance 1e-3); and the whole default form.\n\n"
+        "| vertices of the mesh | scikit-learn | same problem | minimisation of the form | whole form |\n"
+        + "| --- " * 5
+        + "|"
+    )
+    return "\n".join([head, *rows])
+
+
+def longest_wait(vertices, faces):
+    asked = [time.perf_counter()]
+    canonical_form(vertices, faces, cancelled=lambda: asked.append(time.perf_counter()) is not None)
+    return float(np.diff(asked).max())
+
+
+def one_size(data, count, keep):
+    """Run in a process of its own, so that its peak memory is its own."""
+    vertices, faces = read_obj(data / "man" / "rest.obj")
+    mesh = noisy(*resized(unit(vertices, faces), faces, count), 0.0002)
+    Path("/proc/self/clear_refs").write_text("5")  # forget the peak so far
+    before = gigabytes("VmRSS")
+    began = time.perf_counter()
+    form = canonical_form(*mesh)
+    seconds = time.perf_counter() - began
+    peak = gigabytes("VmHWM")
+    np.savez(keep, form=form.vertices / np.sqrt(surface_area(form.vertices, mesh[1])))
+    print(len(mesh[0]), seconds, before, peak, len(form.feature_points), memory_estimate(len(mesh[0]), Settings()))
+
+
+def gigabytes(name):
+    """Read a figure of this process from Linux."""
+    line = next(line for line in Path("/proc/self/status").read_text().splitlines() if line.startswith(name + ":"))
+    return int(line.split()[1]) / 1e6
+
+
+def scale_table(data, work):
+    rows, points = [], []
+    for count in (10_000, 40_000, 160_000, 640_000, 1_000_000):
+        keep = work / f"form-{count}.npz"
+        done = subprocess.run(
+            [sys.executable, __file__, str(data), "--one-size", str(count), str(keep)],
+            capture_output=True, text=True, check=True,
+        )  # fmt: skip
+        n, seconds, before, peak, features, estimate = (float(word) for word in done.stdout.split())
+        points.append((n, seconds))
+        rows.append(
+            f"| {n:,.0f} | {seconds:.2f} s | {peak:.2f} GB | {peak - before:.2f} GB | {estimate:.2f} GB | "
+            f"{features:.0f} |"
+        )
+        print(rows[-1], flush=True)
+    log = np.log(np.array(points)[1:])
+    exponent = np.polyfit(log[:, 0], log[:, 1], 1)[0]
+    small, large = (np.load(work / f"form-{count}.npz")["form"] for count in (10_000, 160_000))
+    text = (
+        f"\nExponent of time against n from 40,000: **{exponent:.2f}**. Form at 160,000 vertices against the form at "
+        f"10,000: {nearest_apart(large[::8], small):.2%} of sqrt(area), RMS of nearest points."
+    )
+    print(text, flush=True)
+    return "\n".join(
+        [
+            "| vertices | time | peak memory | of it for the form | announced | features |\n" + "| --- " * 6 + "|",
+            *rows,
+            text,
+        ]
+    )
+
+
+def tessellation_table(data):
+    rows = []
+    for shape, meshes in shapes_of(data):
+        if shape not in ("man", "horse"):
+            continue
+        vertices, faces = meshes[0]
+        form = canonical_form(vertices, faces)
+        for name, change in (("uniform", uniform), ("adaptive", adaptive), ("quad-dominant", quad_dominant),
+                             ("noise of 0.2 edges", noisy)):  # fmt: skip
+            mesh = change(vertices, faces)
+            edges = np.linalg.norm(mesh[0][mesh[1]] - mesh[0][np.roll(mesh[1], 1, axis=1)], axis=2)
+            other = canonical_form(*mesh)
+            ours = other.vertices / np.sqrt(surface_area(other.vertices, mesh[1]))
+            rows.append(
+                f"| {shape} | {name} | {len(mesh[0]):,} | "
+                f"1:{np.quantile(edges, 0.999) / np.quantile(edges, 0.001):.0f} | "
+                f"{nearest_apart(ours, form.vertices):.2%} | "
+                f"{len(other.feature_points)} of {len(form.feature_points)} |"
+            )
+            print(rows[-1], flush=True)
+    head = (
+        "| shape | remeshed | vertices | edge lengths | form apart (RMS of nearest points) | features |\n"
+        + "| --- " * 6
+        + "|"
+    )
+    return "\n".join([head, *rows])
+
+
+def convergence_table(data):
+    from tools.benchmarks.convergence import stress_ratios
+
+    rows = []
+    for shape, meshes in shapes_of(data):
+        mesh = resized(*meshes[0], 3_000)
+        steps, stopped, delivered = stress_ratios(*mesh)
+        rows.append(f"| {shape} | {len(mesh[0]):,} | {steps} | **{stopped:.3f}** | {delivered:.1f} |")
+        print(rows[-1], flush=True)
+    head = (
+        "Stress on all pairs, over that of the full solver converged (tolerance 1e-8) from the same start: where the "
+        "default tolerance stops on all vertices; and of the form as it is delivered, solved on the coarse mesh, given "
+        "its detail and carried back, which near pairs feel.\n\n"
+        "| shape | vertices | steps | where the default stops | as delivered |\n" + "| --- " * 5 + "|"
+    )
+    return "\n".join([head, *rows])
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("data", type=Path)
+    parser.add_argument("--one-size", nargs=2)
+    parser.add_argument("--output", type=Path, default=ROOT / "docs" / "benchmarks.md")
+    parser.add_argument("--only", nargs="*")
+    options = parser.parse_args()
+    if options.one_size:
+        one_size(options.data, int(options.one_size[0]), options.one_size[1])
+        return
+    work = ROOT / "build" / "benchmarks"
+    work.mkdir(parents=True, exist_ok=True)
+    parts = {
+        "Quality": lambda: quality_table(options.data, work / "gallery.npz"),
+        "Speed": lambda: speed_table(options.data),
+        "Scale": lambda: scale_table(options.data, work),
+        "Tessellation": lambda: tessellation_table(options.data),
+        "Convergence": lambda: convergence_table(options.data),
+    }
+    text = ["# Benchmarks\n", "Remade by `make bench DATA=folder`. Two cores; ratios are measured in one run.\n"]
+    for title, part in parts.items():
+        if not options.only or title in options.only:
+            text += [f"## {title}\n", part(), ""]
+    options.output.write_text("\n".join(text))
+
+
+if __name__ == "__main__":
+    main()

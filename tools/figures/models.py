@@ -1,0 +1,35 @@
+"""The models of the figures: posed meshes from a folder, or where there is none the tests' own figures."""
+
+from pathlib import Path
+
+import numpy as np
+
+from tests.meshes import shapes
+from tests.meshes.shapes import poses_of, unit
+
+
+def models(folder: Path | None):
+    """Give every shape's poses as ``{shape: [(pose, vertices, faces)]}``, the rest pose first, of unit area."""
+    if folder is None or not folder.is_dir():
+        return own_models()
+    found = {}
+    for inner in sorted(path for path in folder.iterdir() if path.is_dir()):
+        found[inner.name] = [(pose, unit(vertices, faces), faces) for pose, vertices, faces in poses_of(inner)]
+    return found
+
+
+def own_models():
+    """Bent figures and arms of the tests, none of them anyone else's."""
+    vertices, faces = shapes.figure(24)
+    bent = [vertices + 0.2 * k * np.sin(vertices[:, 2:]) * [1.0, 0.6, 0.0] for k in range(4)]
+    arms = [shapes.joint(angle) for angle in (0.0, 45.0, 90.0, 120.0)]
+    return {
+        "figure": [(f"bent {k}", unit(each, faces), faces) for k, each in enumerate(bent)],
+        "arm": [(f"bent {k}", unit(*arm[:2]), arm[1]) for k, arm in enumerate(arms)],
+    }
+
+
+def facing(shape):
+    """A rotation that shows the animals of the shared data from the side, which look along the third axis."""
+    side = np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])
+    return side if shape in ("bear", "horse") else np.eye(3)
