@@ -1,40 +1,53 @@
 python = .venv/bin/python
-.PHONY: environment run test check package docs bench evaluate figures test-window guide-pictures
+.PHONY: help environment run test doctest check package docs bench evaluate figures moving-picture \
+  rooms-picture test-window guide-pictures
 
-environment:
+help: ## list the targets
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "make %-15s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+
+environment: ## make .venv with what all others use; needs Python 3.11 or 3.13
 	@for each in python3 python3.11 python3.13; do \
 	  $$each -c '' 2>/dev/null && exec $$each tools/environment.py; done; echo "Python 3.11 or 3.13 is needed."; exit 1
 
-run: environment
+run: environment ## build a posed figure and take its pose out, into build/
 	$(python) tools/sample/run.py
 
-test: environment
+test: environment ## all tests, outside and inside Blender
 	$(python) -m pytest
 
-check: environment
+doctest: environment ## the examples in the docstrings of the core
+	$(python) -m pytest --doctest-modules addon/core
+
+check: environment ## lint, format and types
 	$(python) -m ruff format --check .
 	$(python) -m ruff check .
 	$(python) -m mypy
 
-package: environment
+package: environment ## one zip of the extension a platform, into build/
 	$(python) tools/package.py
 
-docs: environment
+docs: environment ## remake docs/api.md from the docstrings
 	$(python) tools/api_reference.py
 
-bench: environment
+bench: environment ## remake the benchmarks; DATA=folder of meshes
 	$(python) tools/benchmarks/form_tables.py $(DATA)
 	$(python) tools/benchmarks/contact_sheet.py build/benchmarks/gallery.npz docs/pictures/contact-sheet.png
 
-evaluate: environment
+evaluate: environment ## run all methods over a dataset; DATA=folder
 	$(python) -m addon evaluate $(DATA) --output build/evaluation
 
-figures: environment
+figures: environment ## draw the paper's figures; DATA=folder of meshes
 	$(python) tools/figures/run.py $(DATA)
 
-test-window: environment
+moving-picture: environment ## remake the moving picture of the README
+	$(python) tools/figures/moving_picture.py
+
+rooms-picture: environment ## remake the picture of the rooms from the imports of the core
+	$(python) tools/figures/rooms.py
+
+test-window: environment ## a session in a window of Blender; BLENDER=path, MESH=some.obj
 	$(python) tests/window/run.py $(if $(BLENDER),--blender $(BLENDER)) $(if $(MESH),--mesh $(MESH))
 
-guide-pictures: environment
+guide-pictures: environment ## remake the pictures of the user guide; BLENDER=path
 	$(python) tests/window/run.py --session tools/figures/guide_pictures.py --pictures docs/pictures/guide \
 	  $(if $(BLENDER),--blender $(BLENDER))

@@ -17,8 +17,10 @@ from .blender.computing import Request, compute_on
 from .blender.files import open_meshes, save_blend, save_form
 from .blender.mesh_reading import refusal
 from .core import CanonicalForm, CanonicalFormError, Settings
-from .core.run.memory import memory_estimate
-from .core.unfolding.settings import METHODS, QUALITIES, STARTS
+from .core.unfolding.catalogue import methods
+from .core.unfolding.costs import memory_estimate
+from .core.unfolding.options import Option, options_of
+from .core.unfolding.settings import current_options
 from .result_lines import claim_output
 
 
@@ -87,43 +89,40 @@ def _parser() -> argparse.ArgumentParser:
     compute.add_argument("--format", choices=("blend", "obj", "ply"), default="blend", help="what to write")
     compute.add_argument("--object", help="name of the one object of a file to compute (default: every mesh in it)")
     compute.add_argument("--value", type=float, default=1.0, help="value of the shape key in a .blend")
-    compute.add_argument("--method", choices=METHODS, default=default.method, help="this method or a rival")
-    compute.add_argument("--quality", choices=QUALITIES, default=default.quality, help="how much is worked on")
-    compute.add_argument("--preserve-detail", type=float, default=default.preserve_detail, help="0 to 1")
-    compute.add_argument("--prominence", type=float, default=default.prominence, help="larger gives fewer patches")
-    compute.add_argument("--feature-count", type=int, default=default.feature_count, help="0: go by prominence")
-    compute.add_argument("--feature-points", help="vertex indices separated by commas, instead of detected ones")
-    compute.add_argument("--diffusion-time", type=float, default=default.diffusion_time, help="t of the ADF")
-    compute.add_argument("--eigenpairs", type=int, default=default.eigenpairs, help="number of eigenpairs")
-    compute.add_argument("--merge-distance", type=float, default=default.merge_distance, help="share of the diameter")
-    compute.add_argument("--start", choices=STARTS, default=default.start, help="where the minimisation starts")
-    compute.add_argument("--landmarks", type=int, default=default.landmarks, help="landmarks of the intrinsic start")
-    compute.add_argument("--smoothing", type=float, default=default.smoothing, help="averaging of the geodesics")
-    compute.add_argument(
-        "--arrangement-share", type=float, default=default.arrangement_share, help="weight of the landmarks"
-    )
-    compute.add_argument("--unbending", type=float, default=default.unbending, help="push of the landmarks in the end")
-    compute.add_argument("--iterations", type=int, default=default.iterations, help="most steps")
-    compute.add_argument("--tolerance", type=float, default=default.tolerance, help="relative change to stop at")
-    compute.add_argument("--extrapolation", type=int, default=default.extrapolation, help="earlier steps to use")
-    compute.add_argument("--as-published", action="store_true", help="follow the paper to the letter")
-    compute.add_argument(
-        "--memory-limit", type=float, default=default.memory_limit, help="gigabytes; 0 for 60 %% of what is free"
-    )
+    for name, about in options_of(Settings).items():
+        _add_option(compute, name, about, getattr(default, name))
+    for name in ("--landmarks", "--iterations"):  # as in version 0.1
+        compute.add_argument(name, type=int, default=argparse.SUPPRESS, help=argparse.SUPPRESS)
+    compute.add_argument("--as-published", action="store_true", default=argparse.SUPPRESS, help=argparse.SUPPRESS)
     return parser
 
 
+def _add_option(parser: argparse.ArgumentParser, name: str, about: Option, default: Any) -> None:
+    """Offer an option of the method on the command line."""
+    told: dict[str, Any] = {"default": default, "help": (about.help[0].lower() + about.help[1:]).replace("%", "%%")}
+    if name == "method":
+        told["choices"] = tuple(methods())
+    elif about.choices:
+        told["choices"] = tuple(choice.value for choice in about.choices)
+    elif default is not None:
+        told["type"] = type(default)
+    parser.add_argument("--" + name.replace("_", "-"), **told)
+
+
 def _settings(options: argparse.Namespace) -> Settings:
-    names = Settings.__dataclass_fields__.keys() - {"feature_points"}
-    given = None
-    if options.feature_points:
+    words = vars(options)
+    former = current_options(
+        {name: words[name] for name in ("as_published", "landmarks", "iterations") if name in words}
+    )
+    chosen = {name: words[name] for name in options_of(Settings)} | former
+    if chosen["feature_points"]:
         try:
-            given = [int(word) for word in options.feature_points.replace(",", " ").split()]
+            chosen["feature_points"] = [int(word) for word in chosen["feature_points"].replace(",", " ").split()]
         except ValueError as error:
             raise CanonicalFormError(
                 f"--feature-points must be whole numbers; got {options.feature_points}."
             ) from error
-    return Settings(feature_points=given, **{name: getattr(options, name) for name in names})
+    return Settings(**{**chosen, "feature_points": chosen["feature_points"] or None})
 
 
 def _output_names(paths: list[Path]) -> list[str]:

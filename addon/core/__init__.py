@@ -1,5 +1,6 @@
-"""The method itself: arrays in, arrays out, numpy and scipy only."""
+"""The methods themselves: arrays in, arrays out, numpy and scipy only. Start at README.md beside this file."""
 
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from .run.errors import (
@@ -13,8 +14,11 @@ from .run.errors import (
 from .unfolding.settings import Settings
 
 if TYPE_CHECKING:
-    from .canonical import CanonicalForm, canonical_form
-    from .unfolding.recognition import FeaturePatches, feature_patches
+    from .canonical import canonical_form
+    from .distance_fields import distance_field, heat_geodesics
+    from .features import feature_patches
+    from .limbs import limb_shapes
+    from .results import CanonicalForm, FeaturePatches
 
 __all__ = [
     "CancelledError",
@@ -27,18 +31,25 @@ __all__ = [
     "SolverError",
     "TooLargeError",
     "canonical_form",
+    "distance_field",
     "feature_patches",
+    "heat_geodesics",
+    "limb_shapes",
 ]
+
+_DOORS = {
+    "CanonicalForm": "results",
+    "FeaturePatches": "results",
+    "canonical_form": "canonical",
+    "distance_field": "distance_fields",
+    "feature_patches": "features",
+    "heat_geodesics": "distance_fields",
+    "limb_shapes": "limbs",
+}
 
 
 def __getattr__(name: str) -> Any:
-    """Import the computation when it is first asked for, so that enabling the extension stays instant."""
-    if name in ("CanonicalForm", "canonical_form"):
-        from . import canonical
-
-        return getattr(canonical, name)
-    if name in ("FeaturePatches", "feature_patches"):
-        from .unfolding import recognition
-
-        return getattr(recognition, name)
+    """Import a door when it is first asked for, so that enabling the extension stays instant."""
+    if name in _DOORS:
+        return getattr(import_module(f".{_DOORS[name]}", __name__), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

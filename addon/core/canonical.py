@@ -1,70 +1,31 @@
-"""The whole way from a mesh to its canonical form, step by step in the order of the paper."""
+"""The main door: from a mesh to its canonical form, in the order of the paper."""
 
 from __future__ import annotations
-
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .assembly.parts import Part
+from .assembly.pieces import Chosen, Piece, connected_pieces
+from .features import OPENING
 from .measures.alignment import rigid_fit
 from .mesh.geometry import surface_area, vertex_areas
-from .methods.local_features import local_feature_form
 from .numerics.arrays import FloatArray, IntArray
+from .results import CanonicalForm
 from .run.monitor import Cancelled, Monitor, Progress
+from .unfolding.catalogue import method_named
+from .unfolding.costs import require_memory
 from .unfolding.embedding import Embedding
-from .unfolding.recognition import FeaturePatches, parts_to_work_on, recognised, together
 from .unfolding.settings import Settings
+from .unfolding.surface_features import DETECTION, SurfaceFeatures, detected
 
-
-@dataclass(frozen=True, eq=False)
-class CanonicalForm:
-    """The canonical form of a mesh and what was found on the way.
-
-    Attributes
-    ----------
-    vertices : (n, 3) ndarray of float
-        The form: the input's area, rigidly aligned to the input, each connected part by itself. Vertices of no face
-        are where they were.
-    faces : (m', 3) ndarray of int
-        The triangles that it is the form of: those given, mended where the warnings say so.
-    feature_points : (k,) ndarray of int
-        Vertices, most prominent first, part by part, those of the largest first.
-    patches : (n,) ndarray of int
-        Index into `feature_points` of the patch that each vertex belongs to; -1 for vertices of no face.
-    adf : (n,) ndarray of float
-        Auto Diffusion Function of each part scaled to unit area; 0 at vertices of no face.
-    stress : (s + 1,) ndarray of float
-        Equation 10 before each of the s steps and after the last, of the surface scaled to unit area; the sum over the
-        parts.
-    pair_count : int
-        Entries of the distance matrices that the stress uses, counted as the paper does: Σ p² over the patches and
-        the feature points. Each pair of points is kept once.
-    pair_reduction : float
-        ``1 - pair_count / n²``.
-    timings : dict of str to float
-        Seconds by stage.
-    warnings : list of str
-        Sentences for the user.
-    """
-
-    vertices: FloatArray
-    faces: IntArray
-    feature_points: IntArray
-    patches: IntArray
-    adf: FloatArray
-    stress: FloatArray
-    pair_count: int
-    pair_reduction: float
-    timings: dict[str, float]
-    warnings: list[str]
+Found = tuple[IntArray, IntArray, FloatArray]  # feature points, cells and ADF of a piece
 
 
 def canonical_form(
     vertices: ArrayLike,
     faces: ArrayLike,
     settings: Settings | None = None,
+    *,
     progress: Progress | None = None,
     cancelled: Cancelled | None = None,
 ) -> CanonicalForm:
@@ -81,7 +42,7 @@ def canonical_form(
     progress : callable, optional
         Called with the fraction done (0 to 1) and the name of the stage.
     cancelled : callable, optional
-        Asked at least twice a second; the computation stops when it returns True.
+        Polled at least twice a second; the computation stops when it returns True.
 
     Returns
     -------
@@ -100,50 +61,56 @@ def canonical_form(
         If the spectrum cannot be computed accurately.
     CancelledError
         If `cancelled` returned True.
+
+    Examples
+    --------
+    >>> tetrahedron = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+    >>> form = canonical_form(tetrahedron, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
+    >>> form.vertices.shape
+    (4, 3)
+
+    References
+    ----------
+    "Local Feature-Based 3D Canonical Form".
     """
     settings = settings or Settings()
-    monitor = Monitor(progress, cancelled)
-    parts, given = parts_to_work_on(vertices, faces, settings, monitor)
-    forms = []
-    for (part, own), points in zip(parts.each(monitor), given, strict=True):
-        forms.append(_form_of_part(part, None if points is None else points[1], settings, own))
-    found = together(parts, [form[0] for form in forms], given, settings.feature_points, monitor)
-    pair_count = sum(embedded.pair_count for _, _, embedded in forms)
+    method = method_named(settings.method)
+    settings = method.settings(settings)
+    monitor = Monitor(progress, cancelled, OPENING)
+    with monitor.stage("Surface"):
+        pieces = connected_pieces(vertices, faces, monitor, features=settings.feature_points)
+        require_memory(pieces.largest, settings)
+    monitor.warnings += pieces.repairs + pieces.apart
+
+    def work(piece: Piece, chosen: Chosen | None, own: Monitor) -> tuple[Found, FloatArray, Embedding]:
+        given = None if chosen is None else chosen.vertices
+        found = detected(piece.points, piece.faces, given, settings, own)
+        embedded = method.unfold(found, settings, own)
+        with own.stage("Alignment"):
+            return found.prolonged(own), _laid_onto_input(embedded.points, found), embedded
+
+    plan = {**DETECTION, **method.stages, "Alignment": 1}
+    results = pieces.map(work, monitor, plan, pieces.chosen)
+    if pieces.detected_elsewhere:
+        monitor.warn("features_detected_elsewhere", count=pieces.detected_elsewhere)
+    histories = [embedded.history for _, _, embedded in results]
+    steps = max(map(len, histories))  # each stays at its end value once it has ended
+    pair_count = sum(embedded.pair_count for _, _, embedded in results)
     return CanonicalForm(
-        parts.together([form for _, form, _ in forms], parts.vertices),
-        parts.faces,
-        found.feature_points,
-        found.patches,
-        found.adf,
-        _summed([embedded.history for _, _, embedded in forms]),
+        pieces.gathered([form for _, form, _ in results], pieces.vertices),
+        pieces.faces,
+        *pieces.gathered_features([found for found, _, _ in results]),
+        np.sum([np.pad(each, (0, steps - len(each)), mode="edge") for each in histories], axis=0),
         pair_count,
-        1 - pair_count / len(parts.vertices) ** 2,
+        1 - pair_count / len(pieces.vertices) ** 2,
         monitor.timings,
         monitor.warnings,
     )
 
 
-def _form_of_part(
-    part: Part, given: IntArray | None, settings: Settings, monitor: Monitor
-) -> tuple[FeaturePatches, FloatArray, Embedding]:
-    """Find the form of one connected surface."""
-    found = recognised(part.points, part.faces, given, settings, monitor)
-    if settings.method == "local_features":
-        embedded = local_feature_form(found, settings, monitor)
-    else:
-        from .unfolding.catalogue import rival_form
-
-        embedded = rival_form(found, settings, monitor)
-    with monitor.stage("Alignment", 1.0):
-        patches = found.carried_back(monitor)
-        form = embedded.points / np.sqrt(surface_area(embedded.points, found.whole_triangles))
-        areas = vertex_areas(found.whole_points, found.whole_triangles)
-        rotation, shift = rigid_fit(form, found.whole_points, areas)
-        form = (form @ rotation + shift) * found.unit + found.centre
-    return patches, form, embedded
-
-
-def _summed(histories: list[FloatArray]) -> FloatArray:
-    """Add courses of the stress, each at its end value once it has ended."""
-    steps = max(len(each) for each in histories)
-    return np.sum([np.pad(each, (0, steps - len(each)), mode="edge") for each in histories], axis=0)
+def _laid_onto_input(points: FloatArray, found: SurfaceFeatures) -> FloatArray:
+    """Give a form the input's area and the proper rotation and place that fit the input best."""
+    form = points / np.sqrt(surface_area(points, found.whole_faces))
+    areas = vertex_areas(found.whole_points, found.whole_faces)
+    rotation, shift = rigid_fit(form, found.whole_points, areas)
+    return (form @ rotation + shift) * found.unit + found.centre

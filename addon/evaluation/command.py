@@ -56,7 +56,7 @@ def main(arguments: list[str], output: TextIO | None = None) -> int:
 
 
 def _words(text: str) -> list[str]:
-    """Split at commas, but not inside the settings of a method: ``ours:quality=draft,landmarks=50,fast``."""
+    """Split at commas, but not inside the settings of a method: ``ours:quality=draft,landmark_count=50,fast``."""
     words: list[str] = []
     for part in text.split(","):
         if "=" in part and ":" not in part and words:
@@ -71,7 +71,7 @@ def _parser() -> argparse.ArgumentParser:
         prog="canonical_form evaluate",
         description="Compute forms of all shapes of a dataset by several methods, and make tables, a report and "
         "figures. A run that was stopped or killed goes on where it was when it is started again.",
-        epilog=f"Methods: {', '.join(KNOWN)}. Settings may follow a method: ours:quality=draft,landmarks=50.",
+        epilog=f"Methods: {', '.join(KNOWN)}. Settings may follow a method: ours:quality=draft,landmark_count=50.",
     )
     parser.add_argument("dataset", type=Path, help="one folder a class; or all meshes and a file of their classes")
     parser.add_argument("--output", type=Path, required=True, metavar="DIR", help="folder for results and tables")

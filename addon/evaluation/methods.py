@@ -6,11 +6,12 @@ from dataclasses import dataclass, fields, replace
 from typing import Any
 
 from ..core import InvalidSettingsError, Settings
-from ..core.unfolding.settings import METHODS as CORE_METHODS
+from ..core.unfolding.catalogue import OURS, methods
+from ..core.unfolding.options import options_of
+from ..core.unfolding.settings import current_options
 
-_PATIENT = 1e-5  # tolerance of the rivals, which need more steps to settle than the method of this project
+_PATIENT = 1e-5  # tolerance of the other methods, which need more steps to settle than ours
 _TRUTH = {"true": True, "false": False}
-RECOGNITION = ("Coarse mesh", "Triangulation", "Spectrum", "Feature points", "Patches")  # stages no rival needs
 
 
 @dataclass(frozen=True)
@@ -34,41 +35,36 @@ class Method:
     @property
     def rival(self) -> bool:
         """Whether it is another's method."""
-        return self.settings is not None and self.settings.method != CORE_METHODS[0]
+        return self.settings is not None and self.settings.method != OURS
 
 
-def _rival(name: str, method: str, source: str, quality: str = "normal") -> Method:
-    return Method(name, Settings(method=method, quality=quality, tolerance=_PATIENT), source)
+def _known() -> dict[str, Method]:
+    """List the methods: ours and its variants, then all others of the core, those of all pairs also at full quality."""
+    found = [
+        Method("input", None, "the mesh in its pose"),
+        Method("ours", Settings(), "this project, default"),
+        Method("ours-unbent", Settings(unbending=3.0, tolerance=1e-5), "this project, unbending 3"),
+        Method("ours-full", Settings(quality="full"), "this project, quality Full"),
+        Method("ours-draft", Settings(quality="draft"), "this project, quality Draft"),
+    ]
+    for each in methods().values():
+        if each.name == OURS:
+            continue
+        name, settings = each.name.replace("_", "-"), Settings(method=each.name, tolerance=_PATIENT)
+        if each.pairs == "all":
+            found.append(Method(name, settings, f"{each.source}, landmarks"))
+            found.append(Method(f"{name}-full", replace(settings, quality="full"), f"{each.source}, all pairs"))
+        else:
+            found.append(Method(name, settings, each.source))
+    return {method.name: method for method in found}
 
 
-_ELAD = "Elad and Kimmel 2003"
-_PICKUP = "Pickup, Sun, Rosin and Martin 2015"
-_ALL = [
-    Method("input", None, "the mesh in its pose"),
-    Method("ours", Settings(), "this project, default"),
-    Method("ours-unbent", Settings(unbending=3.0, tolerance=1e-5), "this project, unbending 3"),
-    Method("ours-full", Settings(quality="full"), "this project, quality Full"),
-    Method("ours-draft", Settings(quality="draft"), "this project, quality Draft"),
-    Method("ours-published", Settings(as_published=True), "the paper to the letter"),
-    _rival("classical", "classical", f"{_ELAD}, landmarks"),
-    _rival("classical-full", "classical", f"{_ELAD}, all pairs", "full"),
-    _rival("least-squares", "least_squares", f"{_ELAD}, landmarks"),
-    _rival("least-squares-full", "least_squares", f"{_ELAD}, all pairs", "full"),
-    _rival("non-metric", "non_metric", "Kruskal 1964, landmarks"),
-    _rival("non-metric-full", "non_metric", "Kruskal 1964, all pairs", "full"),
-    _rival("fast", "fast", "FastMap, Faloutsos and Lin 1995"),
-    _rival("euclidean-random", "euclidean_random", f"{_PICKUP}, random pairs"),
-    _rival("euclidean-normalised", "euclidean_normalised", f"{_PICKUP}, normalised pairs"),
-    _rival("one-form", "one_form", "Cheng, Nie and Jin in SHREC'15, landmarks"),
-    _rival("one-form-full", "one_form", "Cheng, Nie and Jin in SHREC'15, all pairs", "full"),
-    _rival("skeleton", "skeleton", "Pickup, Sun, Rosin and Martin 2016"),
-]
-KNOWN = {method.name: method for method in _ALL}
-DEFAULT = (
-    "ours", "ours-unbent", "ours-published", "classical", "least-squares", "non-metric", "fast", "euclidean-random",
-    "euclidean-normalised", "one-form", "skeleton",
-)  # fmt: skip
+KNOWN = _known()
+DEFAULT = tuple(
+    name for name in KNOWN if name not in ("input", "ours-draft") and not name.endswith("-full")
+)  # the quick ones
 INPUT = "input"
+_FORMER = {"ours-published": "as-published"}  # names of version 0.1, gone with version 0.3
 
 
 def chosen_methods(words: list[str]) -> list[Method]:
@@ -77,7 +73,7 @@ def chosen_methods(words: list[str]) -> list[Method]:
     Parameters
     ----------
     words : list of str
-        Names, each with settings of its own if wanted: ``ours:quality=draft,landmarks=50``.
+        Names, each with settings of its own if wanted: ``ours:quality=draft,landmark_count=50``.
 
     Returns
     -------
@@ -92,6 +88,7 @@ def chosen_methods(words: list[str]) -> list[Method]:
     chosen = {INPUT: KNOWN[INPUT]}
     for word in words:
         name, _, changes = word.partition(":")
+        name = _FORMER.get(name, name)
         if name not in KNOWN:
             raise InvalidSettingsError(f"There is no method {name!r}. There are: {', '.join(KNOWN)}.")
         method = KNOWN[name]
@@ -104,10 +101,12 @@ def chosen_methods(words: list[str]) -> list[Method]:
 
 
 def _changes(text: str) -> dict[str, Any]:
+    known: dict[str, Any] = {each.name: each.default for each in fields(Settings)}
+    known |= {about.former: known[name] for name, about in options_of(Settings).items() if about.former}
+    known["as_published"] = False
     changed: dict[str, Any] = {}
     for part in text.split(","):
         name, _, value = part.partition("=")
-        known: dict[str, Any] = {each.name: each.default for each in fields(Settings)}
         default = known.get(name)
         if default is None or not value:
             raise InvalidSettingsError(f"{part!r} is not a setting with a value, such as quality=draft.")
@@ -115,4 +114,4 @@ def _changes(text: str) -> dict[str, Any]:
             changed[name] = _TRUTH[value.lower()] if isinstance(default, bool) else type(default)(value)
         except (ValueError, KeyError) as error:
             raise InvalidSettingsError(f"{name} cannot be {value!r}.") from error
-    return changed
+    return current_options(changed)

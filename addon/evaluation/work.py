@@ -17,8 +17,10 @@ from ..core import CanonicalFormError, Settings, canonical_form
 from ..core.measures.form_measures import hausdorff, summary
 from ..core.mesh.geometry import surface_area
 from ..core.numerics.arrays import FloatArray, IntArray
+from ..core.unfolding.catalogue import method_named
+from ..core.unfolding.surface_features import DETECTION
 from .descriptor import harmonic_descriptor
-from .methods import RECOGNITION, Method
+from .methods import Method
 
 _DIE_WITH_PARENT = 1  # PR_SET_PDEATHSIG of the Linux kernel
 
@@ -148,8 +150,8 @@ def _computed(
     began = time.perf_counter()
     form = canonical_form(vertices, faces, settings)
     seconds = time.perf_counter() - began
-    if settings.method != "local_features":  # feature points are found for show only
-        seconds -= sum(form.timings.get(stage, 0.0) for stage in RECOGNITION)
+    if method_named(settings.method).pairs != "patches":  # feature points are found for show only
+        seconds -= sum(form.timings.get(stage, 0.0) for stage in DETECTION)
     row = {"features": len(form.feature_points), "pair_count": form.pair_count, "warnings": len(form.warnings)}
     return form.vertices, form.faces, row, seconds
 

@@ -11,14 +11,14 @@ from ..blender.mesh_reading import refusal
 from ..blender.records import record_of
 from ..core import CanonicalFormError
 from .job_operator import JobOperator
-from .properties import MethodProperties, RequestProperties, list_patches, settings_of
+from .properties import FormerProperties, MethodProperties, RequestProperties, list_patches, settings_of
 from .viewport import any_result, restore_shading, show_colours
 
 if TYPE_CHECKING:
     from ..blender.computing import FormTask
 
 
-class OBJECT_OT_canonical_form(JobOperator, MethodProperties, RequestProperties, bpy.types.Operator):
+class OBJECT_OT_canonical_form(JobOperator, MethodProperties, FormerProperties, RequestProperties, bpy.types.Operator):
     """Take the pose out of the selected meshes and keep the result as a shape key"""  # noqa: D400 (Blender's tooltip)
 
     bl_idname = "object.canonical_form"

@@ -2,7 +2,7 @@ import bpy
 import numpy as np
 
 from addon.blender.mesh_reading import read_mesh
-from addon.core.assembly.parts import connected_parts
+from addon.core.assembly.pieces import connected_pieces
 from addon.core.measures.form_measures import enclosed_volume
 from tools.sample.posed_figure import build
 

@@ -8,7 +8,7 @@ from addon.blender.distance_fields import NAMES
 from addon.blender.mesh_reading import read_mesh, read_shown
 from addon.blender.records import record_of
 from addon.core import Settings, canonical_form
-from addon.core.distance_field import distance_field
+from addon.core.distance_fields import distance_field
 from addon.interface import panels
 from addon.interface.limb_operators import select_vertices
 from tests.blender.conftest import QUICK, add_object, drawn, flat, snapshot

@@ -12,8 +12,8 @@ from addon.core import (
     canonical_form,
     feature_patches,
 )
-from addon.core.distance_field import KINDS, distance_field, heat_geodesics
-from addon.core.limb_shapes import limb_shapes
+from addon.core.distance_fields import KINDS, distance_field, heat_geodesics
+from addon.core.limbs import limb_shapes
 from addon.core.measures.form_measures import edge_stretch
 from addon.core.mesh.geometry import surface_area
 from tests.meshes import shapes
@@ -157,7 +157,7 @@ def test_limbs_of_any_mesh(name, forms):
     chosen = form.patches == 0
     (shape,) = limb_shapes(family.vertices, family.faces, form.vertices, chosen)
     assert np.isfinite(shape).all()
-    whole = limb_shapes(family.vertices, family.faces, form.vertices, form.patches >= 0, [0.5, 1.0])
+    whole = limb_shapes(family.vertices, family.faces, form.vertices, form.patches >= 0, ways=[0.5, 1.0])
     np.testing.assert_allclose(whole[1], form.vertices, atol=1e-9)
     assert np.isfinite(whole[0]).all()
 

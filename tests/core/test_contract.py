@@ -14,8 +14,8 @@ import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 
 from addon.core import InvalidMeshError, Settings, canonical_form
-from addon.core.assembly.parts import connected_parts
-from addon.core.distance_field import heat_geodesics
+from addon.core.assembly.pieces import connected_pieces
+from addon.core.distance_fields import heat_geodesics
 from addon.core.measures.alignment import rigid_fit
 from addon.core.mesh.geometry import surface_area
 from addon.core.surface.triangulation import corner_lengths
@@ -23,7 +23,7 @@ from tests.meshes import shapes
 from tests.meshes.families import families, klein_bottle, moebius_band, torus
 
 MANY = int(os.environ.get("CANONICAL_FORM_EXAMPLES", "0"))
-QUICK = Settings(quality="draft", iterations=30, landmarks=20)
+QUICK = Settings(quality="draft", max_iterations=30, landmark_count=20)
 
 
 def examples(share):
@@ -296,14 +296,14 @@ def test_the_same_mesh_gives_the_same_bits(mesh):
 @given(meshes(broken=False), st.integers(0, 2**32 - 1))
 def test_distances_are_distances(mesh, seed):
     vertices, faces = mesh
-    part = connected_parts(vertices, faces).parts[0]
-    some = np.unique(np.random.default_rng(seed).integers(0, len(part.vertices), 6))
-    between = heat_geodesics(part.points, part.faces, some)[some]
+    piece = connected_pieces(vertices, faces).pieces[0]
+    some = np.unique(np.random.default_rng(seed).integers(0, len(piece.vertices), 6))
+    between = heat_geodesics(piece.points, piece.faces, some)[some]
     largest = between.max()
     assert (between >= -0.02 * largest).all()
     assert (np.diag(between) == 0).all()
     assert np.abs(between - between.T).max() <= 0.12 * largest
     around = (between[:, :, None] + between[None]).min(axis=1)
     assert (between <= around + 0.12 * largest).all()
-    straight = np.linalg.norm(part.points[some][:, None] - part.points[some], axis=2)
+    straight = np.linalg.norm(piece.points[some][:, None] - piece.points[some], axis=2)
     assert (between >= straight - 0.12 * largest).all()

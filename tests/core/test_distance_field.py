@@ -3,7 +3,7 @@ import pygeodesic.geodesic
 import pytest
 
 from addon.core import CancelledError, InvalidSettingsError, TooLargeError
-from addon.core.distance_field import KINDS, distance_field, heat_geodesics
+from addon.core.distance_fields import KINDS, distance_field, heat_geodesics
 from addon.core.distances.fast_marching import fast_marching
 from addon.core.distances.heat import HeatMethod
 from addon.core.surface.triangulation import triangulated
@@ -86,7 +86,7 @@ def test_what_makes_no_sense_is_refused(figure):
         distance_field(vertices, faces, [0], cancelled=lambda: True)
 
 
-def test_what_was_mended_is_told(figure):
+def test_what_was_repaired_is_told(figure):
     vertices, faces = figure
     faces = np.vstack([faces, faces[:1]])
     said = []
@@ -99,10 +99,10 @@ def test_what_was_mended_is_told(figure):
         heat_geodesics(vertices, faces, [0])
 
 
-def test_a_fallback_on_a_part_is_told(monkeypatch):
+def test_a_fallback_on_a_piece_is_told(monkeypatch):
     monkeypatch.setattr(HeatMethod, "_from_sparks", lambda self, source, column: np.full((9, len(source)), np.nan))
     said = []
-    heat_geodesics(*shapes.grid(3, 3), [0], said.append)
+    heat_geodesics(*shapes.grid(3, 3), [0], warned=said.append)
     assert "were measured along edges" in " ".join(said)
 
 
@@ -114,14 +114,14 @@ def test_distances_beside_spikes_stay_possible_and_it_is_told():
     said = []
     field = distance_field(vertices, faces, [0], warned=said.append)
     assert "Heat runs astray" in said[0]
-    np.testing.assert_array_equal(heat_geodesics(vertices, faces, [0], lambda _: None)[:, 0], field)
+    np.testing.assert_array_equal(heat_geodesics(vertices, faces, [0], warned=lambda _: None)[:, 0], field)
     assert (field >= np.linalg.norm(vertices - vertices[0], axis=1) - 1e-12).all()
     assert (field >= exact_ones * 0.9 - 0.05 * exact_ones.max()).all()
 
 
 def test_many_sources_are_done_in_blocks(monkeypatch, figure):
     whole = heat_geodesics(*figure, np.arange(0, 2000, 40))
-    monkeypatch.setattr("addon.core.heat._AT_ONCE", 30_000)
+    monkeypatch.setattr("addon.core.distances.heat._AT_ONCE", 30_000)
     np.testing.assert_allclose(heat_geodesics(*figure, np.arange(0, 2000, 40)), whole, atol=1e-9)
 
 
@@ -138,7 +138,7 @@ def test_no_size_is_too_small_or_too_large(size):
 
 
 def test_small_meshes_are_refined_until_distances_are_right(monkeypatch):
-    monkeypatch.setattr("addon.core.fields._possible", lambda field, *_: field)
+    monkeypatch.setattr("addon.core.distance_fields._possible", lambda field, *_: field)
     vertices, faces = np.eye(3), np.array([[0, 1, 2]])
     error = np.abs(heat_geodesics(vertices, faces, [0])[:, 0] - np.linalg.norm(vertices - vertices[0], axis=1)).max()
     plain = HeatMethod(triangulated(vertices, faces)).distances([0])[:, 0]  # 400 vertices, as inside patches
@@ -147,7 +147,7 @@ def test_small_meshes_are_refined_until_distances_are_right(monkeypatch):
 
 @pytest.mark.parametrize("kind", ["biharmonic", "commute_time"])
 def test_a_mesh_that_cannot_be_made_coarse_is_told_or_refused(kind, monkeypatch):
-    monkeypatch.setattr("addon.core.fields._WORKED_ON", 300)
+    monkeypatch.setattr("addon.core.distance_fields._WORKED_ON", 300)
     vertices, faces = fans(850)
     said = []
     assert np.isfinite(distance_field(vertices, faces, [0], kind, warned=said.append)).all()

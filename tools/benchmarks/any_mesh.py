@@ -50,7 +50,7 @@ def _least(pairs, place, length):
 def distances(library, vertices, faces, source):
     """Ask a library."""
     if library == "ours":
-        from addon.core.distance_field import heat_geodesics
+        from addon.core.distance_fields import heat_geodesics
 
         return heat_geodesics(vertices, faces, source)[:, 0]
     if library == "potpourri3d":
@@ -90,7 +90,7 @@ def judged(library, name):
     if len(found) != len(vertices) or not np.isfinite(found[here]).all():
         return "wrong: not finite"
     if np.isfinite(found[~here]).any() and not (found[~here] >= 1e30).all():
-        return "wrong: finite where no way leads"
+        return "wrong: finite where unreachable"
     high, low = (found - upper)[here].max() / largest, (straight - found)[here].max() / largest
     if max(high, low) > 0.05:
         return f"wrong by {max(high, low):.0%}"
@@ -110,7 +110,7 @@ def eigenvalues_judged(vertices, faces):
         return "right" if np.isfinite(L.data).all() else "wrong: not finite"
     values = eigsh(L, k=min(parts + 5, len(vertices) - 2), M=M, sigma=-1e-8 * abs(L).max() / M.max(), which="LM")[0]
     zeros = int(np.count_nonzero(np.abs(values) < 1e-6 * np.abs(values).max()))
-    return "right" if zeros == parts else f"wrong: {zeros} zeros, {parts} parts"
+    return "right" if zeros == parts else f"wrong: {zeros} zero eigenvalues, {parts} parts"
 
 
 def main(*names):
@@ -123,7 +123,7 @@ def main(*names):
             try:
                 done = subprocess.run(words, capture_output=True, text=True, timeout=PATIENCE, cwd=ROOT)
             except subprocess.TimeoutExpired:
-                row.append(f"no end in {PATIENCE} s")
+                row.append(f"timeout ({PATIENCE} s)")
                 continue
             if done.returncode < 0:
                 row.append(f"**crash** ({done.returncode})")

@@ -20,8 +20,8 @@ from addon.core import Settings, canonical_form  # noqa: E402
 from addon.core.distances.heat import HeatMethod  # noqa: E402
 from addon.core.measures.form_measures import compactness_error, edge_stretch  # noqa: E402
 from addon.core.mesh.geometry import surface_area  # noqa: E402
-from addon.core.run.memory import memory_estimate  # noqa: E402
 from addon.core.surface.triangulation import triangulated  # noqa: E402
+from addon.core.unfolding.costs import memory_estimate  # noqa: E402
 from addon.evaluation.tables import mean_apart  # noqa: E402
 from tests.meshes.shapes import poses_of, read_obj, unit  # noqa: E402
 from tools.benchmarks.remeshing import adaptive, noisy, quad_dominant, resized, uniform  # noqa: E402
@@ -105,12 +105,16 @@ def quality_table(data, picture):
         },
     )
     head = (
-        "| shape | poses | features | compactness error, mean | worst | edge distortion, median | 95th percentile | "
-        "pose ratio | mirrored too | geodesics change | crossings added, worst |\n|" + " --- |" * 11
+        "| shape | poses | features | compactness error (10⁻⁴), mean | worst | edge distortion, median | "
+        "95th percentile | pose ratio | mirror images allowed | change of geodesics | crossings added, worst |\n"
+        + "| --- " * 11
+        + "|"
     )
     total = (
-        f"\nCompactness error over all: {np.mean(single):.3f}·10⁻⁴. Pose ratio over all, sum by sum: "
-        f"**{proper_sum / inputs_sum:.3f}** with proper rotations, {mirror_sum / inputs_sum:.3f} with mirror images."
+        f"\nCompactness error overall: {np.mean(single):.3f}·10⁻⁴. Pose ratio overall, sum over sum: "
+        f"**{proper_sum / inputs_sum:.3f}** with proper rotations, {mirror_sum / inputs_sum:.3f} with mirror images. "
+        "Measures are defined in [evaluation](evaluation.md#what-is-measured). *change of geodesics*: mean relative "
+        "change from pose to pose. *crossings*: pairs of triangles that cross, over the number of faces."
     )
     print(total, flush=True)
     return "\n".join([head, *rows, total])
@@ -148,8 +152,8 @@ def speed_table(data):
         )
         print(rows[-1], flush=True)
     head = (
-        "| vertices | default form | its time over potpourri3d's (factor + 100 sources) | wanted | timings cover | "
-        "longest wait of a cancel |\n| --- | --- | --- | --- | --- | --- |"
+        "| vertices | default form | relative to potpourri3d (factorisation + 100 sources) | target | covered by stage "
+        "timings | longest cancel latency |\n| --- | --- | --- | --- | --- | --- |"
     )
     text = draft_line(*resized(vertices, faces, 20_000))
     return "\n".join([head, *rows, text, smacof_table(vertices, faces)])
@@ -169,9 +173,10 @@ def draft_line(vertices, faces):
         times.append((time.perf_counter() - began, 25 * single, factored + 25 * single, 25 * alone))
     draft, sources, with_factor, calls = np.median(times, axis=0)
     line = (
-        f"\nDraft on {len(vertices):,} vertices: {draft:.2f} s. Over 25 single sources of potpourri3d: "
-        f"{draft / sources:.2f} once it is factored, **{draft / with_factor:.2f}** with the factorisation, "
-        f"{draft / calls:.2f} by 25 calls of `compute_distance`, each of which factors anew."
+        "\nTimes are medians of repeated runs in one process. "
+        f"Draft on {len(vertices):,} vertices: {draft:.2f} s; relative to 25 sources of potpourri3d: "
+        f"{draft / sources:.2f} with a factorised solver, **{draft / with_factor:.2f}** including the factorisation, "
+        f"{draft / calls:.2f} by 25 calls of `compute_distance`, each of which factorises again."
     )
     print(line, flush=True)
     return line
@@ -197,10 +202,10 @@ def smacof_table(vertices, faces):
                 normalized_stress=False,
             )  # fmt: skip
             theirs.append(time.perf_counter() - began)
-            history = smacof(distances, mesh[0][some], tolerance=0.0, iterations=300)[1]
+            history = smacof(distances, mesh[0][some], tolerance=0.0, max_iterations=300)[1]
             needed = int(np.argmax(np.append(history, -1.0) <= reached))  # 301: not in 300 steps
             began = time.perf_counter()
-            smacof(distances, mesh[0][some], tolerance=0.0, iterations=needed)
+            smacof(distances, mesh[0][some], tolerance=0.0, max_iterations=needed)
             same.append(time.perf_counter() - began)
             for _ in range(3):
                 timings = canonical_form(*mesh).timings
@@ -214,10 +219,10 @@ def smacof_table(vertices, faces):
         )
         print(rows[-1], flush=True)
     head = (
-        "\nscikit-learn's `smacof` on 2,000 points of a mesh, all pairs, distances and start given, n_init=1, "
-        "eps=1e-6, max_iter=300; and how many times faster are: our `smacof` on the same points, pairs and start, to "
-        "the same stress; the minimisation of the default form of that mesh, with its factorisation (pairs inside the "
-        "patches of 1,600 vertices, tolerance 1e-3); and the whole default form.\n\n"
+        "\nscikit-learn's `smacof` on 2,000 points of a mesh (all pairs; distances and start given; n_init=1, "
+        "eps=1e-6, max_iter=300), and the speed-up of: our `smacof` on the same problem, to the same stress; the "
+        "minimisation of that mesh's default form, including its factorisation (pairs inside the patches of 1,600 "
+        "vertices, tolerance 1e-3); and the whole default form.\n\n"
         "| vertices of the mesh | scikit-learn | same problem | minimisation of the form | whole form |\n"
         + "| --- " * 5
         + "|"
@@ -270,13 +275,14 @@ def scale_table(data, work):
     exponent = np.polyfit(log[:, 0], log[:, 1], 1)[0]
     small, large = (np.load(work / f"form-{count}.npz")["form"] for count in (10_000, 160_000))
     text = (
-        f"\nExponent of time against n from 40,000: **{exponent:.2f}**. Form at 160,000 vertices against the form at "
-        f"10,000: {nearest_apart(large[::8], small):.2%} of sqrt(area), RMS of nearest points."
+        f"\nExponent of time against n from 40,000: **{exponent:.2f}**. Each time is the first run of a new "
+        "process, hence longer than under *Speed*. Distance between the forms at 160,000 and 10,000 vertices: "
+        f"{nearest_apart(large[::8], small):.2%} of sqrt(area), RMS of nearest points."
     )
     print(text, flush=True)
     return "\n".join(
         [
-            "| vertices | time | peak memory | of it for the form | announced | features |\n" + "| --- " * 6 + "|",
+            "| vertices | time | peak memory | of which the form | estimated | features |\n" + "| --- " * 6 + "|",
             *rows,
             text,
         ]
@@ -304,9 +310,8 @@ def tessellation_table(data):
             )
             print(rows[-1], flush=True)
     head = (
-        "| shape | remeshed | vertices | edge lengths | form apart (RMS of nearest points) | features |\n"
-        + "| --- " * 6
-        + "|"
+        "| shape | remeshing | vertices | range of edge lengths | distance between forms (RMS of nearest points) | "
+        "features |\n" + "| --- " * 6 + "|"
     )
     return "\n".join([head, *rows])
 
@@ -321,10 +326,10 @@ def convergence_table(data):
         rows.append(f"| {shape} | {len(mesh[0]):,} | {steps} | **{stopped:.3f}** | {delivered:.1f} |")
         print(rows[-1], flush=True)
     head = (
-        "Stress on all pairs, over that of the full solver converged (tolerance 1e-8) from the same start: where the "
-        "default tolerance stops on all vertices; and of the form as it is delivered, solved on the coarse mesh, given "
-        "its detail and carried back, which near pairs feel.\n\n"
-        "| shape | vertices | steps | where the default stops | as delivered |\n" + "| --- " * 5 + "|"
+        "Stress on all pairs, relative to that of the full solver at convergence (tolerance 1e-8) from the same start: "
+        "at the default tolerance on all vertices; and for the delivered form, which is solved on the coarse mesh, "
+        "given its detail and interpolated, to which near pairs are sensitive.\n\n"
+        "| shape | vertices | steps | default tolerance | delivered form |\n" + "| --- " * 5 + "|"
     )
     return "\n".join([head, *rows])
 
@@ -348,7 +353,12 @@ def main():
         "Tessellation": lambda: tessellation_table(options.data),
         "Convergence": lambda: convergence_table(options.data),
     }
-    text = ["# Benchmarks\n", "Remade by `make bench DATA=folder`. Two cores; ratios are measured in one run.\n"]
+    text = [
+        "# Benchmarks\n",
+        "Quality, speed, scale and convergence of the default form, written by `make bench DATA=folder`. Two cores; "
+        "the times of a ratio are from one run. Other pages round these figures; everything else that was measured is "
+        "in [measurements](measurements.md).\n",
+    ]
     for title, part in parts.items():
         if not options.only or title in options.only:
             text += [f"## {title}\n", part(), ""]

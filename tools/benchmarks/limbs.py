@@ -9,18 +9,18 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
 from addon.core import canonical_form  # noqa: E402
-from addon.core.limb_shapes import limb_shapes  # noqa: E402
+from addon.core.limbs import limb_shapes  # noqa: E402
 from addon.core.measures.alignment import rigid_fit  # noqa: E402
 from addon.core.measures.form_measures import edge_stretch  # noqa: E402
 from addon.core.mesh.connectivity import vertex_pairs  # noqa: E402
 from addon.core.mesh.geometry import signed_volume  # noqa: E402
 from addon.core.posing.articulation import Articulation  # noqa: E402
-from addon.core.posing.limbs import limb_amounts  # noqa: E402
+from addon.core.posing.limb_amounts import limb_amounts  # noqa: E402
 from tests.meshes import shapes  # noqa: E402
 
 
 def main(folder: Path) -> None:
-    print("| bent limb | half-way | plain blend |\n| --- | --- | --- |")
+    print("| bent limb | in-between | plain blend |\n| --- | --- | --- |")
     for degrees in (60, 90, 120, 150):
         points, faces = shapes.joint(degrees)
         straight = shapes.joint(0)[0]
@@ -31,7 +31,7 @@ def main(folder: Path) -> None:
         blend = signed_volume((points + straight) / 2, faces) / volume - 1
         print(f"| {degrees}° | {halfway:+.2%} | {blend:+.1%} |")
     print("\n| shape | pose | whole form, 99th % | bands, 99th %, worst | largest in a band | moved outside |", end="")
-    print(" volume half-way | of a plain blend |\n| --- | --- | --- | --- | --- | --- | --- | --- |")
+    print(" volume, in-between | volume, plain blend |\n| --- | --- | --- | --- | --- | --- | --- | --- |")
     for path in sorted(folder.glob("*/*.obj")):
         points, faces = shapes.read_obj(path)
         found = canonical_form(points, faces)

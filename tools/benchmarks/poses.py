@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
 from addon.core import Settings, canonical_form  # noqa: E402
-from addon.core.distance_field import heat_geodesics  # noqa: E402
+from addon.core.distance_fields import heat_geodesics  # noqa: E402
 from tests.meshes.shapes import read_obj  # noqa: E402
 
 SOURCES = 20

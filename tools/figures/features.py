@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from addon.core import Settings, feature_patches
-from addon.core.distance_field import heat_geodesics
+from addon.core.distance_fields import heat_geodesics
 from addon.core.mesh.connectivity import component_labels, vertex_pairs
 from tools.figures.drawing import show
 from tools.figures.models import facing

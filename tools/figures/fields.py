@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from addon.core.distance_field import distance_field
+from addon.core.distance_fields import distance_field
 from tests.meshes import shapes
 
 

@@ -23,7 +23,7 @@ _NEAR = 0.0015  # diffusion time of the frames that carry detail, as a share of 
 
 
 class ElasticBody:
-    """The input as a body to be deformed: its surface is a shell, with struts through the flesh.
+    """The input as a body to be deformed: its surface is a shell, with struts through the interior.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ class ElasticBody:
     faces : (m, 3) ndarray of int
         Triangles of the mesh.
     struts : (s, 2) ndarray of int, optional
-        Pairs of vertices that face each other through the flesh.
+        Pairs of vertices that face each other through the interior.
 
     Attributes
     ----------
@@ -150,9 +150,10 @@ class ElasticBody:
     def deformed_towards(
         self,
         target: FloatArray,
+        *,
         pull: float,
         steps: int,
-        memory: float = 1.0,
+        bending_weight: float = 1.0,
         monitor: Monitor | None = None,
         pressure: bool = False,
         done: float = 0.0,
@@ -168,11 +169,11 @@ class ElasticBody:
             Strength of the pull, in 1/area.
         steps : int
             Number of alternations between rotations and positions.
-        memory : float
-            Share of the shell's energy that remembers how it was bent, 0 to 1. The rest asks for the lengths of the
-            edges only, whichever way they point: creases of the pose may open. Struts always remember.
+        bending_weight : float
+            Share of the shell's energy that keeps its bends, 0 to 1. The rest asks for the lengths of the
+            edges only, whichever way they point: creases of the pose may open. Struts always keep their direction.
         monitor : Monitor, optional
-            Told the progress and asked whether to stop.
+            Receives progress; polled for cancellation.
         pressure : bool
             Whether the compactness ``V² / A³`` of a closed mesh is kept, by an even pressure.
         done, share : float
@@ -186,12 +187,13 @@ class ElasticBody:
         Raises
         ------
         CancelledError
-            If the monitor says so.
+            If the run is cancelled.
 
         References
         ----------
-        Sorkine and Alexa, "As-Rigid-As-Possible Surface Modeling", 2007. The first rotations come from covariances
-        diffused over the surface, so that a limb that the target squashes or turns inside out comes out right.
+        Sorkine and Alexa, "As-Rigid-As-Possible Surface Modeling", 2007, doi:10.2312/SGP/SGP07/109-116. The first
+        rotations come from covariances diffused over the surface, so that a limb that the target squashes or turns
+        inside out comes out right.
         """
         from scipy.sparse import diags
 
@@ -199,12 +201,12 @@ class ElasticBody:
         anchor = pull * self.mass
         solve = factored(self._firmness + diags(anchor)).solve
         monitor.check()
-        remembered: FloatArray = np.where(self._is_shell, float(memory), 1.0)
+        bending: FloatArray = np.where(self._is_shell, float(bending_weight), 1.0)
         positions, rotation = target, nearest_rotations(self.covariances(target))
         for step in range(steps):
-            force = self._rotated(rotation, remembered)
-            if memory < 1:
-                force += self._with_lengths_kept(positions, 1.0 - remembered)
+            force = self._rotated(rotation, bending)
+            if bending_weight < 1:
+                force += self._with_lengths_kept(positions, 1.0 - bending)
             positions = solve(force + anchor[:, None] * target)
             if pressure and self._closed:
                 positions = _under_pressure(positions, self.points, self._faces, solve)

@@ -1,4 +1,4 @@
-"""Struts: pairs of vertices that face each other through the flesh, so that what is inside stays inside."""
+"""Struts: pairs of vertices that face each other through the interior, so that what is inside stays inside."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def struts_through(
     to_features : (n, k) ndarray of float
         Geodesic distance of every vertex from each feature point.
     monitor : Monitor, optional
-        Asked whether to stop.
+        Polled for cancellation.
 
     Returns
     -------
@@ -49,7 +49,7 @@ def struts_through(
     Raises
     ------
     CancelledError
-        If the monitor says so.
+        If the run is cancelled.
 
     References
     ----------

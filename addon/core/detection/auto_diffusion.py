@@ -36,6 +36,6 @@ def auto_diffusion(spectrum: Spectrum, time: float = 0.15) -> FloatArray:
     Gebal, Baerentzen, Aanaes and Larsen, "Shape Analysis Using the Auto Diffusion Function", 2009.
     """
     if not time > 0:
-        raise InvalidSettingsError(f"The diffusion time must be positive; got {time}.")
+        raise InvalidSettingsError("diffusion_time", value=time)
     decay = np.exp(-time * spectrum.eigenvalues / spectrum.eigenvalues[0])
     return spectrum.eigenvectors**2 @ decay

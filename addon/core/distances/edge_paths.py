@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..mesh.connectivity import undirected_keys
 from ..surface.triangulation import Triangulation
 
 if TYPE_CHECKING:
@@ -28,6 +29,6 @@ def edge_graph(surface: Triangulation) -> csr_matrix:
     from scipy.sparse import coo_matrix
 
     row, column = np.roll(surface.faces, -1, axis=1).ravel(), np.roll(surface.faces, -2, axis=1).ravel()
-    _, first = np.unique(np.minimum(row, column) * surface.vertex_count + np.maximum(row, column), return_index=True)
+    _, first = np.unique(undirected_keys(row, column, surface.vertex_count), return_index=True)
     shape = (surface.vertex_count, surface.vertex_count)
     return coo_matrix((surface.lengths.ravel()[first], (row[first], column[first])), shape=shape).tocsr()

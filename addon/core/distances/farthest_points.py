@@ -10,7 +10,7 @@ from .heat import HeatMethod
 
 
 def farthest_points(
-    heat: HeatMethod, first: IntArray, distances: FloatArray, count: int, monitor: Monitor
+    heat: HeatMethod, first: IntArray, distances: FloatArray, count: int, *, monitor: Monitor
 ) -> tuple[IntArray, FloatArray]:
     """Choose points that lie far from each other, one after the other.
 
@@ -25,7 +25,7 @@ def farthest_points(
     count : int
         Number l of points wanted.
     monitor : Monitor
-        Told the progress and asked whether to stop.
+        Receives progress; polled for cancellation.
 
     Returns
     -------
@@ -37,7 +37,7 @@ def farthest_points(
     Raises
     ------
     CancelledError
-        If the monitor says so.
+        If the run is cancelled.
     """
     count = max(min(count, len(distances)), len(first))
     points = [int(point) for point in first]

@@ -25,7 +25,7 @@ def fast_marching(surface: Triangulation, sources: IntArray, monitor: Monitor | 
     sources : (s,) ndarray of int
         Vertices at distance 0.
     monitor : Monitor, optional
-        Told the progress and asked whether to stop.
+        Receives progress; polled for cancellation.
 
     Returns
     -------
@@ -35,7 +35,7 @@ def fast_marching(surface: Triangulation, sources: IntArray, monitor: Monitor | 
     Raises
     ------
     CancelledError
-        If the monitor says so.
+        If the run is cancelled.
 
     References
     ----------

@@ -5,14 +5,19 @@ from __future__ import annotations
 import numpy as np
 
 from ..numerics.arrays import FloatArray
-from ..numerics.blocks import columns_at_once, symmetrize
+from ..numerics.blocks import columns_at_once, symmetrise
 from ..run.monitor import Monitor
 from ..surface.triangulation import Triangulation
 from .heat import HeatMethod
 
 
 def all_geodesics(
-    surface: Triangulation, monitor: Monitor, smooth: float | None = None, done: float = 0.0, share: float = 1.0
+    surface: Triangulation,
+    *,
+    smooth: float | None = None,
+    monitor: Monitor | None = None,
+    done: float = 0.0,
+    share: float = 1.0,
 ) -> FloatArray:
     """Measure geodesic distances between all vertices of a patch by the heat method (paper section 3.3).
 
@@ -20,10 +25,10 @@ def all_geodesics(
     ----------
     surface : Triangulation
         The patch, connected, with its natural (Neumann) border.
-    monitor : Monitor
-        Asked between blocks of sources whether to stop, and told the progress.
     smooth : float, optional
         Diffusion time of smoothed distances; see `HeatMethod`. Without, the triangles are refined for accuracy.
+    monitor : Monitor, optional
+        Receives progress; polled for cancellation.
     done, share : float
         The fraction of the present stage that is done before, and that this call is worth.
 
@@ -35,9 +40,9 @@ def all_geodesics(
     Raises
     ------
     CancelledError
-        If the monitor says so.
+        If the run is cancelled.
     """
-    count = surface.vertex_count
+    monitor, count = monitor or Monitor(), surface.vertex_count
     heat = HeatMethod(surface, smooth, refine=smooth is None, monitor=monitor)
     distance = np.empty((count, count))
     chunk = columns_at_once(count)
@@ -45,6 +50,6 @@ def all_geodesics(
         block = np.arange(start, min(start + chunk, count))
         distance[block] = heat.distances(block).T  # by rows: a column of a large matrix touches every page of it
         monitor.tick(done + share * (block[-1] + 1) / count)
-    symmetrize(distance, monitor.check)
+    symmetrise(distance, monitor.check)
     np.fill_diagonal(distance, 0.0)
     return distance

@@ -26,7 +26,7 @@ WHOLE = 2500  # the same where distances all over a surface are all that is want
 _BACKWARDS = 0.1  # of the largest distance that a distance may be below 0 before the field is given up
 _TAKES_OVER = 2.0  # diffusion lengths of the first time from the source
 _LONGER = 40  # most doublings of the time for that
-_AT_ONCE = 500_000  # values of heat at once: bounds the memory and the time until a cancel is heard
+_AT_ONCE = 500_000  # values of heat at once: bounds the memory and the time until a cancellation is noticed
 
 
 class HeatMethod:
@@ -48,7 +48,7 @@ class HeatMethod:
         Split every triangle in four (error about a third lower, cost about three times as high), and small meshes
         further.
     monitor : Monitor, optional
-        Asked between the steps of the preparation whether to stop, and warned.
+        Receives warnings; polled for cancellation between the steps of the preparation.
     fewest : int
         Vertices of the refined triangles at least.
 
@@ -59,13 +59,15 @@ class HeatMethod:
 
     References
     ----------
-    Crane, Weischedel and Wardetzky, "Geodesics in Heat", 2013; Sharp and Crane, 2020 (intrinsic triangulation).
+    Crane, Weischedel and Wardetzky, "Geodesics in Heat", 2013, doi:10.1145/2516971.2516977; Sharp and Crane, 2020
+    (intrinsic triangulation).
     """
 
     def __init__(
         self,
         surface: Triangulation,
         smooth: float | None = None,
+        *,
         refine: bool = True,
         monitor: Monitor | None = None,
         fewest: int = _FEWEST,
@@ -101,9 +103,7 @@ class HeatMethod:
         except SolverError:  # rounding has the better of them
             self._poisson, reached = None, True
         if not reached:
-            raise SolverError(
-                "Heat does not reach all of the surface: it falls into loose parts. Separate or merge them."
-            )
+            raise SolverError("heat_disconnected")
 
     def _factor(self, smooth: float | None) -> bool:
         """Factor the systems, for the least time in which heat reaches all of the surface; say whether it does."""
@@ -147,7 +147,7 @@ class HeatMethod:
         Returns
         -------
         (n, s) ndarray of float
-            One column a source, in the surface's unit of length; 0 at the source. Not exactly symmetric.
+            One column per source, in the surface's unit of length; 0 at the source. Not exactly symmetric.
         """
         source = np.atleast_1d(np.asarray(sources, dtype=np.int64))
         most = max(_AT_ONCE // self._fine.vertex_count, 1)
@@ -197,10 +197,7 @@ class HeatMethod:
     def _along_edges(self, source: IntArray) -> FloatArray:
         from scipy.sparse.csgraph import dijkstra
 
-        self._monitor.warn(
-            "Some triangles are so long and thin that heat runs astray on them; distances there were measured along "
-            "edges. Remesh for a better form."
-        )
+        self._monitor.warn("heat_fallback")
         return np.asarray(dijkstra(edge_graph(self._fine), directed=False, indices=source)[:, : self._vertex_count].T)
 
     def _from_sparks(self, source: IntArray, column: IntArray) -> FloatArray:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..numerics.arrays import FloatArray, IntArray
-from ..numerics.blocks import columns_at_once, symmetrize
+from ..numerics.blocks import columns_at_once, symmetrise
 from ..numerics.factoring import factored
 from ..run.monitor import Monitor
 from ..surface.spectrum import Spectrum
@@ -40,7 +40,7 @@ class GreensFunction:
         points : (p,) ndarray of int
             Vertices.
         monitor : Monitor, optional
-            Asked between blocks of vertices whether to stop.
+            Polled for cancellation between blocks of vertices.
 
         Returns
         -------
@@ -50,11 +50,11 @@ class GreensFunction:
         Raises
         ------
         CancelledError
-            If the monitor says so.
+            If the run is cancelled.
 
         References
         ----------
-        Qiu and Hancock, "Clustering and Embedding Using Commute Times", 2007.
+        Qiu and Hancock, "Clustering and Embedding Using Commute Times", 2007, doi:10.1109/TPAMI.2007.1103.
         """
         green = np.empty((len(points), len(points)))  # rows and columns of one inverse of L
         check = (monitor or Monitor()).check
@@ -62,7 +62,7 @@ class GreensFunction:
         for start in range(0, len(points), chunk):
             check()
             green[start : start + chunk] = self._grounded(points[start : start + chunk])[points].T
-        symmetrize(green, check)
+        symmetrise(green, check)
         diagonal = np.diag(green).copy()
         for start in range(0, len(points), chunk):
             check()
@@ -91,7 +91,7 @@ class GreensFunction:
 
         References
         ----------
-        Lipman, Rustamov and Funkhouser, "Biharmonic Distance", 2010.
+        Lipman, Rustamov and Funkhouser, "Biharmonic Distance", 2010, doi:10.1145/1805964.1805971.
         """
         solved = self._grounded(points)
         solved -= solved.mean(axis=1, keepdims=True)  # the drain, which cancels out: better before than after
@@ -142,12 +142,8 @@ def biharmonic_squared(spectrum: Spectrum, first: IntArray, second: IntArray) ->
 
     Parameters
     ----------
-    spectrum : Spectrum
-        The eigenpairs.
-    first : (p,) ndarray of int
-        Vertices i.
-    second : (q,) ndarray of int
-        Vertices j.
+    spectrum, first, second
+        As in `commute_time_squared`.
 
     Returns
     -------

@@ -7,6 +7,9 @@ from numpy.typing import ArrayLike
 
 from ..numerics.arrays import FloatArray, IntArray
 from ..numerics.products import product
+from ..run.errors import SolverError
+
+_DENSE = 400  # points up to which all eigenvectors are computed
 
 
 def classical_scaling(distances: ArrayLike, dimensions: int = 3) -> tuple[FloatArray, FloatArray]:
@@ -30,7 +33,7 @@ def classical_scaling(distances: ArrayLike, dimensions: int = 3) -> tuple[FloatA
 
     References
     ----------
-    Torgerson, "Multidimensional scaling: I. Theory and method", 1952.
+    Torgerson, "Multidimensional scaling: I. Theory and method", 1952, doi:10.1007/BF02288916.
     """
     from scipy.linalg import eigh
 
@@ -76,7 +79,7 @@ def landmark_scaling(distances: FloatArray, landmarks: IntArray, dimensions: int
 
 
 def least_squares_scaling(
-    distances: FloatArray, landmarks: IntArray, start: FloatArray, depth: float = 1.0, steps: int = 60
+    distances: FloatArray, landmarks: IntArray, start: FloatArray, *, depth: float = 1.0, steps: int = 60
 ) -> FloatArray:
     """Move points until their straight distances from the landmarks come as close to the given ones as they can.
 
@@ -110,7 +113,7 @@ def least_squares_scaling(
     fixed = start[landmarks]
     for _ in range(steps):
         fixed = _nearer(fixed, fixed, between) * kept
-    layout = placed_around(distances, landmarks, fixed, start, depth, steps // 3)
+    layout = placed_around(distances, landmarks, fixed, start, depth=depth, steps=steps // 3)
     return np.asarray(layout - layout.mean(axis=0))
 
 
@@ -119,6 +122,7 @@ def placed_around(
     landmarks: IntArray,
     fixed: FloatArray,
     start: FloatArray,
+    *,
     depth: float = 1.0,
     steps: int = 20,
 ) -> FloatArray:
@@ -162,3 +166,66 @@ def _nearer(points: FloatArray, fixed: FloatArray, distances: FloatArray) -> Flo
     squared = (points**2).sum(axis=1)[:, None] + (fixed**2).sum(axis=1) - 2 * product(points, fixed.T)
     ratio = distances / np.sqrt(np.maximum(squared, 1e-12 * squared.max()))
     return np.asarray(fixed.mean(axis=0) + (ratio.sum(axis=1)[:, None] * points - product(ratio, fixed)) / len(fixed))
+
+
+def leading_scaling(distances: FloatArray, dimensions: int = 3) -> FloatArray:
+    """Embed a full matrix of distances by classical scaling, with no more eigenvectors than are needed.
+
+    Parameters
+    ----------
+    distances : (n, n) ndarray of float
+        Distances, symmetric.
+    dimensions : int
+        Dimension d of the embedding.
+
+    Returns
+    -------
+    (n, d) ndarray of float
+        The points, centred, along their principal axes; the sign of each axis is arbitrary.
+
+    Raises
+    ------
+    SolverError
+        If the axes cannot be found.
+
+    References
+    ----------
+    Torgerson, "Multidimensional scaling: I. Theory and method", 1952, doi:10.1007/BF02288916; paper, equation 4.
+    """
+    from scipy.sparse.linalg import ArpackError, eigsh
+
+    count = len(distances)
+    if count <= _DENSE:
+        return classical_scaling(distances, dimensions)[0]
+    gram = distances**2
+    mean = gram.mean(axis=1)
+    gram -= mean[:, None]
+    gram -= mean - mean.mean()
+    gram *= -0.5  # G = -½ J D² J
+    begin = np.sin(np.arange(1.0, count + 1))  # any fixed vector that is not the constant one
+    try:
+        values, vectors = eigsh(gram, k=dimensions, which="LA", v0=begin)
+    except ArpackError as error:
+        raise SolverError("no_axes") from error
+    order = np.argsort(-values)
+    return vectors[:, order] * np.sqrt(np.maximum(values[order], 0.0))
+
+
+def raw_stress(points: FloatArray, distances: FloatArray) -> float:
+    """Sum the squared differences between straight and wanted distances over all pairs.
+
+    Parameters
+    ----------
+    points : (n, d) ndarray of float
+        The points.
+    distances : (n, n) ndarray of float
+        Wanted distances.
+
+    Returns
+    -------
+    float
+        ``Σ_{i<j} (δ_ij - d_ij)²``.
+    """
+    from scipy.spatial.distance import pdist, squareform
+
+    return float(((pdist(points) - squareform(distances, checks=False)) ** 2).sum())

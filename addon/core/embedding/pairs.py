@@ -2,103 +2,89 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from ..distances.geodesics import all_geodesics
-from ..distances.spectral import GreensFunction, commute_time_squared
 from ..numerics.arrays import FloatArray, IntArray
+from ..patching.cells import Patch
 from ..run.monitor import Monitor
-from ..surface.spectrum import Spectrum
 from ..surface.triangulation import triangulated
-from ..unfolding.settings import Settings
 from .stress import PairSet, pair_set
 
+CommuteTimes = Callable[[IntArray], FloatArray]  # squared commute times between all pairs of some vertices
+
 _NO_DISTANCE = 1e-6  # share of the mean distance in a patch below which the heat method has failed for a pair,
-_STRUT_SHARE = 0.5  # weight of the struts of a vertex in the stress, over all its other weight
 _SMALL_DISTANCE = 1e-3  # and the share that such a pair gets instead
+_STRUT_SHARE = 0.5  # weight of the struts of a vertex in the stress, over all its other weight
 
 
 def patch_pairs(
     points: FloatArray,
-    patches: list[IntArray],
-    cells: IntArray,
-    spectrum: Spectrum,
-    green: GreensFunction | None,
-    struts: IntArray | None,
-    settings: Settings,
+    patches: list[Patch],
+    commute_times: CommuteTimes,
+    *,
+    heat_time: float | None = None,
     monitor: Monitor,
 ) -> list[PairSet]:
-    """Measure every closed cell and weight all its pairs: ``w_ij = c_ij² / δ_ij²`` (first sum of equation 10).
+    """Measure every patch and weight all its pairs: ``w_ij = c_ij² / δ_ij²`` (first sum of equation 10).
 
     Parameters
     ----------
     points : (n, 3) ndarray of float
         Vertices, of a surface of unit area.
-    patches : list of (f, 3) ndarray of int
-        Triangles of each closed cell.
-    cells : (n,) ndarray of int
-        Cell of every vertex.
-    spectrum : Spectrum
-        The eigenpairs.
-    green : GreensFunction or None
-        For exact commute times. Without it they are summed over the eigenpairs at hand, as published.
-    struts : (s, 2) ndarray of int or None
-        Pairs of vertices that are to keep their straight distance.
-    settings : Settings
-        Smoothing of the geodesics, and whether to do as published.
+    patches : list of Patch
+        The patches.
+    commute_times : callable
+        Gives c² between all pairs of some vertices, (p, p).
+    heat_time : float, optional
+        Diffusion time of smoothed geodesics; without it they are as accurate as the heat method is.
     monitor : Monitor
-        Told the progress, warned, and asked whether to stop.
+        Receives progress and warnings; polled for cancellation.
 
     Returns
     -------
     list of PairSet
-        One a patch.
+        One per patch.
 
     Raises
     ------
     CancelledError
-        If the monitor says so.
+        If the run is cancelled.
+
+    References
+    ----------
+    The paper, equation 10.
     """
     sets = []
-    effort = np.cumsum([0.0] + [float(len(patch)) ** 2 for patch in patches])
+    effort = np.cumsum([0.0] + [float(len(patch.faces)) ** 2 for patch in patches])
     effort /= effort[-1]
-    short = 0
+    zero = 0
     for index, patch in enumerate(patches):
-        vertices, corners = np.unique(patch, return_inverse=True)
-        surface = triangulated(points[vertices], corners.reshape(-1, 3))
-        distance = all_geodesics(surface, monitor, settings.heat_time, effort[index], effort[index + 1] - effort[index])
-        if settings.as_published:  # open cells: the pairs of the cell's own vertices only
-            own = np.flatnonzero(cells[vertices] == index)
-            vertices, distance = vertices[own], distance[np.ix_(own, own)]
+        measured, corners = np.unique(patch.faces, return_inverse=True)
+        surface = triangulated(points[measured], corners.reshape(-1, 3))
+        distance = all_geodesics(
+            surface, smooth=heat_time, monitor=monitor, done=effort[index], share=effort[index + 1] - effort[index]
+        )
+        if len(patch.vertices) < len(measured):  # an open cell
+            own = np.searchsorted(measured, patch.vertices)
+            distance = distance[np.ix_(own, own)]
         mean = float(distance.mean())
         missing = distance < _NO_DISTANCE * mean
         np.fill_diagonal(missing, False)
-        short += np.count_nonzero(missing) // 2
+        zero += np.count_nonzero(missing) // 2
         distance[missing] = _SMALL_DISTANCE * mean
-        whole = None if green is None else green.commute_time_squared(vertices, monitor)
+        commute = commute_times(patch.vertices)
 
-        def weights(
-            rows: slice,
-            columns: slice,
-            target: FloatArray,
-            vertices: IntArray = vertices,
-            whole: FloatArray | None = whole,
-        ) -> FloatArray:
+        def weights(rows: slice, columns: slice, target: FloatArray, commute: FloatArray = commute) -> FloatArray:
             monitor.check()
-            if whole is None:
-                commute = commute_time_squared(spectrum, vertices[rows], vertices[columns])
-            else:
-                commute = whole[rows, columns]
-            return np.divide(commute, target**2, out=np.zeros_like(target), where=target > 0)
+            return np.divide(commute[rows, columns], target**2, out=np.zeros_like(target), where=target > 0)
 
-        pairs = pair_set(vertices, distance, weights)
+        sets.append(pair_set(patch.vertices, distance, weights))
         monitor.check()
-        sets.append(pairs if struts is None else braced(pairs, points, struts, monitor))
-    if short:
-        monitor.warn(
-            f"{short} pairs of points came out with no distance between them, because of very thin triangles, and were "
-            "given a small one. Merge vertices by distance, or remesh, for a better form."
-        )
+    if zero:
+        monitor.warn("zero_distances", count=zero)
     return sets
 
 
@@ -185,7 +171,7 @@ def braced(patch: PairSet, points: FloatArray, struts: IntArray, monitor: Monito
     struts : (s, 2) ndarray of int
         Pairs of vertices; those that leave the patch are left out.
     monitor : Monitor, optional
-        Asked whether to stop.
+        Polled for cancellation.
 
     Returns
     -------

@@ -10,11 +10,10 @@ from ..mesh.connectivity import vertex_pairs
 from ..numerics.arrays import FloatArray, IntArray
 from ..numerics.factoring import factored
 from ..run.monitor import Monitor
-from ..unfolding.settings import Settings
 from .smacof import minimise_stress
 
 _FAR = 10.0  # distance that every pair is asked for, in units of sqrt(area): more than any body can give
-_PATIENCE = 1e-3  # times the tolerance: most of this stress is what no body can give, and never falls
+_PATIENCE = 1e-3  # times the tolerance: most of this stress is what no body can reach, and never falls
 _LEAST = 1e-12  # distance below which a direction means nothing
 
 
@@ -43,7 +42,7 @@ class LinkStress:
         self._differences = csr_matrix((values, ends, start), shape=(len(links), count))
         self._to_ends = self._differences.T.tocsr()
 
-    def value_and_pull(self, points: FloatArray) -> tuple[float, FloatArray]:
+    def value_and_descent(self, points: FloatArray) -> tuple[float, FloatArray]:
         """Compute the stress and ``(B(X) - V) X``, minus half its gradient.
 
         Parameters
@@ -55,7 +54,7 @@ class LinkStress:
         -------
         value : float
             The stress.
-        pull : (n, 3) ndarray of float
+        descent : (n, 3) ndarray of float
             Minus half the gradient.
         """
         apart = points[self._i] - points[self._j]
@@ -76,7 +75,7 @@ class LinkStress:
 
         V = self._to_ends @ diags(self._weights) @ self._differences
         solve = factored(V + 1e-9 * V.diagonal().mean() * eye(V.shape[0])).solve
-        return lambda pull: solve(np.ascontiguousarray(pull))
+        return lambda descent: solve(np.ascontiguousarray(descent))
 
 
 class Pushing:
@@ -105,6 +104,7 @@ class Pushing:
         points: FloatArray,
         triangles: IntArray,
         samples: IntArray,
+        *,
         strength: float,
         depth: float = 1.0,
         normalised: bool = False,
@@ -126,7 +126,7 @@ class Pushing:
             np.concatenate([edges, pairs]), np.concatenate([lengths, far]), np.concatenate([even, push]), count
         )
 
-    def value_and_pull(self, points: FloatArray) -> tuple[float, FloatArray]:
+    def value_and_descent(self, points: FloatArray) -> tuple[float, FloatArray]:
         """Compute the stress and minus half its gradient.
 
         Parameters
@@ -138,24 +138,32 @@ class Pushing:
         -------
         value : float
             The stress.
-        pull : (n, 3) ndarray of float
+        descent : (n, 3) ndarray of float
             Minus half the gradient.
         """
-        kept, pull = self._kept.value_and_pull(points)
-        pushed, push = self._pushed.value_and_pull(points * self._axes)
-        return kept + pushed, pull + push * self._axes
+        kept, descent = self._kept.value_and_descent(points)
+        pushed, push = self._pushed.value_and_descent(points * self._axes)
+        return kept + pushed, descent + push * self._axes
 
-    def lowered(self, start: FloatArray, settings: Settings, monitor: Monitor) -> tuple[FloatArray, FloatArray]:
+    def lowered(
+        self,
+        start: FloatArray,
+        *,
+        max_iterations: int = 300,
+        tolerance: float = 1e-3,
+        extrapolation: int = 6,
+        monitor: Monitor | None = None,
+    ) -> tuple[FloatArray, FloatArray]:
         """Move the vertices until the edges withstand the push.
 
         Parameters
         ----------
         start : (n, 3) ndarray of float
             Where they start.
-        settings : Settings
-            Iterations, tolerance and extrapolation.
+        max_iterations, tolerance, extrapolation
+            As in `minimise_stress`; the tolerance is taken a thousand times finer.
         monitor : Monitor
-            Told the progress and asked whether to stop.
+            Receives progress; polled for cancellation.
 
         Returns
         -------
@@ -167,9 +175,15 @@ class Pushing:
         Raises
         ------
         CancelledError
-            If the monitor says so.
+            If the run is cancelled.
         """
         inverse = self._all.inverse()  # of a V that is never too small, whatever the depth
-        monitor.check()
-        tolerance = _PATIENCE * settings.tolerance
-        return minimise_stress(self, inverse, start, settings.iterations, tolerance, settings.extrapolation, monitor)
+        return minimise_stress(
+            self,
+            inverse,
+            start,
+            max_iterations=max_iterations,
+            tolerance=_PATIENCE * tolerance,
+            extrapolation=extrapolation,
+            monitor=monitor,
+        )

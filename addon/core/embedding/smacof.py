@@ -17,10 +17,10 @@ from .weight_inverse import WeightInverse
 _RELAXATION = 2.0  # how many times as far as its target a step goes: more may raise the stress
 
 
-class Pulling(Protocol):
+class StressFunction(Protocol):
     """Any stress that a majorisation step can lower."""
 
-    def value_and_pull(self, points: FloatArray) -> tuple[float, FloatArray]:
+    def value_and_descent(self, points: FloatArray) -> tuple[float, FloatArray]:
         """Compute the stress and ``(B(X) - V) X``, minus half its gradient.
 
         Parameters
@@ -32,16 +32,17 @@ class Pulling(Protocol):
         -------
         value : float
             The stress.
-        pull : (n, d) ndarray of float
+        descent : (n, d) ndarray of float
             Minus half the gradient.
         """
 
 
 def minimise_stress(
-    stress: Pulling,
+    stress: StressFunction,
     inverse: Callable[[FloatArray], FloatArray],
     start: FloatArray,
-    iterations: int = 300,
+    *,
+    max_iterations: int = 300,
     tolerance: float = 1e-6,
     extrapolation: int = 6,
     monitor: Monitor | None = None,
@@ -54,20 +55,20 @@ def minimise_stress(
 
     Parameters
     ----------
-    stress : Pulling
+    stress : StressFunction
         The stress.
     inverse : callable
         V⁺ of the same pair sets.
     start : (n, d) ndarray of float
         First embedding.
-    iterations : int
+    max_iterations : int
         Most steps taken.
     tolerance : float
         Stop when a step lowers the stress by less than this share of it; 0 takes all steps.
     extrapolation : int
         Number of earlier steps to extrapolate from; 0 takes plain steps only.
     monitor : Monitor, optional
-        Told the progress and asked whether to stop.
+        Receives progress; polled for cancellation.
 
     Returns
     -------
@@ -79,35 +80,35 @@ def minimise_stress(
     Raises
     ------
     CancelledError
-        If the monitor says so.
+        If the run is cancelled.
 
     References
     ----------
     De Leeuw and Heiser, "Multidimensional Scaling with Restrictions on the Configuration", 1980 (doubled steps);
     Rosman, Bronstein, Bronstein, Sidi and Kimmel, "Fast Multidimensional Scaling Using Vector Extrapolation", 2008;
-    Walker and Ni, "Anderson Acceleration for Fixed-Point Iterations", 2011.
+    Walker and Ni, "Anderson Acceleration for Fixed-Point Iterations", 2011, doi:10.1137/10078356X.
     """
     monitor = monitor or Monitor()
     embedding = start - start.mean(axis=0)
-    value, pull = stress.value_and_pull(embedding)
+    value, descent = stress.value_and_descent(embedding)
     history = [value]
-    past: list[tuple[FloatArray, FloatArray, FloatArray]] = []  # embeddings, steps, pulls
-    for number in range(iterations):
-        step = inverse(pull)  # V⁺ B(X) X - X = V⁺ (B(X) - V) X
-        past = [*past[-extrapolation:], (embedding, step, pull)] if extrapolation else []
+    past: list[tuple[FloatArray, FloatArray, FloatArray]] = []  # embeddings, steps, descents
+    for number in range(max_iterations):
+        step = inverse(descent)  # V⁺ B(X) X - X = V⁺ (B(X) - V) X
+        past = [*past[-extrapolation:], (embedding, step, descent)] if extrapolation else []
         trial = _extrapolated(past) if past else embedding + step
-        trial_value, trial_pull = stress.value_and_pull(trial)
+        trial_value, trial_descent = stress.value_and_descent(trial)
         # the least by which a plain step lowers the stress: its square in the norm of V
-        sure = float(np.einsum("ij,ij->", step, pull))
+        sure = float(np.einsum("ij,ij->", step, descent))
         if past and value - trial_value < sure:
             past = past[-1:]
             trial = embedding + step
-            trial_value, trial_pull = stress.value_and_pull(trial)
+            trial_value, trial_descent = stress.value_and_descent(trial)
         if trial_value > value:  # rounding is all that is left
             break
-        embedding, value, pull = trial, trial_value, trial_pull
+        embedding, value, descent = trial, trial_value, trial_descent
         history.append(value)
-        monitor.tick((number + 1) / iterations)
+        monitor.tick((number + 1) / max_iterations)
         if history[-2] - value < tolerance * history[-2]:
             break
     return embedding, np.array(history)
@@ -115,7 +116,7 @@ def minimise_stress(
 
 def _extrapolated(past: list[tuple[FloatArray, FloatArray, FloatArray]]) -> FloatArray:
     """Combine past embeddings so that the step from there would be shortest in the norm of V, and go twice as far."""
-    embedding, step, pull = past[-1]
+    embedding, step, descent = past[-1]
     far = embedding + _RELAXATION * step
     if len(past) == 1:
         return far
@@ -124,15 +125,16 @@ def _extrapolated(past: list[tuple[FloatArray, FloatArray, FloatArray]]) -> Floa
     )
     normal = bends @ forces.T  # bends V bendsᵀ, with the sign of V⁺ (B - V)
     normal = (normal + normal.T) / 2 + 1e-10 * np.trace(normal) * np.eye(len(normal))
-    share = np.linalg.lstsq(normal, np.einsum("in,n->i", bends, pull.ravel()), rcond=None)[0]
+    share = np.linalg.lstsq(normal, np.einsum("in,n->i", bends, descent.ravel()), rcond=None)[0]
     return far - np.einsum("i,in->n", share, moves + _RELAXATION * bends).reshape(embedding.shape)
 
 
 def smacof(
     distances: ArrayLike,
     start: ArrayLike,
+    *,
     weights: ArrayLike | None = None,
-    iterations: int = 300,
+    max_iterations: int = 300,
     tolerance: float = 1e-6,
     extrapolation: int = 6,
 ) -> tuple[FloatArray, FloatArray]:
@@ -146,7 +148,7 @@ def smacof(
         First embedding; d is the dimension of the result.
     weights : (n, n) array_like of float, optional
         Weights, symmetric; 1 when left out.
-    iterations, tolerance, extrapolation
+    max_iterations, tolerance, extrapolation
         As in `minimise_stress`.
 
     Returns
@@ -167,7 +169,54 @@ def smacof(
         Stress(len(wanted), pairs),
         WeightInverse(len(wanted), pairs),
         np.asarray(start, dtype=np.float64),
-        iterations,
-        tolerance,
-        extrapolation,
+        max_iterations=max_iterations,
+        tolerance=tolerance,
+        extrapolation=extrapolation,
+    )
+
+
+def unit_smacof(
+    distances: FloatArray,
+    start: FloatArray,
+    *,
+    max_iterations: int = 300,
+    tolerance: float = 1e-6,
+    extrapolation: int = 6,
+    monitor: Monitor | None = None,
+) -> tuple[FloatArray, FloatArray]:
+    """Lower the stress of all pairs with unit weights; V⁺ is then a division by n.
+
+    Parameters
+    ----------
+    distances : (n, n) ndarray of float
+        Wanted distances, symmetric.
+    start : (n, 3) ndarray of float
+        First embedding.
+    max_iterations, tolerance, extrapolation
+        As in `minimise_stress`.
+    monitor : Monitor, optional
+        Receives progress; polled for cancellation.
+
+    Returns
+    -------
+    embedding : (n, 3) ndarray of float
+        The points, centred.
+    history : (s + 1,) ndarray of float
+        Stress before each step and after the last.
+
+    Raises
+    ------
+    CancelledError
+        If the run is cancelled.
+    """
+    count = len(distances)
+    pairs = pair_set(np.arange(count), distances, lambda _rows, _columns, wanted: np.ones_like(wanted))
+    return minimise_stress(
+        Stress(count, [pairs], monitor),
+        lambda pull: (pull - pull.mean(axis=0)) / count,
+        start,
+        max_iterations=max_iterations,
+        tolerance=tolerance,
+        extrapolation=extrapolation,
+        monitor=monitor,
     )

@@ -1,22 +1,160 @@
-"""The intrinsic start: how the limbs lie to each other, from the surface alone, and the surface in that arrangement."""
+"""The start of the minimisation: how the limbs lie to each other, from the surface alone or from the input."""
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import numpy as np
 
 from ..deformation.elastic_body import ElasticBody
-from ..distances.spectral import biharmonic_squared
+from ..distances.farthest_points import farthest_points
+from ..distances.heat import HeatMethod
+from ..distances.spectral import GreensFunction, biharmonic_squared
 from ..mesh.geometry import signed_volume
 from ..numerics.arrays import FloatArray, IntArray
 from ..run.monitor import Monitor
 from ..surface.spectrum import Spectrum
+from ..surface.triangulation import Triangulation
 from .classical_scaling import landmark_scaling, least_squares_scaling
+from .pairs import arrangement_pairs, feature_pairs
+from .stress import PairSet
 
 _BIHARMONIC_SHARE = 0.4  # of the squared distances; the rest is geodesic
 _TIE, _SURE = 0.8, 1.6  # handedness below which the third axis is dropped, and above which it is kept whole
 _PULL = 30.0  # 1/area: the layout shapes what is larger than a limb, the surface what is smaller
-_MEMORY = 0.1  # of the bends of the pose
+_BENDING_WEIGHT = 0.1  # of the bends of the pose
 _STEPS = 18
+_LAYOUT_SMOOTHING = 0.02  # diffusion time of the landmarks' geodesics over that of the patches
+_FEATURE_SHARE = 0.03  # of the feature points alone, from the input; far more would pull spikes out of the surface
+
+
+@dataclass(frozen=True, eq=False)
+class Start:
+    """Where the minimisation starts, and what is wanted between the patches.
+
+    Attributes
+    ----------
+    points : (n, 3) ndarray of float
+        First embedding of the vertices.
+    between : PairSet or None
+        Pairs between patches, not yet balanced against those inside; None where one patch is all there is.
+    share : float
+        Weight of those pairs, over the weight with which the patches hold the same vertices.
+    landmarks : (l,) ndarray of int
+        Vertices that those pairs join.
+    depth : float
+        What the third axis is worth: 0 where mirror images are a tie, 1 where they are none.
+    """
+
+    points: FloatArray
+    between: PairSet | None
+    share: float
+    landmarks: IntArray
+    depth: float
+
+
+def intrinsic_start(
+    triangulation: Triangulation,
+    spectrum: Spectrum,
+    body: ElasticBody,
+    faces: IntArray,
+    features: IntArray,
+    to_features: FloatArray,
+    *,
+    landmark_count: int = 100,
+    smoothing: float = 0.1,
+    share: float = 10.0,
+    monitor: Monitor,
+) -> Start:
+    """Find the arrangement of the limbs from the surface alone, and put the surface into it.
+
+    Landmarks are spread over the surface, the feature points first. Classical scaling of the distances between them,
+    followed by least squares, lays them out; the input is deformed towards that layout.
+
+    Parameters
+    ----------
+    triangulation : Triangulation
+        The surface, Delaunay, of unit area.
+    spectrum : Spectrum
+        Its eigenpairs.
+    body : ElasticBody
+        The input.
+    faces : (m, 3) ndarray of int
+        Triangles in space.
+    features : (k,) ndarray of int
+        Feature points.
+    to_features : (n, k) ndarray of float
+        Geodesic distances from them.
+    landmark_count : int
+        Number of landmarks.
+    smoothing : float
+        Diffusion time of the geodesics inside patches; those between landmarks have a fiftieth of it. 0: geodesics
+        alone, without biharmonic distances.
+    share : float
+        As in `Start`.
+    monitor : Monitor
+        Receives progress (stages *Landmarks* and *Start*); polled for cancellation.
+
+    Returns
+    -------
+    Start
+        The surface in its arrangement; between the patches the distances there are wanted.
+
+    Raises
+    ------
+    CancelledError
+        If the run is cancelled.
+
+    References
+    ----------
+    De Silva and Tenenbaum, "Sparse multidimensional scaling using landmark points", 2004.
+    """
+    with monitor.stage("Landmarks"):
+        heat = HeatMethod(triangulation, _LAYOUT_SMOOTHING * smoothing or None, refine=False, monitor=monitor)
+        landmarks, distances = farthest_points(
+            heat, features, heat.distances(features), landmark_count, monitor=monitor
+        )
+        if smoothing > 0:
+            distances = landmark_distances(distances, landmarks, spectrum)
+    with monitor.stage("Start"):
+        layout, depth = laid_out(distances, landmarks, body.points, faces)
+        monitor.check()
+        points = inflated(body, layout, monitor)
+    return Start(points, arrangement_pairs(landmarks, points), share, landmarks, depth)
+
+
+def input_start(
+    points: FloatArray, features: IntArray, to_features: FloatArray, green: GreensFunction, adf: FloatArray
+) -> Start:
+    """Start from the input, whose pose the form then keeps in part.
+
+    Parameters
+    ----------
+    points : (n, 3) ndarray of float
+        The input.
+    features : (k,) ndarray of int
+        Feature points.
+    to_features : (n, k) ndarray of float
+        Geodesic distances from them.
+    green : GreensFunction
+        For biharmonic distances.
+    adf : (n,) ndarray of float
+        Auto Diffusion Function.
+
+    Returns
+    -------
+    Start
+        The input; between the feature points biharmonic distances are wanted, in the measure of geodesic ones.
+
+    References
+    ----------
+    The paper, equation 10.
+    """
+    if len(features) == 1:
+        return Start(points, None, 0.0, features, 1.0)
+    biharmonic = green.biharmonic_distances(features)
+    scale = float(np.vdot(biharmonic, to_features[features]) / np.vdot(biharmonic, biharmonic))  # s, by least squares
+    return Start(points, feature_pairs(features, scale * biharmonic, adf), _FEATURE_SHARE, features, 1.0)
 
 
 def landmark_distances(geodesic: FloatArray, landmarks: IntArray, spectrum: Spectrum) -> FloatArray:
@@ -80,7 +218,7 @@ def laid_out(
     handed = handedness(layout, faces) * np.sign(signed_volume(points, faces))
     sure = float(np.clip((abs(handed) - _TIE) / (_SURE - _TIE), 0.0, 1.0))
     if sure < 1:
-        layout = least_squares_scaling(distances, landmarks, projected * [1.0, 1.0, sure], sure)
+        layout = least_squares_scaling(distances, landmarks, projected * [1.0, 1.0, sure], depth=sure)
     return layout * [1.0, 1.0, np.sign(handed)], sure
 
 
@@ -114,7 +252,7 @@ def inflated(body: ElasticBody, layout: FloatArray, monitor: Monitor) -> FloatAr
     layout : (n, 3) ndarray of float
         The layout.
     monitor : Monitor
-        Told the progress and asked whether to stop.
+        Receives progress; polled for cancellation.
 
     Returns
     -------
@@ -124,6 +262,6 @@ def inflated(body: ElasticBody, layout: FloatArray, monitor: Monitor) -> FloatAr
     Raises
     ------
     CancelledError
-        If the monitor says so.
+        If the run is cancelled.
     """
-    return body.deformed_towards(layout, _PULL, _STEPS, _MEMORY, monitor)
+    return body.deformed_towards(layout, pull=_PULL, steps=_STEPS, bending_weight=_BENDING_WEIGHT, monitor=monitor)

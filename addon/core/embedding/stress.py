@@ -10,8 +10,9 @@ import numpy as np
 from ..numerics.arrays import FloatArray, IntArray
 from ..run.monitor import Monitor
 
-# Pairs in a tile, and rows at most: they fit the cache, a cancel is heard between them, and their products are small
-# enough that a linear algebra library runs them on one thread; more would wait for each other longer than this takes.
+# Pairs in a tile, and rows at most: they fit the cache, a cancellation is noticed between them, and their products are
+# small enough that a linear algebra library runs them on one thread; more would wait for each other longer than this
+# takes.
 _TILE = 64**3 // 5  # times 5 columns
 _ROWS = 128
 
@@ -80,7 +81,7 @@ class PairSet:
         weights : (s,) ndarray of float
             Weights.
         monitor : Monitor, optional
-            Asked between tiles whether to stop.
+            Polled for cancellation between tiles.
 
         Returns
         -------
@@ -105,7 +106,7 @@ class PairSet:
         Parameters
         ----------
         monitor : Monitor, optional
-            Asked between tiles whether to stop.
+            Polled for cancellation between tiles.
 
         Returns
         -------
@@ -162,7 +163,7 @@ class Stress:
     pair_sets : list of PairSet
         Patches and feature points.
     monitor : Monitor, optional
-        Asked between tiles whether to stop.
+        Polled for cancellation between tiles.
     """
 
     def __init__(self, vertex_count: int, pair_sets: list[PairSet], monitor: Monitor | None = None) -> None:
@@ -186,9 +187,9 @@ class Stress:
         float
             ``Σ w_ij (δ_ij - |x_i - x_j|)²``.
         """
-        return self.value_and_pull(embedding)[0]
+        return self.value_and_descent(embedding)[0]
 
-    def value_and_pull(self, embedding: FloatArray) -> tuple[float, FloatArray]:
+    def value_and_descent(self, embedding: FloatArray) -> tuple[float, FloatArray]:
         """Evaluate the stress and minus half its gradient.
 
         Parameters
@@ -200,16 +201,16 @@ class Stress:
         -------
         value : float
             The stress.
-        pull : (n, d) ndarray of float
+        descent : (n, d) ndarray of float
             ``(B(X) - V) X``: the rows are ``Σ_j w_ij (δ_ij / d_ij - 1) (x_i - x_j)``.
 
         Raises
         ------
         CancelledError
-            If the monitor says so.
+            If the run is cancelled.
         """
         total = 0.0
-        pull = np.zeros_like(embedding)
+        descent = np.zeros_like(embedding)
         for pairs in self.pair_sets:
             points = embedding[pairs.vertices]  # (p, d)
             points = points - points.mean(axis=0)  # near pairs lose nothing to the distance from the origin
@@ -224,8 +225,8 @@ class Stress:
                 total += value
                 local[rows] += at_rows
                 local[columns] += at_columns
-            pull[pairs.vertices] += local
-        return total, pull
+            descent[pairs.vertices] += local
+        return total, descent
 
     def _tile(
         self, left: FloatArray, rows: FloatArray, columns: FloatArray, target: FloatArray, weight: FloatArray
@@ -240,7 +241,7 @@ class Stress:
         np.subtract(target, distance, out=missing)
         np.multiply(weight, missing, out=force)
         value = float(np.einsum("ij,ij->", force, missing))
-        distance[distance <= nearest] = np.inf  # the diagonal, and points that coincide: no direction, no pull
+        distance[distance <= nearest] = np.inf  # the diagonal, and points that coincide: no direction, no force
         force /= distance
         pull_right = force @ columns[:, :-1]  # sums come with the products
         pull_left = force.T @ rows[:, :-1]

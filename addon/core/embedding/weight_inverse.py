@@ -25,7 +25,7 @@ class WeightInverse:
     pair_sets : list of PairSet
         The sets; together they must connect all vertices.
     monitor : Monitor, optional
-        Asked between blocks whether to stop.
+        Polled for cancellation between blocks.
     """
 
     def __init__(self, vertex_count: int, pair_sets: list[PairSet], monitor: Monitor | None = None) -> None:
@@ -87,7 +87,7 @@ class WeightInverse:
 
 
 def _submatrix(matrix: FloatArray, chosen: IntArray, monitor: Monitor) -> FloatArray:
-    """Copy the chosen rows and columns, a few rows at a time so that a cancel is heard."""
+    """Copy the chosen rows and columns, a few rows at a time so that a cancellation is noticed."""
     part = np.empty((len(chosen), len(chosen)))
     for start in range(0, len(chosen), _BLOCK):
         monitor.check()
@@ -97,7 +97,7 @@ def _submatrix(matrix: FloatArray, chosen: IntArray, monitor: Monitor) -> FloatA
 
 
 class _Cholesky:
-    """L with L Lᵀ = A, made in place of A block by block so that a cancel is heard; solves for a few right-hand sides.
+    """L with L Lᵀ = A, made in place of A; by blocks, so that a cancellation is noticed and no threads are woken.
 
     A triangular solve of a linear algebra library would run on all threads; this chain of small products does not.
     """

@@ -16,7 +16,7 @@ _SCOUTS = 2000  # points of a cloud that are tried from every start
 
 
 def rigid_fit(
-    source: FloatArray, target: FloatArray, weights: FloatArray | None = None, mirror: bool = False
+    source: FloatArray, target: FloatArray, weights: FloatArray | None = None, *, mirror: bool = False
 ) -> tuple[FloatArray, FloatArray]:
     """Find the rigid motion that takes matching points onto each other best.
 
@@ -51,7 +51,7 @@ def rigid_fit(
 
 
 def closest_point_fit(
-    source: FloatArray, target: FloatArray, iterations: int = 60, mirror: bool = False
+    source: FloatArray, target: FloatArray, *, max_iterations: int = 60, mirror: bool = False
 ) -> tuple[FloatArray, FloatArray]:
     """Move one point cloud rigidly onto another without known matches (multi-start ICP).
 
@@ -64,7 +64,7 @@ def closest_point_fit(
         Points to move.
     target : (q, 3) ndarray of float
         Points to move them to.
-    iterations : int
+    max_iterations : int
         Most steps from each start.
     mirror : bool
         Whether mirror images are tried too.
@@ -95,10 +95,10 @@ def closest_point_fit(
             starts.append((rotation, target_centre - source_centre @ rotation))
     best, best_error = starts[0], np.inf
     for rotation, shift in starts:
-        *closer, error = _closer(some, target, tree, rotation, shift, iterations, mirror)
+        *closer, error = _closer(some, target, tree, rotation, shift, max_iterations, mirror)
         if error < best_error:
             best, best_error = (closer[0], closer[1]), error
-    return best if some is source else _closer(source, target, tree, *best, iterations, mirror)[:2]
+    return best if some is source else _closer(source, target, tree, *best, max_iterations, mirror)[:2]
 
 
 def _closer(
@@ -121,8 +121,8 @@ def _closer(
     return rotation, shift, float(np.mean(tree.query(source @ rotation + shift)[0] ** 2))
 
 
-def keeps_outside_out(body: ElasticBody, after: FloatArray) -> bool:
-    """Decide between an embedding and its mirror image, which no distance can tell apart.
+def outside_out(body: ElasticBody, after: FloatArray) -> FloatArray:
+    """Choose between an embedding and its mirror image, which no distance can tell apart.
 
     Where most of the surface would have to be turned inside out, the mirror image is the right one.
 
@@ -135,9 +135,10 @@ def keeps_outside_out(body: ElasticBody, after: FloatArray) -> bool:
 
     Returns
     -------
-    bool
-        True if `after` is to be kept, False if its mirror image is.
+    (n, 3) ndarray of float
+        The embedding, or its mirror image along the third axis.
     """
     covariance = body.covariances(after)
     thinnest = np.linalg.svd(covariance, compute_uv=False)[:, -1]
-    return float((np.sign(np.linalg.det(covariance)) * thinnest) @ body.mass) >= 0
+    kept = float((np.sign(np.linalg.det(covariance)) * thinnest) @ body.mass) >= 0
+    return after if kept else after * [1.0, 1.0, -1.0]

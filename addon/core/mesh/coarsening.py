@@ -9,6 +9,7 @@ import numpy as np
 
 from ..numerics.arrays import FloatArray, IntArray
 from ..run.monitor import Monitor
+from .connectivity import half_edges, undirected_keys
 from .geometry import area_vectors, vertex_areas
 
 if TYPE_CHECKING:
@@ -43,7 +44,7 @@ class Coarsening:
     faces: IntArray
     rounds: list[tuple[IntArray, csr_matrix]]
 
-    def carried_back(self, values: FloatArray) -> FloatArray:
+    def prolong(self, values: FloatArray) -> FloatArray:
         """Interpolate values on the coarse vertices to all vertices, smoothly over the surface.
 
         Parameters
@@ -64,7 +65,12 @@ class Coarsening:
 
 
 def coarsened(
-    points: FloatArray, faces: IntArray, target: int, fixed: IntArray | None = None, monitor: Monitor | None = None
+    points: FloatArray,
+    faces: IntArray,
+    target: int,
+    *,
+    fixed: IntArray | None = None,
+    monitor: Monitor | None = None,
 ) -> Coarsening:
     """Remove vertices until about `target` are left, keeping the shape and spreading the rest evenly.
 
@@ -83,7 +89,7 @@ def coarsened(
     fixed : (k,) ndarray of int, optional
         Vertices that stay.
     monitor : Monitor, optional
-        Told the progress and asked whether to stop.
+        Receives progress; polled for cancellation.
 
     Returns
     -------
@@ -93,12 +99,13 @@ def coarsened(
     Raises
     ------
     CancelledError
-        If the monitor says so.
+        If the run is cancelled.
 
     References
     ----------
-    Garland and Heckbert, "Surface Simplification Using Quadric Error Metrics", 1997; Hoppe, "Progressive Meshes",
-    1996; Floater, "Mean Value Coordinates", 2003 (the weights).
+    Garland and Heckbert, "Surface Simplification Using Quadric Error Metrics", 1997, doi:10.1145/258734.258849; Hoppe,
+    "Progressive Meshes", 1996, doi:10.1145/237170.237216; Floater, "Mean Value Coordinates", 2003,
+    doi:10.1016/S0167-8396(03)00002-5 (the weights).
     """
     monitor = monitor or Monitor()
     count = len(points)
@@ -152,8 +159,7 @@ class _Links:
     """The edges of the present mesh, both ways, sorted by their tail, and on how many triangles each lies."""
 
     def __init__(self, faces: IntArray, count: int) -> None:
-        tail, head = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
-        keys, triangles = np.unique(np.minimum(tail, head) * count + np.maximum(tail, head), return_counts=True)
+        keys, triangles = np.unique(undirected_keys(*half_edges(faces), count), return_counts=True)
         low, high = np.divmod(keys, count)
         marked = np.concatenate([keys, high * count + low]) * 4 + np.tile(np.minimum(triangles, 3), 2)
         marked.sort()  # sorting is faster than ordering
@@ -281,7 +287,7 @@ def _harmless(
     other = links.head[edge] != onto[owner]
     closing = links.triangles[edge[~other]]  # one a vertex, in order
     owner, ring = owner[other], links.head[edge[other]]
-    made = np.minimum(onto[owner], ring) * count + np.maximum(onto[owner], ring)
+    made = undirected_keys(onto[owner], ring, count)
     old = links.hold(made)
     good &= np.bincount(owner[old], minlength=len(leaving)) == closing
     # and no two removals may make the same one: the cheaper stays

@@ -41,21 +41,19 @@ def checked_arrays(vertices: ArrayLike, faces: ArrayLike) -> tuple[FloatArray, I
             raise TypeError("complex numbers")
         points = np.ascontiguousarray(points, dtype=np.float64)
     except (TypeError, ValueError) as error:
-        raise InvalidMeshError(f"Vertices and faces must be arrays of numbers ({error}).") from error
+        raise InvalidMeshError("not_numbers", reason=error) from error
     if corners.size == 0:
-        raise InvalidMeshError("The mesh has no faces. Choose a mesh with a surface.")
+        raise InvalidMeshError("no_faces")
     if points.ndim != 2 or points.shape[1] != 3:
-        raise InvalidMeshError(f"Vertices must be an (n, 3) array; got shape {points.shape}.")
+        raise InvalidMeshError("vertex_shape", shape=points.shape)
     if corners.ndim != 2 or corners.shape[1] != 3:
-        raise InvalidMeshError(f"Faces must be an (m, 3) array of triangles; got shape {corners.shape}.")
+        raise InvalidMeshError("face_shape", shape=corners.shape)
     if not np.issubdtype(corners.dtype, np.integer):
-        raise InvalidMeshError(f"Faces must be integers; got {corners.dtype}.")
+        raise InvalidMeshError("face_type", type=corners.dtype)
     if not np.isfinite(points).all():
-        bad = int(np.count_nonzero(~np.isfinite(points).all(axis=1)))
-        which = "1 vertex has" if bad == 1 else f"{bad:,} vertices have"
-        raise InvalidMeshError(f"{which} coordinates that are not numbers. Delete or repair them.")
+        raise InvalidMeshError("not_finite", count=int(np.count_nonzero(~np.isfinite(points).all(axis=1))))
     if corners.min() < 0 or corners.max() >= len(points):
-        raise InvalidMeshError(f"Faces name vertices outside 0 to {len(points) - 1}.")
+        raise InvalidMeshError("face_range", last=len(points) - 1)
     return points, np.ascontiguousarray(corners, dtype=np.int64)
 
 
@@ -179,3 +177,94 @@ def signed_volume(vertices: FloatArray, faces: IntArray) -> float:
     """
     a, b, c = (vertices[faces] - vertices.mean(axis=0)).transpose(1, 0, 2)
     return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
+
+
+def moved_by_frames(vertices: FloatArray, rotation: FloatArray, shift: FloatArray) -> FloatArray:
+    """Move every vertex by a frame of its own.
+
+    Parameters
+    ----------
+    vertices : (n, 3) ndarray of float
+        Vertex positions.
+    rotation : (n, 3, 3) ndarray of float
+        R of every vertex.
+    shift : (n, 3) ndarray of float
+        t of every vertex.
+
+    Returns
+    -------
+    (n, 3) ndarray of float
+        ``x R + t``.
+
+    Examples
+    --------
+    >>> quarter = np.array([[[0.0, 1, 0], [-1, 0, 0], [0, 0, 1]]])
+    >>> moved_by_frames(np.array([[1.0, 0, 0]]), quarter, np.array([[0.0, 0, 5]])).tolist()
+    [[0.0, 1.0, 5.0]]
+    """
+    return np.einsum("ij,ijk->ik", vertices, rotation) + shift
+
+
+def relative_rounding(points: FloatArray) -> float:
+    """Tell how coarsely positions are rounded, which they are far from the origin.
+
+    Parameters
+    ----------
+    points : (n, 3) ndarray of float
+        Vertex positions.
+
+    Returns
+    -------
+    float
+        Half a step of single precision, if all positions are of it, or of double, over half the size of the mesh.
+
+    Examples
+    --------
+    >>> relative_rounding(np.array([[0.0, 0, 0], [1, 0, 0]])) < 1e-6
+    True
+    >>> relative_rounding(np.array([[0.0, 0, 0], [1, 0, 0]]) + 2.0**23) > 0.1
+    True
+    """
+    largest, half = float(np.abs(points).max()), float((points.max(axis=0) / 2 - points.min(axis=0) / 2).max())
+    if not half > 0:
+        return 0.0
+    single = largest < np.finfo(np.float32).max and bool((points.astype(np.float32) == points).all())
+    return float(np.finfo(np.float32 if single else np.float64).eps) * (largest / half) / 2
+
+
+def component_areas(points: FloatArray, faces: IntArray, start: IntArray) -> tuple[FloatArray, FloatArray]:
+    """Measure the area of every component of a mesh, at any scale.
+
+    Parameters
+    ----------
+    points : (n, 3) ndarray of float
+        Vertex positions.
+    faces : (m, 3) ndarray of int
+        Triangles, those of one component beside each other.
+    start : (k,) ndarray of int
+        The first triangle of each component.
+
+    Returns
+    -------
+    area : (k,) ndarray of float
+        Areas, in squares of the component's size.
+    size : (k,) ndarray of float
+        Half the largest extent of each component.
+
+    Examples
+    --------
+    >>> triangle = np.array([[0.0, 0, 0], [2, 0, 0], [0, 2, 0]])
+    >>> component_areas(triangle, np.array([[0, 1, 2]]), np.array([0]))
+    (array([2.]), array([1.]))
+    """
+    corners = points[faces]  # (m, 3 corners, 3)
+    low = np.minimum.reduceat(corners.min(axis=1), start)  # (k, 3)
+    high = np.maximum.reduceat(corners.max(axis=1), start)
+    size = (high / 2 - low / 2).max(axis=1)
+    count = np.diff(np.append(start, len(faces)))
+    middle, scale = np.repeat(high / 2 + low / 2, count, axis=0), np.repeat(np.where(size > 0, size, 1.0), count)
+    corners -= middle[:, None]
+    corners /= scale[:, None, None]
+    a, b, c = corners.transpose(1, 0, 2)
+    area = np.add.reduceat(np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2, start)
+    return np.where(size > 0, area, 0.0), size

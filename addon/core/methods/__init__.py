@@ -1,1 +1,1 @@
-"""TODO."""
+"""The methods: one file each, found by themselves. A file defines `METHODS`, a tuple of `Method`."""

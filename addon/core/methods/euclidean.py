@@ -1,80 +1,54 @@
-"""Unbending without geodesics: some vertices push each other apart while edges keep their lengths (Pickup et al.)."""
+"""Unbending without geodesics: some vertices push each other apart while edges keep their lengths.
+
+Pickup, Sun, Rosin and Martin, "Euclidean-distance-based canonical forms for non-rigid 3D shape retrieval", 2015.
+"""
 
 from __future__ import annotations
+
+from functools import partial
 
 import numpy as np
 
 from ..embedding.pushing import Pushing
 from ..run.monitor import Monitor
+from ..unfolding.catalogue import MINIMISATION_OPTIONS, Method
 from ..unfolding.embedding import Embedding
-from ..unfolding.samples import WholeSurface
 from ..unfolding.settings import Settings
+from ..unfolding.surface_features import SurfaceFeatures
 
 _PUSH = 1.0  # strength; edges are then stretched by 5 to 10 %
 
 
-def _form(whole: WholeSurface, settings: Settings, monitor: Monitor, normalised: bool) -> Embedding:
-    count = min(settings.landmarks, len(whole.points))
-    samples = np.sort(np.random.default_rng(0).choice(len(whole.points), count, replace=False))
-    with monitor.stage("Embedding", 0.95):
-        pushing = Pushing(whole.points, whole.triangles, samples, _PUSH, normalised=normalised)
-        form, history = pushing.lowered(whole.points, settings, monitor)
+def _form(found: SurfaceFeatures, settings: Settings, monitor: Monitor, *, normalised: bool) -> Embedding:
+    """Unfold a surface by pushing random vertices apart: every pair alike, or near pairs as much as far ones."""
+    points = found.whole_points
+    count = min(settings.landmark_count, len(points))
+    samples = np.sort(np.random.default_rng(0).choice(len(points), count, replace=False))
+    with monitor.stage("Embedding"):
+        pushing = Pushing(points, found.whole_faces, samples, strength=_PUSH, normalised=normalised)
+        form, history = pushing.lowered(points, **settings.minimisation, monitor=monitor)
         return Embedding(form, history, count**2)
 
 
-def euclidean_random_form(whole: WholeSurface, settings: Settings, monitor: Monitor) -> Embedding:
-    """Unfold a surface by pushing random vertices apart, every pair alike.
-
-    Parameters
-    ----------
-    whole : WholeSurface
-        The mesh.
-    settings : Settings
-        Landmarks (the number of random vertices), iterations, tolerance and extrapolation.
-    monitor : Monitor
-        Told the progress and asked whether to stop.
-
-    Returns
-    -------
-    Embedding
-        The form.
-
-    Raises
-    ------
-    CancelledError
-        If the monitor says so.
-
-    References
-    ----------
-    Pickup, Sun, Rosin and Martin, "Euclidean-distance-based canonical forms for non-rigid 3D shape retrieval", 2015.
-    """
-    return _form(whole, settings, monitor, normalised=False)
-
-
-def euclidean_normalised_form(whole: WholeSurface, settings: Settings, monitor: Monitor) -> Embedding:
-    """Unfold a surface by pushing random vertices apart, near pairs as much as far ones.
-
-    Parameters
-    ----------
-    whole : WholeSurface
-        The mesh.
-    settings : Settings
-        As in `euclidean_random_form`.
-    monitor : Monitor
-        Told the progress and asked whether to stop.
-
-    Returns
-    -------
-    Embedding
-        The form.
-
-    Raises
-    ------
-    CancelledError
-        If the monitor says so.
-
-    References
-    ----------
-    As `euclidean_random_form`.
-    """
-    return _form(whole, settings, monitor, normalised=True)
+METHODS = (
+    Method(
+        name="euclidean_random",
+        label="Euclidean, Random",
+        help="Vertices push each other apart (Pickup and others 2015)",
+        source="Pickup, Sun, Rosin and Martin 2015, random pairs",
+        unfold=partial(_form, normalised=False),
+        stages={"Embedding": 59},
+        uses=("landmark_count", *MINIMISATION_OPTIONS),
+        rank=14,
+    ),
+    Method(
+        name="euclidean_normalised",
+        label="Euclidean, Normalised",
+        help="Vertices push each other apart, near ones as much as far ones (Pickup and others 2015)",
+        source="Pickup, Sun, Rosin and Martin 2015, normalised pairs",
+        unfold=partial(_form, normalised=True),
+        stages={"Embedding": 59},
+        uses=("landmark_count", *MINIMISATION_OPTIONS),
+        rank=15,
+    ),
+)

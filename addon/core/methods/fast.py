@@ -1,4 +1,8 @@
-"""Fast multidimensional scaling: FastMap on geodesic distances (Faloutsos and Lin)."""
+"""Fast multidimensional scaling: FastMap on geodesic distances, a handful of fields and no minimisation.
+
+Faloutsos and Lin, "FastMap: a fast algorithm for indexing, data-mining and visualization", 1995,
+doi:10.1145/223784.223812.
+"""
 
 from __future__ import annotations
 
@@ -6,12 +10,14 @@ from collections.abc import Callable
 
 import numpy as np
 
+from ..embedding.classical_scaling import raw_stress
 from ..numerics.arrays import FloatArray
 from ..run.monitor import Monitor
+from ..unfolding.catalogue import Method
 from ..unfolding.embedding import Embedding
-from ..unfolding.samples import WholeSurface
 from ..unfolding.settings import Settings
-from .classical import plain_stress
+from ..unfolding.surface_features import SurfaceFeatures
+from ..unfolding.whole_surface import WholeSurface
 
 _ROUNDS = 5  # of the search for two points that lie far apart, as the authors advise
 
@@ -39,7 +45,8 @@ def fast_map(
 
     References
     ----------
-    Faloutsos and Lin, "FastMap: a fast algorithm for indexing, data-mining and visualization", 1995.
+    Faloutsos and Lin, "FastMap: a fast algorithm for indexing, data-mining and visualization", 1995,
+    doi:10.1145/223784.223812.
     """
     known: dict[int, FloatArray] = {}
 
@@ -64,28 +71,9 @@ def fast_map(
     return embedding, pivots
 
 
-def fast_form(whole: WholeSurface, settings: Settings, monitor: Monitor) -> Embedding:
-    """Unfold a surface by FastMap: a handful of distance fields and no minimisation.
-
-    Parameters
-    ----------
-    whole : WholeSurface
-        The mesh.
-    settings : Settings
-        Options; none matters but the quality, which says how accurate the geodesics are.
-    monitor : Monitor
-        Told the progress and asked whether to stop.
-
-    Returns
-    -------
-    Embedding
-        The form; its history is the stress among the pivots.
-
-    Raises
-    ------
-    CancelledError
-        If the monitor says so.
-    """
+def _form(found: SurfaceFeatures, settings: Settings, monitor: Monitor) -> Embedding:
+    """Unfold a surface by FastMap: a handful of distance fields and no minimisation."""
+    whole = WholeSurface(found, settings, monitor)
     fields: dict[int, FloatArray] = {}
 
     def distances_from(point: int) -> FloatArray:
@@ -94,8 +82,21 @@ def fast_form(whole: WholeSurface, settings: Settings, monitor: Monitor) -> Embe
             fields[point] = np.maximum(whole.heat.distances([point])[:, 0], 0.0)
         return fields[point]
 
-    with monitor.stage("Embedding", 0.95):
+    with monitor.stage("Embedding"):
         form, pivots = fast_map(distances_from, int(whole.features[0]))
         between = np.column_stack([fields[point][pivots] for point in pivots])
-        stress = plain_stress(form[pivots], (between + between.T) / 2)
+        stress = raw_stress(form[pivots], (between + between.T) / 2)
         return whole.embedding(form, [stress], len(fields) * len(form))
+
+
+METHODS = (
+    Method(
+        name="fast",
+        label="Fast MDS",
+        help="FastMap: one pair of pivots per axis (Faloutsos and Lin 1995)",
+        source="FastMap, Faloutsos and Lin 1995",
+        unfold=_form,
+        stages={"Embedding": 59},
+        rank=13,
+    ),
+)

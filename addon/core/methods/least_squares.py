@@ -1,58 +1,19 @@
-"""Least-squares multidimensional scaling of geodesic distances: SMACOF with unit weights (Elad and Kimmel)."""
+"""Least-squares multidimensional scaling of geodesic distances: SMACOF with unit weights.
+
+Elad and Kimmel, "On bending invariant signatures for surfaces", 2003, doi:10.1109/TPAMI.2003.1233902; De Leeuw,
+"Applications of convex analysis to multidimensional scaling", 1977.
+"""
 
 from __future__ import annotations
 
-import numpy as np
-
-from ..embedding.smacof import minimise_stress
-from ..embedding.stress import Stress, pair_set
+from ..embedding.smacof import unit_smacof
 from ..numerics.arrays import FloatArray
 from ..run.monitor import Monitor
+from ..unfolding.catalogue import MINIMISATION_OPTIONS, Method
 from ..unfolding.embedding import Embedding
-from ..unfolding.samples import Samples, WholeSurface
 from ..unfolding.settings import Settings
-from .classical import scaled_classically
-
-
-def unit_smacof(
-    distances: FloatArray, start: FloatArray, settings: Settings, monitor: Monitor
-) -> tuple[FloatArray, FloatArray]:
-    """Lower the stress of all pairs with unit weights; V⁺ is then a division by n.
-
-    Parameters
-    ----------
-    distances : (n, n) ndarray of float
-        Wanted distances, symmetric.
-    start : (n, 3) ndarray of float
-        First embedding.
-    settings : Settings
-        Iterations, tolerance and extrapolation.
-    monitor : Monitor
-        Told the progress and asked whether to stop.
-
-    Returns
-    -------
-    embedding : (n, 3) ndarray of float
-        The points, centred.
-    history : (s + 1,) ndarray of float
-        Stress before each step and after the last.
-
-    Raises
-    ------
-    CancelledError
-        If the monitor says so.
-    """
-    count = len(distances)
-    pairs = pair_set(np.arange(count), distances, lambda _rows, _columns, wanted: np.ones_like(wanted))
-    return minimise_stress(
-        Stress(count, [pairs], monitor),
-        lambda pull: (pull - pull.mean(axis=0)) / count,
-        start,
-        settings.iterations,
-        settings.tolerance,
-        settings.extrapolation,
-        monitor,
-    )
+from ..unfolding.surface_features import SurfaceFeatures
+from ..unfolding.whole_surface import Samples, WholeSurface
 
 
 def fitted(samples: Samples, settings: Settings, monitor: Monitor) -> tuple[FloatArray, FloatArray]:
@@ -65,7 +26,7 @@ def fitted(samples: Samples, settings: Settings, monitor: Monitor) -> tuple[Floa
     settings : Settings
         Iterations, tolerance and extrapolation.
     monitor : Monitor
-        Told the progress and asked whether to stop.
+        Receives progress; polled for cancellation.
 
     Returns
     -------
@@ -77,46 +38,34 @@ def fitted(samples: Samples, settings: Settings, monitor: Monitor) -> tuple[Floa
     Raises
     ------
     CancelledError
-        If the monitor says so.
+        If the run is cancelled.
     """
-    start = scaled_classically(samples)
-    placed, history = unit_smacof(samples.between, start[samples.vertices], settings, monitor)
+    start = samples.classical_embedding()
+    placed, history = unit_smacof(samples.between, start[samples.vertices], **settings.minimisation, monitor=monitor)
     placed = placed + start[samples.vertices].mean(axis=0)
     return samples.spread(placed, start), history
 
 
-def least_squares_form(whole: WholeSurface, settings: Settings, monitor: Monitor) -> Embedding:
-    """Unfold a surface by SMACOF on its geodesic distances.
-
-    Parameters
-    ----------
-    whole : WholeSurface
-        The mesh.
-    settings : Settings
-        At quality 'full' all pairs are used, otherwise landmarks carry the rest; iterations, tolerance and
-        extrapolation.
-    monitor : Monitor
-        Told the progress and asked whether to stop.
-
-    Returns
-    -------
-    Embedding
-        The form.
-
-    Raises
-    ------
-    TooLargeError
-        If all pairs do not fit into the memory limit.
-    CancelledError
-        If the monitor says so.
-
-    References
-    ----------
-    Elad and Kimmel, "On bending invariant signatures for surfaces", 2003; De Leeuw, "Applications of convex analysis
-    to multidimensional scaling", 1977.
-    """
-    with monitor.stage("Distances", 0.6):
+def _form(found: SurfaceFeatures, settings: Settings, monitor: Monitor) -> Embedding:
+    """Unfold a surface by SMACOF on its geodesic distances."""
+    whole = WholeSurface(found, settings, monitor)
+    with monitor.stage("Distances"):
         samples = whole.samples()
-    with monitor.stage("Embedding", 0.95):
+    with monitor.stage("Embedding"):
         form, history = fitted(samples, settings, monitor)
         return whole.embedding(form, history, samples.distances.size)
+
+
+METHODS = (
+    Method(
+        name="least_squares",
+        label="Least-Squares MDS",
+        help="SMACOF with unit weights on geodesics (Elad and Kimmel 2003)",
+        source="Elad and Kimmel 2003",
+        unfold=_form,
+        stages={"Distances": 25, "Embedding": 34},
+        uses=("landmark_count", *MINIMISATION_OPTIONS),
+        pairs="all",
+        rank=11,
+    ),
+)

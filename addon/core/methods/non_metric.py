@@ -1,4 +1,10 @@
-"""Non-metric multidimensional scaling: only the order of the geodesic distances counts (Kruskal)."""
+"""Non-metric multidimensional scaling: only the order of the geodesic distances is kept.
+
+Below quality 'full' the landmarks are embedded, and the rising function that was found for them turns the other
+vertices' distances from them into those to place them by.
+
+Kruskal, "Nonmetric multidimensional scaling: a numerical method", 1964, doi:10.1007/BF02289694.
+"""
 
 from __future__ import annotations
 
@@ -6,14 +12,20 @@ import numpy as np
 
 from ..numerics.arrays import FloatArray
 from ..run.monitor import Monitor
+from ..unfolding.catalogue import Method
 from ..unfolding.embedding import Embedding
-from ..unfolding.samples import WholeSurface
 from ..unfolding.settings import Settings
-from .classical import scaled_classically
+from ..unfolding.surface_features import SurfaceFeatures
+from ..unfolding.whole_surface import WholeSurface
 
 
 def non_metric_scaling(
-    distances: FloatArray, start: FloatArray, iterations: int, tolerance: float, monitor: Monitor | None = None
+    distances: FloatArray,
+    start: FloatArray,
+    *,
+    max_iterations: int = 300,
+    tolerance: float = 1e-6,
+    monitor: Monitor | None = None,
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Alternate between the best rising function of the distances and a majorisation step towards its values.
 
@@ -27,12 +39,12 @@ def non_metric_scaling(
         Given distances, symmetric; only their order is used.
     start : (n, d) ndarray of float
         First embedding.
-    iterations : int
+    max_iterations : int
         Most steps.
     tolerance : float
         Stop when a step lowers the stress by less than this share of it.
     monitor : Monitor, optional
-        Told the progress and asked whether to stop.
+        Receives progress; polled for cancellation.
 
     Returns
     -------
@@ -46,11 +58,12 @@ def non_metric_scaling(
     Raises
     ------
     CancelledError
-        If the monitor says so.
+        If the run is cancelled.
 
     References
     ----------
-    Kruskal, "Nonmetric multidimensional scaling: a numerical method", 1964; De Leeuw, 1977 (the steps).
+    Kruskal, "Nonmetric multidimensional scaling: a numerical method", 1964, doi:10.1007/BF02289694; De Leeuw, 1977 (the
+    steps).
     """
     from scipy.optimize import isotonic_regression
     from scipy.spatial.distance import pdist, squareform
@@ -71,7 +84,7 @@ def non_metric_scaling(
     straight = pdist(points)
     wanted = disparities_of(straight)
     history = [float(((wanted - straight) ** 2).sum())]
-    for step in range(iterations):
+    for step in range(max_iterations):
         ratio = squareform(wanted / np.maximum(straight, 1e-12 * size))
         trial = (ratio.sum(axis=1)[:, None] * points - ratio @ points) / len(points)  # n⁻¹ B(X) X
         monitor.check()
@@ -82,45 +95,27 @@ def non_metric_scaling(
             break
         points, straight, wanted = trial, trial_straight, trial_wanted
         history.append(value)
-        monitor.tick((step + 1) / iterations)
+        monitor.tick((step + 1) / max_iterations)
         if history[-2] - value < tolerance * history[-2]:
             break
     return points, np.array(history), wanted
 
 
-def non_metric_form(whole: WholeSurface, settings: Settings, monitor: Monitor) -> Embedding:
-    """Unfold a surface so that the order of its distances is kept.
-
-    Parameters
-    ----------
-    whole : WholeSurface
-        The mesh.
-    settings : Settings
-        At quality 'full' all pairs are used. Otherwise the landmarks are embedded and the rising function that was
-        found for them turns the other vertices' distances from them into those to place them by.
-    monitor : Monitor
-        Told the progress and asked whether to stop.
-
-    Returns
-    -------
-    Embedding
-        The form.
-
-    Raises
-    ------
-    TooLargeError
-        If all pairs do not fit into the memory limit.
-    CancelledError
-        If the monitor says so.
-    """
+def _form(found: SurfaceFeatures, settings: Settings, monitor: Monitor) -> Embedding:
+    """Unfold a surface so that the order of its distances is kept."""
     from scipy.spatial.distance import squareform
 
-    with monitor.stage("Distances", 0.5):
+    whole = WholeSurface(found, settings, monitor)
+    with monitor.stage("Distances"):
         samples = whole.samples()
-    with monitor.stage("Embedding", 0.95):
-        start = scaled_classically(samples)
+    with monitor.stage("Embedding"):
+        start = samples.classical_embedding()
         placed, history, wanted = non_metric_scaling(
-            samples.between, start[samples.vertices], settings.iterations, settings.tolerance, monitor
+            samples.between,
+            start[samples.vertices],
+            max_iterations=settings.max_iterations,
+            tolerance=settings.tolerance,
+            monitor=monitor,
         )
         given = squareform(samples.between, checks=False)
         order = np.argsort(given, kind="stable")
@@ -128,3 +123,18 @@ def non_metric_form(whole: WholeSurface, settings: Settings, monitor: Monitor) -
         targets = None if samples.complete else np.interp(samples.distances, *known)
         placed = placed + start[samples.vertices].mean(axis=0)
         return whole.embedding(samples.spread(placed, start, targets), history, samples.distances.size)
+
+
+METHODS = (
+    Method(
+        name="non_metric",
+        label="Non-metric MDS",
+        help="The order of geodesics only (Kruskal 1964)",
+        source="Kruskal 1964",
+        unfold=_form,
+        stages={"Distances": 15, "Embedding": 44},
+        uses=("landmark_count", "max_iterations", "tolerance"),
+        pairs="all",
+        rank=12,
+    ),
+)

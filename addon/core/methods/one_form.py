@@ -1,4 +1,7 @@
-"""1-form scaling: the edge vectors of the mesh, turned as a least-squares embedding says, are put together again."""
+"""Least-squares scaling, then edge vectors put together again: the surface's 1-form is kept.
+
+The entry of Cheng, Nie and Jin in Pickup and others, "Canonical forms for non-rigid 3D shape retrieval", SHREC'15.
+"""
 
 from __future__ import annotations
 
@@ -10,9 +13,11 @@ from ..numerics.factoring import factored
 from ..run.monitor import Monitor
 from ..surface.laplacian import stiffness
 from ..surface.triangulation import corner_cotangents, corner_lengths, mollified, triangulated
+from ..unfolding.catalogue import MINIMISATION_OPTIONS, Method
 from ..unfolding.embedding import Embedding
-from ..unfolding.samples import WholeSurface
 from ..unfolding.settings import Settings
+from ..unfolding.surface_features import SurfaceFeatures
+from ..unfolding.whole_surface import WholeSurface
 from .least_squares import fitted
 
 
@@ -53,39 +58,29 @@ def with_one_form_kept(points: FloatArray, triangles: IntArray, layout: FloatArr
     return np.asarray(form - form.mean(axis=0))
 
 
-def one_form_form(whole: WholeSurface, settings: Settings, monitor: Monitor) -> Embedding:
-    """Unfold a surface by least-squares scaling and give it back its edge vectors, turned.
-
-    Parameters
-    ----------
-    whole : WholeSurface
-        The mesh.
-    settings : Settings
-        As in `least_squares_form`.
-    monitor : Monitor
-        Told the progress and asked whether to stop.
-
-    Returns
-    -------
-    Embedding
-        The form.
-
-    Raises
-    ------
-    TooLargeError
-        If all pairs do not fit into the memory limit.
-    CancelledError
-        If the monitor says so.
-
-    References
-    ----------
-    The entry of Cheng, Nie and Jin in Pickup et al., "Canonical forms for non-rigid 3D shape retrieval", SHREC'15.
-    """
-    with monitor.stage("Distances", 0.6):
+def _form(found: SurfaceFeatures, settings: Settings, monitor: Monitor) -> Embedding:
+    """Unfold a surface by least-squares scaling and give it back its edge vectors, turned."""
+    whole = WholeSurface(found, settings, monitor)
+    with monitor.stage("Distances"):
         samples = whole.samples()
-    with monitor.stage("Embedding", 0.9):
+    with monitor.stage("Embedding"):
         layout, history = fitted(samples, settings, monitor)
         layout = whole.outside_out(layout)
-    with monitor.stage("Detail", 0.95):
-        form = with_one_form_kept(whole.points, whole.triangles, layout)
+    with monitor.stage("Detail"):
+        form = with_one_form_kept(whole.points, whole.faces, layout)
         return whole.embedding(form, history, samples.distances.size)
+
+
+METHODS = (
+    Method(
+        name="one_form",
+        label="1-Form MDS",
+        help="Least-squares MDS, then edge vectors reassembled by a Poisson problem (SHREC'15)",
+        source="Cheng, Nie and Jin in SHREC'15",
+        unfold=_form,
+        stages={"Distances": 25, "Embedding": 29, "Detail": 5},
+        uses=("landmark_count", *MINIMISATION_OPTIONS),
+        pairs="all",
+        rank=16,
+    ),
+)

@@ -1,4 +1,8 @@
-"""Unbending the curve skeleton, which then drives the mesh (Pickup et al. 2016)."""
+"""Unbending the curve skeleton, which then drives the mesh.
+
+Pickup, Sun, Rosin and Martin, "Skeleton-based canonical forms for non-rigid 3D shape retrieval", 2016,
+doi:10.1007/s41095-016-0045-5.
+"""
 
 from __future__ import annotations
 
@@ -8,13 +12,15 @@ import numpy as np
 
 from ..deformation.elastic_body import ElasticBody
 from ..embedding.smacof import smacof
-from ..mesh.connectivity import vertex_pairs
+from ..mesh.connectivity import component_labels, vertex_pairs
 from ..mesh.geometry import vertex_areas
 from ..numerics.arrays import FloatArray, IntArray
 from ..run.monitor import Monitor
+from ..unfolding.catalogue import MINIMISATION_OPTIONS, Method
 from ..unfolding.embedding import Embedding
-from ..unfolding.samples import WholeSurface
 from ..unfolding.settings import Settings
+from ..unfolding.surface_features import SurfaceFeatures
+from ..unfolding.whole_surface import WholeSurface
 
 _RINGS = 40  # level sets between the root and the farthest vertex
 _LEAST_RING = 1.5  # mean edges that a level set is wide at least
@@ -86,7 +92,7 @@ def curve_skeleton(points: FloatArray, triangles: IntArray, from_root: FloatArra
     edge = float(np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1).mean())
     width = max(float(from_root.max()) / _RINGS, _LEAST_RING * edge)
     ring = np.floor(from_root / width).astype(np.int64)
-    node_of = _connected(len(points), edges[ring[edges[:, 0]] == ring[edges[:, 1]]])
+    node_of = component_labels(len(points), edges[ring[edges[:, 0]] == ring[edges[:, 1]]])
     area = vertex_areas(points, triangles)
     total = float(area.sum())
     while True:  # small pieces of rings join the neighbour with which they share most edges
@@ -104,14 +110,6 @@ def curve_skeleton(points: FloatArray, triangles: IntArray, from_root: FloatArra
     return CurveSkeleton(nodes, bones, node_of, areas)
 
 
-def _connected(count: int, edges: IntArray) -> IntArray:
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
-
-    graph = coo_matrix((np.ones(len(edges)), edges.T), shape=(count, count))
-    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
-
-
 def driven(body: ElasticBody, skeleton: CurveSkeleton, places: FloatArray, monitor: Monitor) -> FloatArray:
     """Deform a mesh as rigidly as possible so that its skeleton goes where it is wanted.
 
@@ -124,7 +122,7 @@ def driven(body: ElasticBody, skeleton: CurveSkeleton, places: FloatArray, monit
     places : (b, 3) ndarray of float
         Where the nodes are wanted.
     monitor : Monitor
-        Told the progress and asked whether to stop.
+        Receives progress; polled for cancellation.
 
     Returns
     -------
@@ -134,57 +132,48 @@ def driven(body: ElasticBody, skeleton: CurveSkeleton, places: FloatArray, monit
     Raises
     ------
     CancelledError
-        If the monitor says so.
+        If the run is cancelled.
     """
     form = body.points
     for number in range(_ROUNDS):
         centre = np.column_stack([np.bincount(skeleton.node_of, body.mass * form[:, axis]) for axis in range(3)])
         target = form + (places - centre / np.bincount(skeleton.node_of, body.mass)[:, None])[skeleton.node_of]
-        form = body.deformed_towards(target, _PULL, _STEPS, 1.0, monitor, done=number / _ROUNDS, share=1 / _ROUNDS)
+        form = body.deformed_towards(
+            target, pull=_PULL, steps=_STEPS, monitor=monitor, done=number / _ROUNDS, share=1 / _ROUNDS
+        )
     return form
 
 
-def skeleton_form(whole: WholeSurface, settings: Settings, monitor: Monitor) -> Embedding:
-    """Unfold a surface by least-squares scaling of its curve skeleton, which starts as it lies.
-
-    Parameters
-    ----------
-    whole : WholeSurface
-        The mesh; the most prominent feature point is the root of the skeleton.
-    settings : Settings
-        Iterations, tolerance and extrapolation.
-    monitor : Monitor
-        Told the progress and asked whether to stop.
-
-    Returns
-    -------
-    Embedding
-        The form; its history is the stress of the skeleton.
-
-    Raises
-    ------
-    CancelledError
-        If the monitor says so.
-
-    References
-    ----------
-    Pickup, Sun, Rosin and Martin, "Skeleton-based canonical forms for non-rigid 3D shape retrieval", 2016.
-    """
-    with monitor.stage("Skeleton", 0.5):
+def _form(found: SurfaceFeatures, settings: Settings, monitor: Monitor) -> Embedding:
+    """Unfold a surface by least-squares scaling of its curve skeleton, which starts as it lies."""
+    whole = WholeSurface(found, settings, monitor)
+    with monitor.stage("Skeleton"):
         from_root = np.maximum(whole.heat.distances(whole.features[:1])[:, 0], 0.0)
-        skeleton = curve_skeleton(whole.points, whole.triangles, from_root)
+        skeleton = curve_skeleton(whole.points, whole.faces, from_root)
         wanted = skeleton.path_lengths()
-    with monitor.stage("Embedding", 0.6):
+    with monitor.stage("Embedding"):
         places, history = skeleton.nodes, np.zeros(1)
         if len(skeleton.nodes) > 1:
             places, history = smacof(
                 wanted,
                 skeleton.nodes,
-                np.outer(skeleton.areas, skeleton.areas),
-                settings.iterations,
-                settings.tolerance,
-                settings.extrapolation,
+                weights=np.outer(skeleton.areas, skeleton.areas),
+                **settings.minimisation,
             )
-    with monitor.stage("Detail", 0.95):
+    with monitor.stage("Detail"):
         form = driven(whole.body, skeleton, places, monitor)
         return Embedding(form, history, len(skeleton.nodes) ** 2)
+
+
+METHODS = (
+    Method(
+        name="skeleton",
+        label="Skeleton",
+        help="A curve skeleton is straightened and drives the mesh (Pickup and others 2016)",
+        source="Pickup, Sun, Rosin and Martin 2016",
+        unfold=_form,
+        stages={"Skeleton": 10, "Embedding": 10, "Detail": 39},
+        uses=MINIMISATION_OPTIONS,
+        rank=17,
+    ),
+)

@@ -34,7 +34,7 @@ def columns_at_once(rows: int) -> int:
     return int(np.clip(_VALUES // rows, 4, _COLUMNS))
 
 
-def symmetrize(matrix: FloatArray, check: Callable[[], object]) -> None:
+def symmetrise(matrix: FloatArray, check: Callable[[], object]) -> None:
     """Replace a square matrix by the mean of itself and its transpose, in place.
 
     Parameters
@@ -47,7 +47,7 @@ def symmetrize(matrix: FloatArray, check: Callable[[], object]) -> None:
     Examples
     --------
     >>> matrix = np.array([[0.0, 2.0], [4.0, 0.0]])
-    >>> symmetrize(matrix, lambda: None)
+    >>> symmetrise(matrix, lambda: None)
     >>> matrix.tolist()
     [[0.0, 3.0], [3.0, 0.0]]
     """

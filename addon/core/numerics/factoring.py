@@ -35,7 +35,4 @@ def factored(matrix: object) -> SuperLU:
     try:
         return splu(csc_matrix(matrix), permc_spec="COLAMD", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
     except RuntimeError as error:  # what SuperLU calls it
-        raise SolverError(
-            "The triangles are too thin, or of too different sizes, to compute with. Clean the mesh up (Mesh > "
-            "Clean Up > Merge by Distance and Degenerate Dissolve) or remesh it."
-        ) from error
+        raise SolverError("singular") from error

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from ..mesh.connectivity import vertex_pairs
+from ..mesh.connectivity import component_labels, vertex_pairs
 from ..numerics.arrays import FloatArray, IntArray
 
 _TIE = 1e-6  # share of the largest distance within which two feature points count as equally near
@@ -45,10 +47,28 @@ def voronoi_cells(distances: FloatArray, feature_points: IntArray, faces: IntArr
     return cell
 
 
-def closed_cell_faces(cells: IntArray, faces: IntArray, index: int) -> IntArray:
-    """List the triangles of a closed cell: those with at least one corner in the cell.
+@dataclass(frozen=True, eq=False)
+class Patch:
+    """The part of the surface around one feature point.
 
-    Neighbouring closed cells share a band of vertices, which is what keeps the form in one piece.
+    Attributes
+    ----------
+    faces : (f, 3) ndarray of int
+        Triangles with at least one corner in the cell: distances are measured on them.
+    vertices : (p,) ndarray of int
+        Vertices whose pairs the stress asks for, in rising order: all corners of those triangles if the cell is
+        closed, those in the cell alone if it is open.
+    """
+
+    faces: IntArray
+    vertices: IntArray
+
+
+def patches_of(cells: IntArray, faces: IntArray, count: int, *, closed: bool = True) -> list[Patch]:
+    """Turn the cells into patches.
+
+    Neighbouring closed patches share a band of vertices, which is what keeps the form in one piece. Open ones, as
+    published, share none.
 
     Parameters
     ----------
@@ -56,23 +76,36 @@ def closed_cell_faces(cells: IntArray, faces: IntArray, index: int) -> IntArray:
         Cell of every vertex.
     faces : (m, 3) ndarray of int
         Triangles.
-    index : int
-        The cell.
+    count : int
+        Number of cells.
+    closed : bool
+        Whether a patch also holds the neighbours of its cell.
 
     Returns
     -------
-    (f,) ndarray of int
-        Rows of `faces`.
+    list of Patch
+        One per cell.
+
+    Examples
+    --------
+    >>> strip = np.array([[0, 1, 2], [1, 3, 2], [2, 3, 4]])
+    >>> [patch.vertices.tolist() for patch in patches_of(np.array([0, 0, 0, 1, 1]), strip, 2)]
+    [[0, 1, 2, 3, 4], [1, 2, 3, 4]]
+    >>> [patch.vertices.tolist() for patch in patches_of(np.array([0, 0, 0, 1, 1]), strip, 2, closed=False)]
+    [[0, 1, 2], [3, 4]]
+
+    References
+    ----------
+    The paper, section 3.2.
     """
-    return np.flatnonzero((cells[faces] == index).any(axis=1))
+    found = []
+    for index in range(count):
+        touched = faces[(cells[faces] == index).any(axis=1)]
+        found.append(Patch(touched, np.unique(touched) if closed else np.flatnonzero(cells == index)))
+    return found
 
 
 def _reached(cell: IntArray, feature_points: IntArray, pairs: IntArray) -> np.ndarray:
     """Mark the vertices that are joined to their feature point inside their own cell."""
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
-
-    inner = pairs[cell[pairs[:, 0]] == cell[pairs[:, 1]]]
-    graph = coo_matrix((np.ones(len(inner)), (inner[:, 0], inner[:, 1])), shape=(len(cell), len(cell)))
-    part = connected_components(graph, directed=False)[1]
-    return part == part[feature_points][cell]
+    component = component_labels(len(cell), pairs[cell[pairs[:, 0]] == cell[pairs[:, 1]]])
+    return component == component[feature_points][cell]

@@ -9,14 +9,12 @@ import numpy as np
 
 from ..deformation.elastic_body import ElasticBody
 from ..deformation.rotations import nearest_rotations
-from ..mesh.coarsening import Coarsening, coarsened
-from ..mesh.geometry import of_unit_area, vertex_areas
+from ..mesh.geometry import moved_by_frames, of_unit_area, vertex_areas
 from ..numerics.arrays import FloatArray, IntArray
 from ..numerics.factoring import factored
 from ..run.monitor import Monitor
-from ..surface.delaunay import intrinsic_delaunay
 from ..surface.laplacian import stiffness
-from ..surface.triangulation import triangulated
+from ..surface.working_surface import working_surface
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
@@ -41,18 +39,18 @@ class Articulation:
     form : (n, 3) ndarray of float
         Vertices of the form, rigidly aligned to the pose.
     monitor : Monitor, optional
-        Asked whether to stop.
+        Polled for cancellation.
 
     Raises
     ------
     CancelledError
-        If the monitor says so.
+        If the run is cancelled.
 
     References
     ----------
-    Lipman, Sorkine, Levin and Cohen-Or, "Linear Rotation-Invariant Coordinates for Meshes", 2005 (rotations from
-    their differences); Sumner, Schmid and Pauly, "Embedded Deformation for Shape Manipulation", 2007 (frames that
-    carry detail).
+    Lipman, Sorkine, Levin and Cohen-Or, "Linear Rotation-Invariant Coordinates for Meshes", 2005,
+    doi:10.1145/1073204.1073217 (rotations from their differences); Sumner, Schmid and Pauly, "Embedded Deformation for
+    Shape Manipulation", 2007, doi:10.1145/1276377.1276478 (frames that carry detail).
     """
 
     def __init__(self, points: FloatArray, faces: IntArray, form: FloatArray, monitor: Monitor | None = None) -> None:
@@ -62,17 +60,13 @@ class Articulation:
         self._points, self._centre, self._unit = of_unit_area(points, faces)
         self._form = (form - self._centre) / self._unit
         self._areas = vertex_areas(self._points, faces)
-        self._coarse: Coarsening | None = None
-        self._kept, worked = np.arange(len(points)), faces
-        if len(points) > 1.2 * _WORKED_ON:
-            self._coarse = coarsened(self._points, faces, _WORKED_ON, None, self._monitor)
-            self._kept, worked = self._coarse.kept, self._coarse.faces
+        self._surface = working_surface(self._points, faces, _WORKED_ON, monitor=self._monitor)
         self._monitor.check()
-        before, after = self._points[self._kept], self._form[self._kept]
-        surface = intrinsic_delaunay(triangulated(before, worked), self._monitor)
-        edges = triu(stiffness(surface), 1).tocoo()
+        self._kept = self._surface.kept
+        before, after = self._surface.points, self._form[self._kept]
+        edges = triu(stiffness(self._surface.triangulation), 1).tocoo()
         self._i, self._j, self._weight = edges.row, edges.col, np.maximum(-edges.data, 0.0)
-        self._turned = ElasticBody(surface, before, worked).turns(after)  # x ↦ x R
+        self._turned = ElasticBody(self._surface.triangulation, before, self._surface.faces).turns(after)  # x ↦ x R
         self._turns = _rotation_vectors(np.einsum("nji,njk->nik", self._turned[self._i], self._turned[self._j]))
         own = _rotation_vectors(self._turned)
         self._anchor = int(np.argmin((own**2).sum(axis=1)))  # the vertex that turns least
@@ -102,7 +96,7 @@ class Articulation:
         Raises
         ------
         CancelledError
-            If the monitor says so.
+            If the run is cancelled.
         """
         everywhere = np.broadcast_to(np.asarray(amount, dtype=np.float64), len(self._points))
         complete = everywhere == 1
@@ -118,7 +112,7 @@ class Articulation:
         self._monitor.check()
         turn, shift = self._carried(turned, placed)
         share = everywhere[:, None]
-        result = np.einsum("ij,ijk->ik", self._points, turn) + shift
+        result = moved_by_frames(self._points, turn, shift)
         result += share * np.einsum("ij,ijk->ik", self._left, nearest_rotations(turn))
         if (everywhere == 0).any():
             still = everywhere == 0
@@ -191,10 +185,7 @@ class Articulation:
     def _carried(self, turned: FloatArray, placed: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Carry the frames of the coarse vertices to all vertices."""
         shift = placed - np.einsum("ij,ijk->ik", self._points[self._kept], turned)
-        if self._coarse is None:
-            return turned, shift
-        motion = self._coarse.carried_back(np.column_stack([turned.reshape(-1, 9), shift]))  # (n, 12)
-        return motion[:, :9].reshape(-1, 3, 3), motion[:, 9:]
+        return self._surface.prolong_frames(turned, shift)
 
 
 def _held_solver(matrix: csr_matrix, held: np.ndarray) -> Callable[[FloatArray, FloatArray], FloatArray]:

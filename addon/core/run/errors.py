@@ -1,8 +1,44 @@
 """The named errors that the core raises."""
 
+from __future__ import annotations
+
+from typing import Any
+
+from .messages import kinds, message
+
 
 class CanonicalFormError(Exception):
-    """Base of every error of this project; its text tells the user what to do."""
+    """Base of every error of this project; its text tells the user what to do.
+
+    Parameters
+    ----------
+    reason : str
+        A kind of message, one of `addon.core.run.messages.kinds()`, or a sentence.
+    **numbers
+        What the sentence of that kind tells.
+
+    Examples
+    --------
+    >>> from addon.core import InvalidMeshError, canonical_form
+    >>> try:
+    ...     canonical_form([[0, 0, 0]], [])
+    ... except InvalidMeshError as error:
+    ...     print(error.kind, "|", error)
+    no_faces | The mesh has no faces. Choose a mesh with a surface.
+    """
+
+    def __init__(self, reason: str = "", /, **numbers: Any) -> None:
+        super().__init__(message(reason, **numbers) if reason in kinds() else reason)
+
+    @property
+    def kind(self) -> str:
+        """What went wrong, one of `addon.core.run.messages.kinds()`; empty for an error of an outer layer."""
+        return getattr(self.args[0], "kind", "")
+
+    @property
+    def numbers(self) -> dict[str, Any]:
+        """What the text tells beside its kind."""
+        return getattr(self.args[0], "numbers", {})
 
 
 class InvalidMeshError(CanonicalFormError):
@@ -24,5 +60,5 @@ class SolverError(CanonicalFormError):
 class CancelledError(CanonicalFormError):
     """The caller asked the computation to stop."""
 
-    def __init__(self, message: str = "Cancelled; nothing was changed.") -> None:
-        super().__init__(message)
+    def __init__(self, reason: str = "cancelled") -> None:
+        super().__init__(reason)

@@ -1,4 +1,4 @@
-"""How much memory a run needs, known before it is spent."""
+"""How much memory a run may take: what is free now, and the limit that is set."""
 
 from __future__ import annotations
 
@@ -9,101 +9,106 @@ from pathlib import Path
 
 import numpy as np
 
-from ..unfolding.settings import Settings
 from .errors import TooLargeError
 
-_SMALL = (0.055, 0.6e-6)  # gigabytes, and by vertex: the work on the coarse mesh, measured
-_LARGE = (0.015, 1.27e-6)  # the rounds of the coarse mesh, which take more from about 60,000 vertices on
-_ALL_PAIRS = ("classical", "least_squares", "non_metric", "one_form")  # at quality 'full'
-_LANDMARK_BYTES = 40.0  # a distance of each vertex from each landmark, and the work to place the vertex by them
-_FACTORS = (6.9, 655_362, 1.35)  # gigabytes that the factors of the heat method take at so many vertices, and growth
-_FIELDS = {"fast_marching": (0.05, 0.75e-6), "biharmonic": (0.1, 1.05e-6), "commute_time": (0.1, 1.05e-6)}  # as _SMALL
 _SHARE = 0.6  # of the free memory: the most that a run may take where no limit is set
 _UNKNOWN = 8.0  # gigabytes, where the system does not say how much is free
 
 
-def memory_estimate(vertex_count: int, settings: Settings) -> float:
-    """Estimate the most memory that a run takes, beyond what Python and the mesh already take.
-
-    Parameters
-    ----------
-    vertex_count : int
-        Number of vertices.
-    settings : Settings
-        The options; at quality 'full' the estimate is for five patches of equal size.
-
-    Returns
-    -------
-    float
-        Gigabytes.
-    """
-    estimate = max(base + each * vertex_count for base, each in (_SMALL, _LARGE))
-    if settings.method in _ALL_PAIRS and settings.whole:
-        estimate += _pair_bytes([float(vertex_count)]) / 1e9
-    elif settings.method != "local_features":
-        estimate += _LANDMARK_BYTES * vertex_count * settings.landmarks / 1e9
-    elif settings.whole:
-        patch = vertex_count / 5
-        estimate += _pair_bytes([patch] * 5) / 1e9
-    return estimate
-
-
-def field_memory_estimate(vertex_count: int, kind: str) -> float:
-    """Estimate the most memory that distances from some vertices take.
-
-    Parameters
-    ----------
-    vertex_count : int
-        Number of vertices of the connected surface; where the heat method refines it, of the refined one.
-    kind : {'heat', 'fast_marching', 'biharmonic', 'commute_time'}
-        As in `distance_field`.
-
-    Returns
-    -------
-    float
-        Gigabytes.
-    """
-    if kind in _FIELDS:
-        base, each = _FIELDS[kind]
-        return base + each * vertex_count
-    most, at, growth = _FACTORS
-    return 0.05 + most * (vertex_count / at) ** growth
-
-
-def time_estimate(vertex_count: int, settings: Settings) -> float:
-    """Estimate how long a run takes on a machine of 2020 or later, within a factor of two.
-
-    Parameters
-    ----------
-    vertex_count : int
-        Number of vertices.
-    settings : Settings
-        The options.
-
-    Returns
-    -------
-    float
-        Seconds.
-    """
-    if settings.whole and (settings.method == "local_features" or settings.method in _ALL_PAIRS):
-        return 1.0 + 2e-7 * vertex_count**2
-    return (0.4 if settings.quality == "draft" else 0.8) + 2.3e-5 * vertex_count
-
-
-def memory_limit(settings: Settings) -> float:
+def memory_limit(limit: float = 0.0) -> float:
     """Give the most memory that a run may take.
 
     Parameters
     ----------
-    settings : Settings
-        The options.
+    limit : float
+        The limit that is set, in gigabytes; 0 for none.
 
     Returns
     -------
     float
-        Gigabytes: the limit that is set, or a share of the memory that is free now.
+        Gigabytes: that limit, or a share of the memory that is free now.
+
+    Examples
+    --------
+    >>> memory_limit(2.5)
+    2.5
     """
-    return settings.memory_limit or _SHARE * free_memory()
+    return limit or _SHARE * free_memory()
+
+
+def limit_in_words(limit: float = 0.0) -> str:
+    """Name the limit in a sentence.
+
+    Parameters
+    ----------
+    limit : float
+        As in `memory_limit`.
+
+    Returns
+    -------
+    str
+        The limit and where it comes from.
+
+    Examples
+    --------
+    >>> limit_in_words(2.5)
+    'the limit of 2.5 GB'
+    """
+    if limit:
+        return f"the limit of {limit:g} GB"
+    return f"{memory_limit():.1f} GB, which is {_SHARE:.0%} of the free memory"
+
+
+def pair_memory(sizes: list[float]) -> float:
+    """Estimate the memory of all pairs inside patches: tiles and factors of each, three matrices of the largest.
+
+    Parameters
+    ----------
+    sizes : list of float
+        Number of vertices of each patch.
+
+    Returns
+    -------
+    float
+        Gigabytes.
+
+    Examples
+    --------
+    >>> pair_memory([10_000.0])
+    4.0
+    """
+    return 8e-9 * (2 * sum(size**2 for size in sizes) + 3 * max(sizes) ** 2)
+
+
+def require_pair_memory(vertex_count: int, sizes: list[int], *, limit: float = 0.0, whole: bool = False) -> None:
+    """Refuse all pairs inside patches before the memory is spent.
+
+    Parameters
+    ----------
+    vertex_count : int
+        Number of vertices.
+    sizes : list of int
+        Number of vertices of each patch.
+    limit : float
+        As in `memory_limit`.
+    whole : bool
+        Whether all vertices are worked on by the user's choice.
+
+    Raises
+    ------
+    TooLargeError
+        With the memory needed and what to do.
+    """
+    needed, most = pair_memory([float(size) for size in sizes]), memory_limit(limit)
+    if needed > most:
+        raise TooLargeError(
+            "pair_memory",
+            which="of points" if len(sizes) == 1 else f"of points inside the {len(sizes)} patches",
+            needed=needed,
+            limit=limit_in_words(limit),
+            advice="Use quality Normal" if whole else "Merge vertices by distance",
+            vertices=int(vertex_count * np.sqrt(most / needed)),
+        )
 
 
 def free_memory() -> float:
@@ -118,99 +123,6 @@ def free_memory() -> float:
     reader = {"linux": _free_on_linux, "win32": _free_on_windows}.get(sys.platform, _free_elsewhere)
     known = [amount for amount in (*reader(), _free_address_space()) if amount is not None]
     return max(min(known, default=_UNKNOWN * 1e9), 0.0) / 1e9
-
-
-def require_memory(vertex_count: int, settings: Settings) -> None:
-    """Refuse a mesh that is too large for the memory limit at draft and normal quality.
-
-    Parameters
-    ----------
-    vertex_count : int
-        Number of vertices.
-    settings : Settings
-        The options.
-
-    Raises
-    ------
-    TooLargeError
-        With the memory needed and what to do.
-    """
-    needed = memory_estimate(vertex_count, settings)
-    limit = memory_limit(settings)
-    checked_later = settings.whole and settings.method in ("local_features", *_ALL_PAIRS)  # by the pairs there are
-    if not checked_later and needed > limit:
-        raise TooLargeError(
-            f"A mesh of {vertex_count:,} vertices needs about {needed:.1f} GB, more than {_named(limit, settings)}. "
-            "Reduce the mesh (for instance with a Decimate modifier, applied), close other programs, or raise the "
-            "memory limit."
-        )
-
-
-def require_field_memory(vertex_count: int, kind: str, settings: Settings) -> None:
-    """Refuse to measure distances on a surface that is too large for the memory.
-
-    Parameters
-    ----------
-    vertex_count : int
-        As in `field_memory_estimate`.
-    kind : str
-        Likewise.
-    settings : Settings
-        The memory limit.
-
-    Raises
-    ------
-    TooLargeError
-        With the memory needed and what to do.
-    """
-    needed = field_memory_estimate(vertex_count, kind)
-    limit = memory_limit(settings)
-    if needed > limit:
-        other = "Fast marching takes far less. Or close" if kind == "heat" else "Close"
-        raise TooLargeError(
-            f"These distances need about {needed:.1f} GB, more than {_named(limit, settings)}. {other} other programs, "
-            "reduce the mesh (for instance with a Decimate modifier, applied), or raise the memory limit."
-        )
-
-
-def require_pair_memory(vertex_count: int, sizes: list[int], settings: Settings) -> None:
-    """Refuse before the memory is spent: tiles and factors of every patch, three matrices of the largest.
-
-    Parameters
-    ----------
-    vertex_count : int
-        Number of vertices.
-    sizes : list of int
-        Number of vertices of each patch.
-    settings : Settings
-        The options.
-
-    Raises
-    ------
-    TooLargeError
-        With the memory needed and what to do.
-    """
-    needed = _pair_bytes([float(size) for size in sizes]) / 1e9
-    limit = memory_limit(settings)
-    if needed > limit:
-        advice = "Use quality Normal" if settings.quality == "full" else "Merge vertices by distance"
-        which = "of points" if len(sizes) == 1 else f"of points inside the {len(sizes)} patches"
-        raise TooLargeError(
-            f"All pairs {which} need about {needed:.1f} GB, more than "
-            f"{_named(limit, settings)}. {advice}, reduce the mesh to about "
-            f"{int(vertex_count * np.sqrt(limit / needed)):,} vertices (for instance with a Decimate modifier, "
-            "applied), or raise the memory limit."
-        )
-
-
-def _pair_bytes(sizes: list[float]) -> float:
-    return 8 * (2 * sum(size**2 for size in sizes) + 3 * max(sizes) ** 2)
-
-
-def _named(limit: float, settings: Settings) -> str:
-    if settings.memory_limit:
-        return f"the limit of {limit:g} GB"
-    return f"{limit:.1f} GB, which is {_SHARE:.0%} of the free memory"
 
 
 def _free_on_linux() -> list[float | None]:

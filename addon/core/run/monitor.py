@@ -1,21 +1,25 @@
-"""Progress, cancellation and timing of one computation."""
+"""Progress, cancellation, warnings and timing of one computation."""
 
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from itertools import accumulate, pairwise
 from time import perf_counter
+from typing import Any
 
 from .errors import CancelledError
+from .messages import Message, message
 
 Progress = Callable[[float, str], object]
 Cancelled = Callable[[], bool]
 Warned = Callable[[str], object]
+Plan = Mapping[str, float]  # stages in their order, with weights: the share of the time that each takes
 
 
 class Monitor:
-    """Tells the caller how far a computation is and stops it when the caller wishes.
+    """Reports how far a computation is and stops it when the caller wishes.
 
     Parameters
     ----------
@@ -23,77 +27,95 @@ class Monitor:
         Called with the fraction done, 0 to 1 and never falling, and the name of the stage.
     cancelled : callable, optional
         Returns True when the computation should stop.
+    plan : mapping of str to float, optional
+        The stages to come, in order, with weights. A stage that is skipped counts as done when the next begins; a
+        stage that is not in the plan counts as part of the one around it.
 
     Attributes
     ----------
     timings : dict of str to float
         Seconds spent in each stage, in the order of the stages.
-    warnings : list of str
+    warnings : list of Message
         Sentences for the user, in the order in which they came up.
+
+    Examples
+    --------
+    >>> monitor = Monitor(lambda done, stage: print(f"{done:.0%} {stage}"), plan={"Spectrum": 3, "Embedding": 1})
+    >>> with monitor.stage("Spectrum"):
+    ...     monitor.tick(0.5)
+    0% Spectrum
+    38% Spectrum
+    75% Spectrum
     """
 
-    def __init__(self, progress: Progress | None = None, cancelled: Cancelled | None = None) -> None:
-        self._progress = progress
-        self._cancelled = cancelled
-        self._name = ""
-        self._start = self._stop = self._piece = 0.0
+    def __init__(
+        self, progress: Progress | None = None, cancelled: Cancelled | None = None, plan: Plan | None = None
+    ) -> None:
+        self._progress, self._cancelled = progress, cancelled
+        plan = plan or {}
+        ends = [end / (sum(plan.values()) or 1.0) for end in accumulate(plan.values(), initial=0.0)]
+        self._spans = dict(zip(plan, pairwise(ends), strict=True))
+        self._name, self._span, self._done = "", (0.0, 1.0), 0.0
         self.timings: dict[str, float] = {}
-        self.warnings: list[str] = []
+        self.warnings: list[Message] = []
 
     @contextmanager
-    def stage(self, name: str, until: float) -> Iterator[None]:
-        """Time a stage that takes the whole job to the fraction `until`.
+    def stage(self, name: str) -> Iterator[None]:
+        """Time a stage and report its progress.
 
         Parameters
         ----------
         name : str
             Name of the stage, shown to the user.
-        until : float
-            Fraction of the job done when the stage ends.
 
         Yields
         ------
         None
             Control, while the stage runs.
+
+        Raises
+        ------
+        CancelledError
+            If the run is cancelled.
         """
-        self._name, self._start, self._stop = name, self._stop, until
+        around = self._name, self._span
+        self._name, self._span = name, self._spans.get(name, self._span)
         began = perf_counter()
         self.tick(0.0)
         try:
             yield
+            self.tick(1.0)
         finally:
             self.timings[name] = self.timings.get(name, 0.0) + perf_counter() - began
-        self.tick(1.0)
+            self._name, self._span = around
 
-    def until(self, fraction: float, reach: float = 1.0) -> Monitor:
-        """Make a monitor for a piece of the work that is left after the stages so far, and go on behind it.
+    def piece(self, begin: float, end: float, plan: Plan) -> Monitor:
+        """Make a monitor for one piece of the work that is left after the stages so far.
 
         Parameters
         ----------
-        fraction : float
-            Part of the work left that is done when the piece ends, 0 to 1; pieces are asked for in order.
-        reach : float
-            How far the stages of the piece go, at most 1.
+        begin, end : float
+            Parts of the work left that are done before and after the piece, 0 to 1.
+        plan : mapping of str to float
+            The stages of the piece.
 
         Returns
         -------
         Monitor
-            Of the piece: its stages go from 0 to `reach`. It has warnings of its own and shares the timings.
+            Of the piece. It has warnings of its own and shares the timings.
         """
-        begun, self._piece = self._stop + (1 - self._stop) * self._piece, fraction
-        ended = self._stop + (1 - self._stop) * fraction
-        progress = self._progress
+        first = max((stop for name, (_, stop) in self._spans.items() if name in self.timings), default=0.0)
 
-        def told(done: float, stage: str) -> None:
-            if progress is not None:
-                progress(begun + (ended - begun) * min(done / reach, 1.0), stage)
+        def report(done: float, stage: str) -> None:
+            self._name = stage
+            self._report(first + (1 - first) * (begin + (end - begin) * done))
 
-        own = Monitor(told, self._cancelled)
+        own = Monitor(report, self._cancelled, plan)
         own.timings = self.timings
         return own
 
     def tick(self, fraction: float) -> None:
-        """Report the fraction of the present stage that is done; stop if the caller has cancelled.
+        """Report the fraction of the present stage that is done; stop if the run is cancelled.
 
         Parameters
         ----------
@@ -103,36 +125,47 @@ class Monitor:
         Raises
         ------
         CancelledError
-            If the caller has cancelled.
+            If the run is cancelled.
         """
         self.check()
-        if self._progress is not None:
-            self._progress(self._start + (self._stop - self._start) * fraction, self._name)
+        start, stop = self._span
+        self._report(start + (stop - start) * fraction)
 
     def check(self) -> None:
-        """Stop if the caller has cancelled.
+        """Stop if the run is cancelled.
 
         Raises
         ------
         CancelledError
-            If the caller has cancelled.
+            If the run is cancelled.
         """
         if self._cancelled is not None and self._cancelled():
             raise CancelledError()
 
-    def warn(self, sentence: str) -> None:
+    def warn(self, kind: str, **numbers: Any) -> None:
         """Keep a warning for the result, unless it is there already.
 
         Parameters
         ----------
-        sentence : str
-            What happened and what it means for the user.
+        kind : str
+            Kind of the message; see `messages`.
+        **numbers
+            What its sentence tells.
         """
-        if sentence not in self.warnings:
-            self.warnings.append(sentence)
+        self.extend([message(kind, **numbers)])
 
-    def hand_over(self, warned: Warned | None) -> None:
-        """Tell the warnings where the result has no place for them.
+    def extend(self, found: list[Message]) -> None:
+        """Keep warnings for the result, those that are not there already.
+
+        Parameters
+        ----------
+        found : list of Message
+            The warnings.
+        """
+        self.warnings += [each for each in found if each not in self.warnings]
+
+    def deliver(self, warned: Warned | None) -> None:
+        """Hand the warnings to the caller where the result has no place for them.
 
         Parameters
         ----------
@@ -141,6 +174,11 @@ class Monitor:
         """
         for sentence in self.warnings:
             if warned is None:
-                warnings.warn(sentence, stacklevel=3)
+                warnings.warn(str(sentence), stacklevel=3)
             else:
                 warned(sentence)
+
+    def _report(self, done: float) -> None:
+        self._done = max(self._done, done)
+        if self._progress is not None:
+            self._progress(self._done, self._name)

@@ -25,7 +25,7 @@ def intrinsic_delaunay(
     surface : Triangulation
         Triangles of positive area.
     monitor : Monitor, optional
-        Asked between rounds of flips whether to stop, and warned.
+        Receives warnings; polled for cancellation between rounds of flips.
     max_rounds : int, optional
         Upper bound on the rounds of simultaneous flips, which rounding could otherwise keep up for ever; 10,000, or as
         many as there are vertices, when left out.
@@ -39,7 +39,7 @@ def intrinsic_delaunay(
     Raises
     ------
     CancelledError
-        If the monitor says so.
+        If the run is cancelled.
 
     References
     ----------
@@ -57,10 +57,7 @@ def intrinsic_delaunay(
             break
         active = _flip(faces, lengths, edges, twin, chosen)
     else:
-        monitor.warn(
-            "Some triangles are so long and thin that better ones could not be found for them; distances there are "
-            "less exact. Remesh for a better form."
-        )
+        monitor.warn("flips_exhausted")
     return Triangulation(surface.vertex_count, faces, lengths, edges)
 
 

@@ -49,7 +49,7 @@ def compute_spectrum(stiffness: csr_matrix, mass: FloatArray, count: int, monito
     count : int
         Number K of eigenpairs wanted; at most n - 1 are there.
     monitor : Monitor, optional
-        Asked between matrix products whether to stop.
+        Polled for cancellation between matrix products.
 
     Returns
     -------
@@ -62,7 +62,7 @@ def compute_spectrum(stiffness: csr_matrix, mass: FloatArray, count: int, monito
     SolverError
         If the solver does not converge to that residual.
     CancelledError
-        If the monitor says so.
+        If the run is cancelled.
     """
     from scipy.sparse import diags, identity
 
@@ -84,12 +84,9 @@ def compute_spectrum(stiffness: csr_matrix, mass: FloatArray, count: int, monito
     residual = np.linalg.norm(inverse.solve(np.ascontiguousarray(symmetric @ vectors - vectors * values)), axis=0)
     residual *= values[0] / values  # all that uses them weighs them by 1/λ or less
     if not values[0] > _CONNECTED / mass.sum():
-        raise SolverError("The surface falls into parts, or nearly so: its lowest eigenvalue is 0.")
+        raise SolverError("disconnected")
     if not (residual < _ACCURACY).all():
-        raise SolverError(
-            f"The spectrum of the surface is only accurate to {float(residual.max()):.1e}. Clean the mesh "
-            "up (Mesh > Clean Up > Merge by Distance and Degenerate Dissolve) or ask for fewer eigenpairs."
-        )
+        raise SolverError("inaccurate_spectrum", residual=float(residual.max()))
     return Spectrum(values, vectors * scale[:, None])
 
 
@@ -107,7 +104,5 @@ def _largest(
     try:
         values, vectors = eigsh(LinearOperator((n, n), matvec=checked_solve, dtype=np.float64), count, v0=start)
     except ArpackError as error:
-        raise SolverError(
-            f"The spectrum of the surface did not converge ({error}). Ask for fewer eigenpairs or clean the mesh up."
-        ) from error
+        raise SolverError("spectrum_diverged", reason=error) from error
     return values, vectors

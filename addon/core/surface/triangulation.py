@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..mesh.connectivity import undirected_keys
 from ..numerics.arrays import FloatArray, IntArray
 
 
@@ -49,8 +50,7 @@ def triangulated(vertices: FloatArray, faces: IntArray, slack: float = 1e-5) -> 
         The same triangles with their edge lengths.
     """
     tail, head = np.roll(faces, -1, axis=1), np.roll(faces, -2, axis=1)
-    key = np.minimum(tail, head) * len(vertices) + np.maximum(tail, head)
-    _, number = np.unique(key, return_inverse=True)
+    _, number = np.unique(undirected_keys(tail, head, len(vertices)), return_inverse=True)
     return Triangulation(
         len(vertices), faces, mollified(corner_lengths(vertices, faces), slack), number.reshape(-1, 3).astype(np.int64)
     )
@@ -95,7 +95,7 @@ def mollified(lengths: FloatArray, factor: float = 1e-5) -> FloatArray:
 
     References
     ----------
-    Sharp and Crane, "A Laplacian for Nonmanifold Triangle Meshes", 2020, section 4.5.
+    Sharp and Crane, "A Laplacian for Nonmanifold Triangle Meshes", 2020, doi:10.1111/cgf.14069, section 4.5.
     """
     slack = lengths.sum(axis=1, keepdims=True) - 2 * lengths  # (m, 3)
     return lengths + max(0.0, factor * float(lengths.mean()) - float(slack.min()))

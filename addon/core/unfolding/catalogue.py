@@ -1,56 +1,126 @@
-"""The rivals by name."""
+"""The methods by name. Every file of the room `methods` is found by itself; none is listed anywhere."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from importlib import import_module
+from pkgutil import iter_modules
+from typing import TYPE_CHECKING, Any, Literal
 
-from ..methods.classical import classical_form
-from ..methods.euclidean import euclidean_normalised_form, euclidean_random_form
-from ..methods.fast import fast_form
-from ..methods.least_squares import least_squares_form
-from ..methods.non_metric import non_metric_form
-from ..methods.one_form import one_form_form
-from ..methods.skeleton import skeleton_form
-from ..run.monitor import Monitor
-from .embedding import Embedding
-from .recognition import Recognition
-from .samples import WholeSurface
-from .settings import Settings
+from ..run.errors import InvalidSettingsError
+from ..run.monitor import Monitor, Plan
 
-RIVALS: dict[str, Callable[[WholeSurface, Settings, Monitor], Embedding]] = {
-    "classical": classical_form,
-    "least_squares": least_squares_form,
-    "non_metric": non_metric_form,
-    "fast": fast_form,
-    "euclidean_random": euclidean_random_form,
-    "euclidean_normalised": euclidean_normalised_form,
-    "one_form": one_form_form,
-    "skeleton": skeleton_form,
-}
+if TYPE_CHECKING:
+    from .embedding import Embedding
+    from .settings import Settings
+    from .surface_features import SurfaceFeatures
+
+OURS = "local_features"  # the default
+FEATURE_OPTIONS = ("prominence", "feature_count", "merge_distance", "diffusion_time", "eigenpairs")  # of every method
+MINIMISATION_OPTIONS = ("max_iterations", "tolerance", "extrapolation")
 
 
-def rival_form(found: Recognition, settings: Settings, monitor: Monitor) -> Embedding:
-    """Unfold a surface by the rival that the settings name.
+@dataclass(frozen=True, eq=False)
+class Method:
+    """A way to unfold a surface.
 
-    Parameters
+    Attributes
     ----------
-    found : Recognition
-        The mesh and its feature points.
-    settings : Settings
-        Options; `method` is a name in `RIVALS`.
-    monitor : Monitor
-        Told the progress and asked whether to stop.
+    name : str
+        Name in settings and on the command line.
+    label : str
+        Name in a panel.
+    help : str
+        One line: what it does.
+    source : str
+        Authors and year.
+    unfold : callable
+        Takes `SurfaceFeatures`, `Settings` and a `Monitor`, and returns an `Embedding`.
+    stages : mapping of str to float
+        Its stages in their order, with weights; feature detection weighs 40.
+    uses : tuple of str
+        Names of the options that matter to it, beside those of the feature points.
+    pairs : {'patches', 'all', 'landmarks'}
+        Between which vertices it keeps distances at quality 'full': those of each patch, all, or all and landmarks.
+        Tells the memory and time that it takes.
+    rank : int
+        Its place in lists.
+    fixed : mapping of str to object
+        Options that are part of the method: whatever the settings say, these hold.
+    """
+
+    name: str
+    label: str
+    help: str
+    source: str
+    unfold: Callable[[SurfaceFeatures, Settings, Monitor], Embedding]
+    stages: Plan
+    uses: tuple[str, ...] = ()
+    pairs: Literal["patches", "all", "landmarks"] = "landmarks"
+    rank: int = 100
+    fixed: Mapping[str, Any] = field(default_factory=dict)
+
+    def settings(self, wanted: Settings) -> Settings:
+        """Put the options that are part of the method into settings.
+
+        Parameters
+        ----------
+        wanted : Settings
+            What the user wants.
+
+        Returns
+        -------
+        Settings
+            What the method works with.
+        """
+        return replace(wanted, **self.fixed) if self.fixed else wanted
+
+
+def methods() -> dict[str, Method]:
+    """Collect the methods of all files in the room `methods`.
 
     Returns
     -------
-    Embedding
-        The form, not yet aligned to the input.
+    dict of str to Method
+        By name: ours first, then the paper to the letter, then the rivals.
+
+    Examples
+    --------
+    >>> list(methods())[:3]
+    ['local_features', 'as_published', 'as_published_closed']
+    """
+    room = import_module("..methods", __package__)
+    found = [
+        each for file in iter_modules(room.__path__) for each in import_module(f"{room.__name__}.{file.name}").METHODS
+    ]
+    return {each.name: each for each in sorted(found, key=lambda each: (each.rank, each.name))}
+
+
+def method_named(name: str) -> Method:
+    """Find a method.
+
+    Parameters
+    ----------
+    name : str
+        Its name.
+
+    Returns
+    -------
+    Method
+        The method.
 
     Raises
     ------
-    TooLargeError
-        If all pairs do not fit into the memory limit.
-    CancelledError
-        If the monitor says so.
+    InvalidSettingsError
+        If there is none of that name; the text lists those there are.
+
+    Examples
+    --------
+    >>> method_named("fast").label
+    'Fast MDS'
     """
-    return RIVALS[settings.method](WholeSurface(found, settings, monitor), settings, monitor)
+    known = methods()
+    if name not in known:
+        raise InvalidSettingsError("unknown_method", names=", ".join(known), value=name)
+    return known[name]

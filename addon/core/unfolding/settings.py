@@ -1,27 +1,16 @@
-"""The options of the method."""
+"""The options of a computation."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import warnings
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from numbers import Integral, Real
+from functools import wraps
+from typing import Any
 
-from ..run.errors import InvalidSettingsError
+from .catalogue import OURS, method_named
+from .options import Choice, option, options_of, require_allowed
 
-METHODS = (
-    "local_features",
-    "classical",
-    "least_squares",
-    "non_metric",
-    "fast",
-    "euclidean_random",
-    "euclidean_normalised",
-    "one_form",
-    "skeleton",
-)
-STARTS = ("intrinsic", "input")
-QUALITIES = ("draft", "normal", "full")
-_KINDS = {int: (Integral, "a whole number"), float: (Real, "a number"), bool: (bool, "True or False")}
 _COARSE = {"draft": 700, "normal": 1600}  # vertices of the mesh that is worked on
 
 
@@ -32,11 +21,11 @@ class Settings:
     Attributes
     ----------
     method : str
-        One of `METHODS`: 'local_features', the method of this project, or a rival to compare with. The rivals work on
-        all vertices: from all pairs of them at quality 'full', otherwise from landmarks. Only `landmarks`,
-        `iterations`, `tolerance`, `extrapolation` and what finds feature points matter to them.
+        Name of a method of `addon.core.methods`: 'local_features', the method of this project, the paper to the
+        letter ('as_published', 'as_published_closed'), or a rival to compare with. Rivals work on all vertices: from
+        all pairs of them at quality 'full', otherwise from landmarks.
     quality : {'draft', 'normal', 'full'}
-        How much of the mesh is worked on. Draft: 700 vertices; normal: 1,600; the result is carried back to all
+        How much of the mesh is worked on. Draft: 700 vertices; normal: 1,600; the result is interpolated to all
         vertices, at a cost that grows like their number. Full: all vertices, at a cost and memory that grow like the
         square of their number.
     preserve_detail : float
@@ -44,7 +33,7 @@ class Settings:
     diffusion_time : float
         t of the Auto Diffusion Function (equation 7), in multiples of 1/λ_1. Larger: fewer, broader features.
     eigenpairs : int
-        Number K of eigenpairs in the Auto Diffusion Function and, as published, in the commute time.
+        Number K of eigenpairs in the Auto Diffusion Function.
     prominence : float
         Least prominence of a feature point: the logarithm of how many times higher the Auto Diffusion Function is
         there than at the pass to a higher point. Larger: fewer features.
@@ -57,101 +46,226 @@ class Settings:
     start : {'intrinsic', 'input'}
         Where the minimisation starts: from landmark classical scaling, which knows the surface alone, or from the
         input, whose pose the result then keeps in part.
-    landmarks : int
-        Number of landmarks of the intrinsic start.
+    landmark_count : int
+        Number of landmarks of the intrinsic start, and of rivals below quality 'full'.
     smoothing : float
         Diffusion time of the geodesics inside patches, as a share of the area; those between landmarks have a
         fiftieth of it and are averaged with biharmonic ones. Such distances hardly shorten where a joint bends.
-        0: geodesics alone, as accurate as the heat method is, and no struts through the flesh: for sheets that are
+        0: geodesics alone, as accurate as the heat method is, and no struts through the interior: for sheets that are
         to be unrolled.
     arrangement_share : float
         How much the other landmarks pull at a landmark, as a share of the weight with which its patch holds it.
     unbending : float
         How strongly the landmarks push each other apart in the end, against the lengths of the edges. 3 lengthens
         thin limbs by a sixth and takes more of the pose out, which helps to find shapes of one kind; 0: not at all.
-    iterations : int
+    max_iterations : int
         Most majorisation steps.
     tolerance : float
         Stop when a step lowers the stress by less than this share of it.
     extrapolation : int
         Number of earlier steps from which the next is extrapolated; 0 takes plain steps. The stress never rises.
-    as_published : bool
-        Follow the paper to the letter: open cells, all vertices, commute times from K eigenpairs, biharmonic distances
-        as they are, unscaled terms, plain steps, no detail pass.
     memory_limit : float
         Most memory that may be used, in gigabytes; 0 for 60 % of what is free when the run starts.
+
+    Raises
+    ------
+    InvalidSettingsError
+        If a value has the wrong type or lies outside its range; the text names the option and the range.
+
+    Examples
+    --------
+    >>> settings = Settings(quality="draft", prominence=0.8)
+    >>> settings.coarse_vertices
+    700
     """
 
-    method: str = "local_features"
-    quality: str = "normal"
-    preserve_detail: float = 0.5
-    diffusion_time: float = 0.15
-    eigenpairs: int = 80
-    prominence: float = 0.5
-    feature_count: int = 0
-    merge_distance: float = 0.05
-    feature_points: Sequence[int] | None = None
-    start: str = "intrinsic"
-    landmarks: int = 100
-    smoothing: float = 0.1
-    arrangement_share: float = 10.0
-    unbending: float = 0.0
-    iterations: int = 300
-    tolerance: float = 1e-3
-    extrapolation: int = 6
-    as_published: bool = False
-    memory_limit: float = 0.0
+    method: str = option(OURS, "Method", "How the surface is unfolded")
+    quality: str = option(
+        "normal",
+        "Quality",
+        "Number of vertices that the form is computed on",
+        choices=(
+            Choice("draft", "Draft", "Computed on 700 vertices: a quick preview"),
+            Choice("normal", "Normal", "Computed on 1,600 vertices and interpolated to all: a second or two, more on large meshes"),
+            Choice("full", "Full", "All vertices and all pairs in a patch: minutes above 20,000 vertices; for reference"),
+        ),
+    )
+    preserve_detail: float = option(
+        0.5, "Preserve Detail", "0: plain multidimensional scaling; 1: as rigid as possible", low=0, high=1
+    )
+    diffusion_time: float = option(
+        0.15,
+        "Diffusion Time",
+        "Time of the Auto Diffusion Function, in multiples of 1/λ₁; larger gives fewer, broader features",
+        low=0,
+        above=True,
+        high=50,
+        soft_high=1.0,
+        digits=3,
+    )
+    eigenpairs: int = option(
+        80, "Eigenpairs", "Number of Laplacian eigenpairs in the Auto Diffusion Function", low=1, soft_high=400
+    )
+    prominence: float = option(
+        0.5, "Prominence", "How far a feature point must stand out; larger gives fewer patches", low=0, soft_high=3.0
+    )
+    feature_count: int = option(
+        0, "Number", "Number of feature points, the most prominent ones; 0 to go by prominence", low=0, soft_high=30
+    )
+    merge_distance: float = option(
+        0.05,
+        "Merge Distance",
+        "Feature points closer than this fraction of the geodesic diameter are merged",
+        low=0,
+        high=1,
+    )
+    feature_points: Sequence[int] | None = option(
+        None, "Feature Points", "Vertex indices to use as feature points, separated by commas; empty to detect them"
+    )
+    start: str = option(
+        "intrinsic",
+        "Start",
+        "Where the minimisation of the stress starts",
+        choices=(
+            Choice("intrinsic", "Surface", "From a layout computed from the surface only, independent of the pose"),
+            Choice("input", "Pose", "From the input mesh; the result keeps part of its pose"),
+        ),
+    )
+    landmark_count: int = option(
+        100,
+        "Landmarks",
+        "Number of points in the initial layout",
+        low=4,
+        soft_high=500,
+        former="landmarks",
+    )
+    smoothing: float = option(
+        0.1,
+        "Smoothing",
+        "Diffusion time for averaging geodesics, as a fraction of the area; at 0 they are exact and shorten where joints "
+        "bend",
+        low=0,
+        high=10,
+        soft_high=1.0,
+        digits=3,
+    )
+    arrangement_share: float = option(
+        10.0,
+        "Arrangement Weight",
+        "Weight of the landmarks relative to the patches",
+        low=0,
+        high=100,
+        soft_high=20.0,
+    )
+    unbending: float = option(
+        0.0,
+        "Unbending",
+        "How strongly landmarks repel each other in a last step; removes more pose and lengthens thin limbs. 3 suits "
+        "shape retrieval",
+        low=0,
+        high=100,
+        soft_high=10.0,
+    )
+    max_iterations: int = option(
+        300, "Iterations", "Maximum number of minimisation steps", low=0, soft_high=1000, former="iterations"
+    )
+    tolerance: float = option(
+        1e-3,
+        "Tolerance",
+        "Stop when the relative decrease of the stress per step is below this",
+        low=0,
+        soft_high=0.01,
+        digits=8,
+    )
+    extrapolation: int = option(
+        6,
+        "Extrapolation",
+        "Number of earlier steps from which the next is extrapolated; 0 for plain steps",
+        low=0,
+        soft_high=12,
+    )
+    memory_limit: float = option(
+        0.0,
+        "Memory Limit",
+        "Maximum memory in gigabytes; 0: 60 % of the free memory",
+        low=0,
+        soft_high=64.0,
+    )
 
     def __post_init__(self) -> None:
-        """Refuse values outside their range.
-
-        Raises
-        ------
-        InvalidSettingsError
-            With the name of the option, its range and the value given.
-        """
-        for name, field in self.__dataclass_fields__.items():
-            if type(field.default) in _KINDS:
-                kind, called = _KINDS[type(field.default)]
-                _require(isinstance(getattr(self, name), kind), name, called, getattr(self, name))
-        _require(self.method in METHODS, "method", f"one of {', '.join(METHODS)}", self.method)
-        _require(
-            not (self.as_published and self.method != "local_features"),
-            "as_published", "off with a rival method, which has nothing to do as published", self.as_published,
-        )  # fmt: skip
-        _require(self.quality in QUALITIES, "quality", "'draft', 'normal' or 'full'", self.quality)
-        _require(0 <= self.preserve_detail <= 1, "preserve_detail", "from 0 to 1", self.preserve_detail)
-        _require(0 < self.diffusion_time <= 50, "diffusion_time", "above 0 and at most 50", self.diffusion_time)
-        _require(self.eigenpairs >= 1, "eigenpairs", "at least 1", self.eigenpairs)
-        _require(self.prominence >= 0, "prominence", "at least 0", self.prominence)
-        _require(self.feature_count >= 0, "feature_count", "at least 0", self.feature_count)
-        _require(0 <= self.merge_distance <= 1, "merge_distance", "from 0 to 1", self.merge_distance)
-        _require(self.start in STARTS, "start", "'intrinsic' or 'input'", self.start)
-        _require(self.landmarks >= 4, "landmarks", "at least 4", self.landmarks)
-        _require(0 <= self.smoothing <= 10, "smoothing", "from 0 to 10", self.smoothing)
-        _require(0 <= self.arrangement_share <= 100, "arrangement_share", "from 0 to 100", self.arrangement_share)
-        _require(0 <= self.unbending <= 100, "unbending", "from 0 to 100", self.unbending)
-        _require(self.iterations >= 0, "iterations", "at least 0", self.iterations)
-        _require(self.tolerance >= 0, "tolerance", "at least 0", self.tolerance)
-        _require(self.extrapolation >= 0, "extrapolation", "at least 0", self.extrapolation)
-        _require(self.memory_limit >= 0, "memory_limit", "at least 0", self.memory_limit)
+        """Refuse values of a wrong type or outside their range."""
+        require_allowed(self)
+        if self.method != OURS:
+            method_named(self.method)
 
     @property
     def whole(self) -> bool:
         """Whether all vertices and all pairs inside a patch are used."""
-        return self.as_published or self.quality == "full"
+        return self.quality == "full"
 
     @property
     def coarse_vertices(self) -> int | None:
         """Number of vertices to work on; None for all."""
-        return None if self.whole else _COARSE[self.quality]
+        return _COARSE.get(self.quality)
 
     @property
     def heat_time(self) -> float | None:
         """Diffusion time of the geodesics inside patches, a squared length on a surface of unit area; None: least."""
-        return None if self.as_published or self.smoothing == 0 else self.smoothing
+        return self.smoothing or None
+
+    @property
+    def minimisation(self) -> dict[str, Any]:
+        """Options of `minimise_stress`."""
+        return {name: getattr(self, name) for name in ("max_iterations", "tolerance", "extrapolation")}
 
 
-def _require(holds: bool, name: str, range_: str, value: object) -> None:
-    if not holds:
-        raise InvalidSettingsError(f"{name} must be {range_}; got {value!r}.")
+def current_options(given: dict[str, Any]) -> dict[str, Any]:
+    """Translate options that had another name in version 0.1, with a warning.
+
+    Parameters
+    ----------
+    given : dict
+        Options by name.
+
+    Returns
+    -------
+    dict
+        The same under today's names.
+
+    Examples
+    --------
+    >>> with warnings.catch_warnings():
+    ...     warnings.simplefilter("ignore")
+    ...     current_options({"landmarks": 50, "as_published": True})
+    {'landmark_count': 50, 'method': 'as_published'}
+    """
+    today = {about.former: name for name, about in options_of(Settings).items() if about.former}
+    result: dict[str, Any] = {}
+    for name, value in given.items():
+        if name == "as_published":
+            _warn_former(name, 'method="as_published"')
+            if value:
+                result["method"] = "as_published"
+        elif name in today:
+            _warn_former(name, today[name])
+            result[today[name]] = value
+        else:
+            result[name] = value
+    return result
+
+
+def _warn_former(name: str, today: str) -> None:
+    warnings.warn(f"The setting {name} is deprecated and will be removed in version 0.3; use {today}.", FutureWarning, stacklevel=4)
+
+
+def _accepting_former_names(initialise: Callable[..., None]) -> Callable[..., None]:
+    """Let scripts written for version 0.1 run for one version more."""
+
+    @wraps(initialise)
+    def accepting(self: Settings, *values: Any, **given: Any) -> None:
+        initialise(self, *values, **current_options(given))
+
+    return accepting
+
+
+Settings.__init__ = _accepting_former_names(Settings.__init__)  # type: ignore[method-assign]

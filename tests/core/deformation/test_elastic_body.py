@@ -4,13 +4,11 @@ import numpy as np
 import pytest
 
 from addon.core import Settings, canonical_form
-from addon.core.deformation.detail import carried_by_frames
 from addon.core.deformation.elastic_body import ElasticBody
 from addon.core.deformation.rotations import nearest_rotations
 from addon.core.measures.form_measures import compactness_error, edge_stretch
-from addon.core.mesh.coarsening import coarsened
-from addon.core.surface.delaunay import intrinsic_delaunay
-from addon.core.surface.triangulation import triangulated
+from addon.core.mesh.geometry import moved_by_frames
+from addon.core.surface.working_surface import working_surface
 from tests.meshes.shapes import prepared
 
 
@@ -47,12 +45,12 @@ def test_rotations_that_nothing_tells_are_still_rotations():
     np.testing.assert_allclose(np.linalg.det(found), 1.0)
 
 
-@pytest.mark.parametrize("memory", [1.0, 0.0])
-def test_a_rigid_motion_of_the_target_is_followed_exactly(figure, rotation, memory):
+@pytest.mark.parametrize("bending_weight", [1.0, 0.0])
+def test_a_rigid_motion_of_the_target_is_followed_exactly(figure, rotation, bending_weight):
     points, surface = prepared(*figure)
     target = points @ rotation + 0.3
     body = ElasticBody(surface, points, figure[1], np.array([[0, 1000], [7, 2000]]))
-    moved = body.deformed_towards(target, 10.0, 3, memory, pressure=True)
+    moved = body.deformed_towards(target, pull=10.0, steps=3, bending_weight=bending_weight, pressure=True)
     np.testing.assert_allclose(moved, target, atol=1e-9)
 
 
@@ -60,8 +58,8 @@ def test_pressure_keeps_the_compactness(figure):
     points, surface = prepared(*figure)
     squashed = points * [1.0, 1.0, 0.4]
     body = ElasticBody(surface, points, figure[1])
-    bare = body.deformed_towards(squashed, 30.0, 5)
-    kept = body.deformed_towards(squashed, 30.0, 5, pressure=True)
+    bare = body.deformed_towards(squashed, pull=30.0, steps=5)
+    kept = body.deformed_towards(squashed, pull=30.0, steps=5, pressure=True)
     assert compactness_error(points, kept, figure[1]) < 0.1 * compactness_error(points, bare, figure[1])
 
 
@@ -79,9 +77,9 @@ def test_preserve_detail_goes_from_the_bare_form_to_the_rigid_one(figure):
 
 def test_frames_carry_a_rigid_motion_exactly(figure, rotation):
     points, _ = prepared(*figure)
-    coarse = coarsened(points, figure[1], 500)
-    small = points[coarse.kept]
-    body = ElasticBody(intrinsic_delaunay(triangulated(small, coarse.faces)), small, coarse.faces)
-    np.testing.assert_allclose(
-        carried_by_frames(coarse, body, small @ rotation + 1.0, points), points @ rotation + 1.0, atol=1e-9
-    )
+    surface = working_surface(points, figure[1], 500)
+    assert surface.coarse
+    assert len(surface.points) < 0.5 * len(points)
+    body = ElasticBody(surface.triangulation, surface.points, surface.faces)
+    frames = surface.prolong_frames(*body.frames(surface.points @ rotation + 1.0))
+    np.testing.assert_allclose(moved_by_frames(points, *frames), points @ rotation + 1.0, atol=1e-9)

@@ -3,7 +3,7 @@ import pygeodesic.geodesic
 import pytest
 
 from addon.core import SolverError
-from addon.core.distance_field import heat_geodesics
+from addon.core.distance_fields import heat_geodesics
 from addon.core.distances.heat import HeatMethod
 from addon.core.surface.triangulation import triangulated
 from tests.meshes import shapes

@@ -57,7 +57,7 @@ def test_pull_is_minus_half_the_gradient(sets):
     points, direction = rng.normal(size=(2, 400, 3))
     stress = Stress(400, pair_sets(sets))
     slope = (stress.value(points + 1e-5 * direction) - stress.value(points - 1e-5 * direction)) / 2e-5
-    assert -2 * np.vdot(stress.value_and_pull(points)[1], direction) == pytest.approx(slope, rel=1e-6)
+    assert -2 * np.vdot(stress.value_and_descent(points)[1], direction) == pytest.approx(slope, rel=1e-6)
 
 
 @pytest.mark.parametrize("counts", [(700, 420), (420, 700), (3,)])
@@ -77,7 +77,7 @@ def test_sets_of_any_size_share_the_working_memory(counts):
 
 
 def test_coinciding_points_do_not_divide_by_zero(sets):
-    value, pull = Stress(400, pair_sets(sets)).value_and_pull(np.zeros((400, 3)))
+    value, pull = Stress(400, pair_sets(sets)).value_and_descent(np.zeros((400, 3)))
     assert np.isfinite(value)
     assert (pull == 0).all()
 
@@ -87,7 +87,7 @@ def test_points_that_coincide_do_not_pull_at_each_other(size):
     points = np.array([[0.1, 0.2, 0], [0.7, 0.9, 0], [0.1, 0.2, 0], [0.3, -0.8, 0.4], [0.7, 0.9, 0]])
     ones = np.ones((5, 5))
     stress = Stress(5, [pair_set(np.arange(5), size * ones, lambda rows, columns, _: ones[rows, columns])])
-    value, pull = stress.value_and_pull(size * points)
+    value, pull = stress.value_and_descent(size * points)
     apart = points[:, None] - points
     distance = np.linalg.norm(apart, axis=2)
     missing = (1 - distance)[np.triu_indices(5, 1)]
@@ -106,10 +106,10 @@ def test_near_pairs_far_from_the_origin_are_measured_well():
     apart = np.linalg.norm(away, axis=2) + np.eye(300)
     expected = -((0.5 / apart - 1) * (1 - np.eye(300)))[:, :, None] * away
     for shift in (0.0, 100.0):
-        pull = Stress(300, pairs).value_and_pull(points + shift)[1]
+        pull = Stress(300, pairs).value_and_descent(points + shift)[1]
         np.testing.assert_allclose(pull, expected.sum(axis=1), atol=1e-5)
     points[1] = points[0]
-    pull = Stress(300, pairs).value_and_pull(points)[1]
+    pull = Stress(300, pairs).value_and_descent(points)[1]
     assert np.abs(pull[0] - pull[1]).max() < 1e-9
 
 
@@ -132,7 +132,7 @@ def test_one_set_alone_has_its_pseudo_inverse_too(sets):
 def test_stress_never_rises(sets, extrapolation):
     start = np.random.default_rng(4).normal(size=(400, 3))
     made = pair_sets(sets)
-    _, history = minimise_stress(Stress(400, made), WeightInverse(400, made), start, 300, 0.0, extrapolation)
+    _, history = minimise_stress(Stress(400, made), WeightInverse(400, made), start, tolerance=0.0, extrapolation=extrapolation)
     assert len(history) > 100
     assert (np.diff(history) <= 1e-12 * history[:-1]).all()
 
@@ -142,9 +142,10 @@ def test_every_step_lowers_the_stress_by_what_majorisation_promises(sets, extrap
     made = pair_sets(sets)
     stress, inverse = Stress(400, made), WeightInverse(400, made)
     here = np.random.default_rng(4).normal(size=(400, 3))
-    points = [minimise_stress(stress, inverse, here, steps, 0.0, extrapolation)[0] for steps in range(12)]
+    options = {"tolerance": 0.0, "extrapolation": extrapolation}
+    points = [minimise_stress(stress, inverse, here, max_iterations=steps, **options)[0] for steps in range(12)]
     for before, after in pairwise(points):
-        value, pull = stress.value_and_pull(before)
+        value, pull = stress.value_and_descent(before)
         assert value - stress.value(after) >= (1 - 1e-9) * np.vdot(inverse(pull), pull)
 
 
@@ -154,9 +155,9 @@ def test_extrapolation_gets_further_than_plain_steps():
     wanted = np.linalg.norm(cloud[:, None] - cloud, axis=2) * rng.uniform(0.7, 1.3, (120, 120))
     wanted = (wanted + wanted.T) / 2
     start = rng.normal(size=(120, 3))
-    plain = smacof(wanted, start, iterations=60, tolerance=0.0, extrapolation=0)[1]
-    fast = smacof(wanted, start, iterations=60, tolerance=0.0)[1]
-    longest = smacof(wanted, start, iterations=2000, tolerance=1e-13, extrapolation=0)[1][-1]
+    plain = smacof(wanted, start, max_iterations=60, tolerance=0.0, extrapolation=0)[1]
+    fast = smacof(wanted, start, max_iterations=60, tolerance=0.0)[1]
+    longest = smacof(wanted, start, max_iterations=2000, tolerance=1e-13, extrapolation=0)[1][-1]
     assert fast[-1] - longest < 0.2 * (plain[-1] - longest)
 
 
@@ -168,7 +169,7 @@ def test_plain_steps_are_those_of_scikit_learn():
     theirs, stress = sklearn_smacof(
         wanted, n_components=3, init=start, n_init=1, max_iter=25, eps=0, normalized_stress=False
     )
-    ours, history = smacof(wanted, start, iterations=25, tolerance=0.0, extrapolation=0)
+    ours, history = smacof(wanted, start, max_iterations=25, tolerance=0.0, extrapolation=0)
     assert history.min() == pytest.approx(stress, rel=0.01)
     apart = [np.linalg.norm(x[:, None] - x, axis=2) for x in (ours, theirs)]
     assert np.abs(apart[0] - apart[1]).max() < 0.02 * apart[0].max()
@@ -215,7 +216,7 @@ def test_least_squares_scaling_improves_on_classical_scaling(figure):
     from addon.core.surface.triangulation import triangulated
 
     heat = HeatMethod(intrinsic_delaunay(triangulated(*figure)), refine=False)
-    landmarks, distances = farthest_points(heat, np.array([0]), heat.distances([0]), 60, Monitor())
+    landmarks, distances = farthest_points(heat, np.array([0]), heat.distances([0]), 60, monitor=Monitor())
     start = landmark_scaling(distances, landmarks)
     start -= start.mean(axis=0)
     between = (distances[landmarks] + distances[landmarks].T) / 2

@@ -10,7 +10,7 @@ from addon.core.embedding.start import handedness, laid_out, landmark_distances
 from addon.core.measures.alignment import rigid_fit
 from addon.core.mesh.connectivity import is_closed
 from addon.core.mesh.geometry import signed_volume, surface_area
-from addon.core.run.memory import memory_estimate
+from addon.core.unfolding.costs import memory_estimate
 from addon.core.run.monitor import Monitor
 from addon.core.surface.laplacian import mass, stiffness
 from addon.core.surface.spectrum import compute_spectrum
@@ -22,7 +22,7 @@ def layout_of(vertices, faces):
     points, surface = prepared(vertices, faces)
     spectrum = compute_spectrum(stiffness(surface), mass(surface), 60)
     heat = HeatMethod(surface, 0.005, refine=False)
-    landmarks, distances = farthest_points(heat, np.array([0]), heat.distances([0]), 60, Monitor())
+    landmarks, distances = farthest_points(heat, np.array([0]), heat.distances([0]), 60, monitor=Monitor())
     return laid_out(landmark_distances(distances, landmarks, spectrum), landmarks, points, faces)[0]
 
 

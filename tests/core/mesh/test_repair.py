@@ -2,10 +2,10 @@ import numpy as np
 import pytest
 
 from addon.core import InvalidMeshError
-from addon.core.assembly.parts import connected_parts
+from addon.core.assembly.pieces import connected_pieces
 from addon.core.mesh.connectivity import is_closed
 from addon.core.mesh.geometry import surface_area
-from addon.core.mesh.repair import mended
+from addon.core.mesh.repair import repaired
 from tests.meshes import shapes
 
 TRIANGLE = np.eye(3)
@@ -35,20 +35,20 @@ TRIANGLE = np.eye(3)
 )
 def test_a_mesh_that_cannot_be_used_is_refused_with_the_reason(vertices, faces, words):
     with pytest.raises(InvalidMeshError, match=words):
-        connected_parts(vertices, faces)
+        connected_pieces(vertices, faces)
 
 
 def test_a_sound_mesh_is_left_as_it_is(figure):
-    mesh = mended(*figure)
+    mesh = repaired(*figure)
     np.testing.assert_array_equal(mesh.faces, figure[1])
-    np.testing.assert_array_equal(mesh.stands_for, np.arange(len(figure[0])))
+    np.testing.assert_array_equal(mesh.representative, np.arange(len(figure[0])))
     assert mesh.warnings == []
 
 
 def test_faces_that_use_a_vertex_twice_and_copies_are_left_out(figure):
     vertices, faces = figure
     spare = np.vstack([faces[:5, [0, 1, 1]], faces[:50], faces[7:9, ::-1], faces])
-    mesh = mended(vertices, spare)
+    mesh = repaired(vertices, spare)
     assert sorted(map(tuple, np.sort(mesh.faces, axis=1))) == sorted(map(tuple, np.sort(faces, axis=1)))
     assert is_closed(mesh.faces)
     assert "5 faces" in mesh.warnings[0]
@@ -61,31 +61,31 @@ def test_seams_are_closed_and_the_surface_is_whole_again(figure):
     apart = np.where(half[:, None], faces + len(vertices), faces)
     kept, corners = np.unique(apart, return_inverse=True)
     cut = np.vstack([vertices, vertices])[kept]
-    mesh = mended(cut, corners.reshape(-1, 3))
+    mesh = repaired(cut, corners.reshape(-1, 3))
     assert is_closed(mesh.faces)
     assert "taken as one" in mesh.warnings[0]
     assert len(np.unique(mesh.faces)) == len(vertices)
-    np.testing.assert_array_equal(cut[mesh.stands_for], cut)
+    np.testing.assert_array_equal(cut[mesh.representative], cut)
 
 
 def test_loose_faces_of_one_surface_become_one_surface(figure):
     vertices, faces = figure
-    parts = connected_parts(vertices[faces.ravel()], np.arange(faces.size).reshape(-1, 3))
-    assert len(parts.parts) == 1
-    assert is_closed(parts.faces)
-    assert len(parts.parts[0].vertices) == len(vertices)
+    pieces = connected_pieces(vertices[faces.ravel()], np.arange(faces.size).reshape(-1, 3))
+    assert len(pieces.pieces) == 1
+    assert is_closed(pieces.faces)
+    assert len(pieces.pieces[0].vertices) == len(vertices)
 
 
 def test_two_sheets_on_each_other_stay_two():
     vertices, faces = shapes.grid(7, 5)
-    parts = connected_parts(np.vstack([vertices, vertices]), np.vstack([faces, faces + len(vertices)]))
-    assert [len(part.vertices) for part in parts.parts] == [35, 35]
+    pieces = connected_pieces(np.vstack([vertices, vertices]), np.vstack([faces, faces + len(vertices)]))
+    assert [len(piece.vertices) for piece in pieces.pieces] == [35, 35]
 
 
 def test_faces_turned_over_are_turned_back(figure):
     vertices, faces = figure
     some = np.random.default_rng(0).uniform(size=len(faces)) < 0.3
-    mesh = mended(vertices, np.where(some[:, None], faces[:, ::-1], faces))
+    mesh = repaired(vertices, np.where(some[:, None], faces[:, ::-1], faces))
     tail, head = mesh.faces.ravel(), np.roll(mesh.faces, -1, axis=1).ravel()
     assert len(np.unique(tail * len(vertices) + head)) == len(tail)  # every edge once each way
     assert f"{np.count_nonzero(some):,} faces" in mesh.warnings[0]
@@ -101,29 +101,29 @@ def test_a_one_sided_surface_stays_as_it_is():
     after = np.vstack([number[1:], number[:1, ::-1]])
     a, b, c, d = number[:, :-1], number[:, 1:], after[:, :-1], after[:, 1:]
     faces = np.vstack([np.stack([a, b, c], axis=2).reshape(-1, 3), np.stack([b, d, c], axis=2).reshape(-1, 3)])
-    mesh = mended(points.reshape(-1, 3), faces)
+    mesh = repaired(points.reshape(-1, 3), faces)
     assert np.count_nonzero((mesh.faces != faces).any(axis=1)) == 0
 
 
-def test_parts_come_largest_first_and_back_together(figure, sphere):
+def test_pieces_come_largest_first_and_back_together(figure, sphere):
     vertices = np.vstack([0.01 * sphere[0] + 9, figure[0], [[5.0, 5, 5]]])
     faces = np.vstack([sphere[1], figure[1] + len(sphere[0])])
-    parts = connected_parts(vertices, faces)
-    assert [len(part.vertices) for part in parts.parts] == [len(figure[0]), len(sphere[0])]
-    assert surface_area(parts.parts[0].points, parts.parts[0].faces) == pytest.approx(surface_area(*figure))
-    back = parts.together([part.points for part in parts.parts], np.zeros_like(vertices))
+    pieces = connected_pieces(vertices, faces)
+    assert [len(piece.vertices) for piece in pieces.pieces] == [len(figure[0]), len(sphere[0])]
+    assert surface_area(pieces.pieces[0].points, pieces.pieces[0].faces) == pytest.approx(surface_area(*figure))
+    back = pieces.gathered([piece.points for piece in pieces.pieces], np.zeros_like(vertices))
     np.testing.assert_array_equal(back[:-1], vertices[:-1])
     assert (back[-1] == 0).all()
-    here, at = parts.placed([0, len(sphere[0]), 3])[1]
-    np.testing.assert_array_equal(here, [0, 2])
-    np.testing.assert_array_equal(at, [0, 3])
-    assert "2 loose parts" in parts.apart[0]
-    assert "1 vertex" in parts.apart[1]
+    chosen = pieces.sources([0, len(sphere[0]), 3])[1]
+    np.testing.assert_array_equal(chosen.positions, [0, 2])
+    np.testing.assert_array_equal(chosen.vertices, [0, 3])
+    assert "2 loose parts" in pieces.apart[0]
+    assert "1 vertex" in pieces.apart[1]
 
 
 def test_far_from_the_origin_single_precision_is_told():
     vertices, faces = shapes.sphere(2)
     far = (vertices + 1e6).astype(np.float32)
-    assert "rounded to" in mended(far, faces).warnings[0]
-    assert mended(vertices + 1e6, faces).warnings == []
-    assert mended(vertices.astype(np.float32) + np.float32(10), faces).warnings == []
+    assert "rounded to" in repaired(far, faces).warnings[0]
+    assert repaired(vertices + 1e6, faces).warnings == []
+    assert repaired(vertices.astype(np.float32) + np.float32(10), faces).warnings == []

@@ -9,23 +9,26 @@ from sklearn.manifold import ClassicalMDS
 from sklearn.manifold import smacof as sklearn_smacof
 
 from addon.core import CancelledError, InvalidSettingsError, Settings, TooLargeError, canonical_form
-from addon.core.distance_field import heat_geodesics
+from addon.core.distance_fields import heat_geodesics
 from addon.core.embedding.pushing import LinkStress, Pushing
 from addon.core.measures.alignment import closest_point_fit, rigid_fit
 from addon.core.measures.form_measures import compactness_error, edge_stretch
 from addon.core.mesh.connectivity import vertex_pairs
 from addon.core.mesh.geometry import surface_area
-from addon.core.methods.classical import leading_scaling
+from addon.core.embedding.classical_scaling import leading_scaling
 from addon.core.methods.fast import fast_map
-from addon.core.methods.least_squares import unit_smacof
+from addon.core.embedding.smacof import unit_smacof
 from addon.core.methods.non_metric import non_metric_scaling
 from addon.core.methods.one_form import with_one_form_kept
 from addon.core.methods.skeleton import curve_skeleton
-from addon.core.run.memory import memory_estimate
+from addon.core.unfolding.costs import memory_estimate
 from addon.core.run.monitor import Monitor
-from addon.core.unfolding.catalogue import RIVALS
-from addon.core.unfolding.settings import METHODS
+from addon.core.unfolding.catalogue import methods
 from tests.meshes import shapes
+
+
+RIVALS = ("classical", "least_squares", "non_metric", "fast", "euclidean_random", "euclidean_normalised", "one_form",
+          "skeleton")  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -45,11 +48,14 @@ def forms(figure):
 
 
 def test_every_rival_has_a_name_in_the_settings():
-    assert set(METHODS) == {"local_features", *RIVALS}
-    with pytest.raises(InvalidSettingsError, match="method must be one of local_features, classical"):
+    assert list(methods()) == ["local_features", "as_published", "as_published_closed", *RIVALS]
+    assert [Settings(method=name).method for name in methods()] == list(methods())
+    with pytest.raises(
+        InvalidSettingsError,
+        match="method must be one of local_features, as_published, as_published_closed, classical, .*; got 'tsne'",
+    ) as refused:
         Settings(method="tsne")
-    with pytest.raises(InvalidSettingsError, match="as_published"):
-        Settings(method="fast", as_published=True)
+    assert refused.value.kind == "unknown_method"
 
 
 def test_classical_scaling_is_that_of_scikit_learn(distances):
@@ -66,8 +72,7 @@ def test_classical_scaling_is_that_of_scikit_learn(distances):
 
 def test_least_squares_reaches_the_stress_of_scikit_learn(distances):
     start = leading_scaling(distances)
-    settings = Settings(iterations=3000, tolerance=1e-9)
-    _, history = unit_smacof(distances, start, settings, Monitor())
+    _, history = unit_smacof(distances, start, max_iterations=3000, tolerance=1e-9)
     _, theirs = sklearn_smacof(distances, init=start, n_init=1, max_iter=3000, eps=1e-9, normalized_stress=False)
     assert history[-1] == pytest.approx(theirs, rel=0.01)
     assert history[-1] <= theirs * (1 + 1e-6)
@@ -90,7 +95,7 @@ def test_isotonic_regression_is_that_by_brute_force():
 
 def test_non_metric_disparities_rise_with_the_distances(distances):
     start = leading_scaling(distances[:12, :12])
-    points, history, wanted = non_metric_scaling(distances[:12, :12], start, 50, 0.0)
+    points, history, wanted = non_metric_scaling(distances[:12, :12], start, max_iterations=50, tolerance=0.0)
     given, straight = squareform(distances[:12, :12]), pdist(points)
     order = np.argsort(given, kind="stable")
     best = pooled(straight[order])
@@ -103,7 +108,7 @@ def test_non_metric_disparities_rise_with_the_distances(distances):
 def test_non_metric_scaling_knows_the_order_only():
     points = np.random.default_rng(1).normal(size=(60, 3))
     straight = squareform(pdist(points))
-    found, history, _ = non_metric_scaling(straight**3, leading_scaling(straight**3), 3000, 0.0)
+    found, history, _ = non_metric_scaling(straight**3, leading_scaling(straight**3), max_iterations=3000, tolerance=0.0)
     assert history[-1] < 2e-3 * history[0]
     assert np.corrcoef(pdist(found), pdist(points))[0, 1] > 0.995
 
@@ -189,7 +194,7 @@ def test_where_and_how_large_a_mesh_is_does_not_matter(figure, forms, method, ro
 def test_landmarks_stand_for_all_pairs(method):
     vertices, faces = shapes.figure(13)
     many = canonical_form(vertices, faces, Settings(method=method, quality="full", tolerance=1e-6))
-    few = canonical_form(vertices, faces, Settings(method=method, landmarks=150, tolerance=1e-6))
+    few = canonical_form(vertices, faces, Settings(method=method, landmark_count=150, tolerance=1e-6))
     assert many.pair_count == len(vertices) ** 2
     assert few.pair_count == 150 * len(vertices)
     turn, shift = rigid_fit(few.vertices, many.vertices, mirror=True)
@@ -228,11 +233,11 @@ def test_links_are_a_stress_and_its_gradient():
     links = np.array([(i, j) for i in range(30) for j in range(i + 1, 30)])[::3]
     targets, weights = rng.uniform(0.5, 2, (2, len(links)))
     stress = LinkStress(links, targets, weights, 30)
-    value, pull = stress.value_and_pull(points)
+    value, pull = stress.value_and_descent(points)
     naive = sum(w * (t - np.linalg.norm(points[i] - points[j])) ** 2
                 for (i, j), t, w in zip(links, targets, weights, strict=True))  # fmt: skip
     assert value == pytest.approx(naive, rel=1e-12)
-    above, below = (stress.value_and_pull(points + s * 1e-6 * way)[0] for s in (1, -1))
+    above, below = (stress.value_and_descent(points + s * 1e-6 * way)[0] for s in (1, -1))
     assert np.vdot(pull, way) == pytest.approx(-(above - below) / 4e-6, rel=1e-5)
 
 
@@ -240,8 +245,8 @@ def test_pushing_apart_straightens_a_bent_tube():
     vertices, faces = bent_tube()
     vertices = vertices / np.sqrt(surface_area(vertices, faces))
     samples = np.arange(0, len(vertices), 20)
-    settings = Settings(tolerance=1e-6, iterations=2000)
-    form, history = Pushing(vertices, faces, samples, 0.5).lowered(vertices, settings, Monitor())
+    pushing = Pushing(vertices, faces, samples, strength=0.5)
+    form, history = pushing.lowered(vertices, tolerance=1e-6, max_iterations=2000)
     assert (np.diff(history) <= 0).all()
     i, j = vertex_pairs(faces).T
     kept = np.linalg.norm(form[i] - form[j], axis=1) / np.linalg.norm(vertices[i] - vertices[j], axis=1)
@@ -326,6 +331,6 @@ def test_unbending_takes_more_of_the_pose_out_of_our_form_and_lengthens_it(real_
 def test_a_push_without_depth_leaves_the_third_axis_alone():
     vertices, faces = bent_tube()
     vertices = vertices / np.sqrt(surface_area(vertices, faces))
-    pushing = Pushing(vertices, faces, np.arange(0, len(vertices), 20), 3.0, depth=0.0)
+    pushing = Pushing(vertices, faces, np.arange(0, len(vertices), 20), strength=3.0, depth=0.0)
     flat = vertices * [1.0, 1.0, 0.0]
-    assert np.abs(pushing.lowered(flat, Settings(iterations=20), Monitor())[0][:, 2]).max() < 1e-12
+    assert np.abs(pushing.lowered(flat, max_iterations=20)[0][:, 2]).max() < 1e-12

@@ -1,7 +1,7 @@
 import numpy as np
 
-from addon.core.mesh.connectivity import component_labels
-from addon.core.patching.cells import closed_cell_faces, voronoi_cells
+from addon.core.mesh.connectivity import component_labels, vertex_pairs
+from addon.core.patching.cells import patches_of, voronoi_cells
 from tests.meshes import shapes
 
 
@@ -30,14 +30,26 @@ def test_islands_join_the_cell_around_them():
     assert (cells[island] == 1).all()
     for index, site in enumerate(sites):
         inside = faces[(cells[faces] == index).all(axis=1)]
-        label = component_labels(len(vertices), inside)
+        label = component_labels(len(vertices), vertex_pairs(inside))
         assert (label[np.unique(inside)] == label[site]).all()
 
 
 def test_closed_cells_cover_every_triangle_and_share_a_band():
     _, faces = shapes.grid(12, 12)
     cells = (np.arange(144) % 12 >= 6).astype(int)
-    left, right = (closed_cell_faces(cells, faces, index) for index in (0, 1))
-    assert len(np.union1d(left, right)) == len(faces)
-    shared = np.intersect1d(np.unique(faces[left]), np.unique(faces[right]))
+    left, right = patches_of(cells, faces, 2)
+    assert len(np.unique(np.concatenate([left.faces, right.faces]), axis=0)) == len(faces)
+    for patch in (left, right):
+        np.testing.assert_array_equal(patch.vertices, np.unique(patch.faces))
+    shared = np.intersect1d(left.vertices, right.vertices)
     np.testing.assert_array_equal(np.unique(shared % 12), [5, 6])
+
+
+def test_open_cells_share_no_vertex_and_are_measured_on_the_triangles_of_closed_ones():
+    _, faces = shapes.grid(12, 12)
+    cells = (np.arange(144) % 12 >= 6).astype(int)
+    for index, (closed, opened) in enumerate(
+        zip(patches_of(cells, faces, 2), patches_of(cells, faces, 2, closed=False), strict=True)
+    ):
+        np.testing.assert_array_equal(opened.faces, closed.faces)
+        np.testing.assert_array_equal(opened.vertices, np.flatnonzero(cells == index))

@@ -2,13 +2,13 @@ import numpy as np
 import pytest
 
 from addon.core import CancelledError, Settings, canonical_form
-from addon.core.limb_shapes import limb_shapes
+from addon.core.limbs import limb_shapes
 from addon.core.measures.alignment import rigid_fit
 from addon.core.measures.form_measures import edge_stretch
 from addon.core.mesh.connectivity import vertex_pairs
 from addon.core.mesh.geometry import signed_volume
 from addon.core.posing.articulation import Articulation
-from addon.core.posing.limbs import limb_amounts
+from addon.core.posing.limb_amounts import limb_amounts
 from addon.core.run.monitor import Monitor
 from tests.meshes import shapes
 
@@ -127,7 +127,7 @@ def test_in_betweens_of_a_limb_leave_the_rest_alone(figure):
     points, faces = figure
     found = canonical_form(points, faces)
     limb = found.patches == int(np.argmin(np.bincount(found.patches)))
-    halfway, whole = limb_shapes(points, faces, found.vertices, limb, (0.5, 1.0))
+    halfway, whole = limb_shapes(points, faces, found.vertices, limb, ways=(0.5, 1.0))
     outside = limb_amounts(points, faces, limb) == 0
     for shape in (halfway, whole):
         np.testing.assert_allclose(shape[outside], points[outside], atol=1e-13)
@@ -152,7 +152,7 @@ def test_vertices_that_are_held_but_not_worked_on_do_not_tear(sphere):
     points, faces = sphere
     path = Articulation(points, faces, points @ np.diag([1.0, 1.2, 0.8]))
     amounts = np.ones(len(points))
-    amounts[np.setdiff1d(np.arange(len(points)), path._kept)[0]] = 0.0
+    amounts[np.setdiff1d(np.arange(len(points)), path._surface.kept)[0]] = 0.0
     shape = path.at(amounts)
     assert edge_stretch(points, shape, faces).max() < 3
 

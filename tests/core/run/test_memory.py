@@ -4,21 +4,16 @@ import sys
 import pytest
 
 from addon.core import Settings, TooLargeError
-from addon.core.distance_field import KINDS, distance_field, heat_geodesics
-from addon.core.run.memory import (
-    field_memory_estimate,
-    free_memory,
-    memory_estimate,
-    memory_limit,
-    require_memory,
-    time_estimate,
-)
+from addon.core.distance_fields import KINDS, distance_field, heat_geodesics
+from addon.core.distances.costs import distance_memory
+from addon.core.run.memory import free_memory, memory_limit
+from addon.core.unfolding.costs import memory_estimate, require_memory, time_estimate
 from tests.meshes import shapes
 
 
 def test_the_limit_is_the_one_set_or_a_share_of_what_is_free():
-    assert memory_limit(Settings(memory_limit=3.5)) == 3.5
-    assert 0 < memory_limit(Settings()) == pytest.approx(0.6 * free_memory(), rel=0.1)
+    assert memory_limit(3.5) == 3.5
+    assert 0 < memory_limit() == pytest.approx(0.6 * free_memory(), rel=0.1)
 
 
 def test_free_memory_is_what_the_system_says():
@@ -34,7 +29,7 @@ def test_estimates_grow_with_the_mesh_and_the_quality():
 
 
 def test_a_mesh_that_does_not_fit_is_refused_in_words(monkeypatch):
-    monkeypatch.setattr("addon.core.memory.free_memory", lambda: 1.0)
+    monkeypatch.setattr("addon.core.run.memory.free_memory", lambda: 1.0)
     require_memory(400_000, Settings())
     with pytest.raises(
         TooLargeError, match=r"1,000,000 vertices needs about 1\.3 GB, more than 0\.6 GB, which is 60% of"
@@ -67,12 +62,12 @@ def test_distances_that_do_not_fit_are_refused_in_words(kind):
     said = "Fast marching takes far less" if kind == "heat" else r"\. Close other programs"
     with pytest.raises(TooLargeError, match=rf"need about 0\.\d GB, more than the limit of 0\.01 GB.*{said}"):
         distance_field(*mesh, [0], kind, memory_limit=0.01)
-    small, large = (field_memory_estimate(count, kind) for count in (1_000, 1_000_000))
+    small, large = (distance_memory(count, kind) for count in (1_000, 1_000_000))
     assert 0 < small < large / 10
 
 
 def test_geodesics_that_do_not_fit_are_refused(monkeypatch):
-    monkeypatch.setattr("addon.core.memory.free_memory", lambda: 0.01)
+    monkeypatch.setattr("addon.core.run.memory.free_memory", lambda: 0.01)
     with pytest.raises(TooLargeError, match="These distances need"):
         heat_geodesics(*shapes.grid(5, 5), [0])
 

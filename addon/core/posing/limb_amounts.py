@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..mesh.connectivity import vertex_pairs
+from ..mesh.connectivity import component_labels, vertex_pairs
 from ..mesh.geometry import of_unit_area
 from ..numerics.arrays import FloatArray, IntArray
 
@@ -30,7 +30,7 @@ def limb_amounts(points: FloatArray, faces: IntArray, chosen: np.ndarray) -> Flo
         1 in the limbs and 0 outside, rising smoothly over a band along their borders, measured along edges.
     """
     from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components, dijkstra
+    from scipy.sparse.csgraph import dijkstra
 
     if chosen.all() or not chosen.any():
         return chosen.astype(np.float64)
@@ -46,9 +46,7 @@ def limb_amounts(points: FloatArray, faces: IntArray, chosen: np.ndarray) -> Flo
         return dijkstra(graph, directed=False, indices=sources, min_only=True)
 
     same = pairs[chosen[pairs[:, 0]] == chosen[pairs[:, 1]]]
-    sides = coo_matrix((np.ones(len(same)), (same[:, 0], same[:, 1])), shape=graph.shape)
-    # each limb, and each piece of the rest, has a band of its own
-    part = connected_components(sides, directed=False)[1]
+    part = component_labels(len(points), same)  # each limb, and each piece of the rest, has a band of its own
     distance = np.where(chosen, depth(chosen), depth(~chosen))
     deepest = np.zeros(int(part.max()) + 1)
     np.maximum.at(deepest, part, distance)

@@ -1,4 +1,4 @@
-"""The form of some limbs only: the rest of the surface keeps its pose."""
+"""The door to the form of some limbs only: the rest of the surface keeps its pose."""
 
 from __future__ import annotations
 
@@ -6,13 +6,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .assembly.parts import Part, connected_parts
+from .assembly.pieces import Piece, connected_pieces
 from .mesh.geometry import of_unit_area, vertex_areas
 from .numerics.arrays import FloatArray, IntArray
 from .posing.articulation import Articulation
-from .posing.limbs import limb_amounts
+from .posing.limb_amounts import limb_amounts
 from .run.errors import InvalidMeshError, InvalidSettingsError
-from .run.monitor import Monitor
+from .run.monitor import Monitor, Plan
+
+_STAGES: Plan = {"Coarse mesh": 35, "Triangulation": 5, "Limbs": 60}
 
 
 def limb_shapes(
@@ -20,6 +22,7 @@ def limb_shapes(
     faces: IntArray,
     form: FloatArray,
     chosen: np.ndarray,
+    *,
     ways: Sequence[float] = (1.0,),
     monitor: Monitor | None = None,
 ) -> list[FloatArray]:
@@ -42,7 +45,7 @@ def limb_shapes(
     ways : sequence of float
         Parts of the way, 0 to 1.
     monitor : Monitor, optional
-        Told the progress and asked whether to stop.
+        Receives progress; polled for cancellation.
 
     Returns
     -------
@@ -54,28 +57,30 @@ def limb_shapes(
     InvalidMeshError, InvalidSettingsError
         If the mesh cannot be used, or the rest does not fit to it; the message says what to do.
     CancelledError
-        If the monitor says so.
+        If the run is cancelled.
     """
-    parts = connected_parts(points, faces)
-    form, chosen, count = np.asarray(form, dtype=np.float64), np.asarray(chosen), len(parts.vertices)
+    monitor = monitor or Monitor()
+    pieces = connected_pieces(points, faces, monitor)
+    form, chosen, count = np.asarray(form, dtype=np.float64), np.asarray(chosen), len(pieces.vertices)
     if form.shape != (count, 3) or not np.isfinite(form).all():
-        raise InvalidMeshError(f"The form must be a ({count}, 3) array of numbers.")
+        raise InvalidMeshError("form_shape", count=count)
     if chosen.shape != (count,) or chosen.dtype != bool:
-        raise InvalidSettingsError(f"chosen must be an array of {count} times True or False.")
+        raise InvalidSettingsError("limb_mask", count=count)
     if not all(0 <= way <= 1 for way in ways):
-        raise InvalidSettingsError("ways must be from 0 to 1.")
-    shapes = []
-    for part, own in parts.each(monitor or Monitor()):
-        here = part.vertices
-        with own.stage("Limbs", 1.0):
-            shapes.append(_shapes_of_part(part, form[here], chosen[here], ways, own))
-    return [parts.together(each, parts.vertices) for each in zip(*shapes, strict=True)]
+        raise InvalidSettingsError("limb_ways")
+
+    def work(piece: Piece, own: Monitor) -> list[FloatArray]:
+        here = piece.vertices
+        return _shapes_of_piece(piece, form[here], chosen[here], ways, own)
+
+    shapes = pieces.map(work, monitor, _STAGES)
+    return [pieces.gathered(each, pieces.vertices) for each in zip(*shapes, strict=True)]
 
 
-def _shapes_of_part(
-    part: Part, form: FloatArray, chosen: np.ndarray, ways: Sequence[float], monitor: Monitor
+def _shapes_of_piece(
+    piece: Piece, form: FloatArray, chosen: np.ndarray, ways: Sequence[float], monitor: Monitor
 ) -> list[FloatArray]:
-    points, faces = part.points, part.faces
+    points, faces = piece.points, piece.faces
     if not chosen.any():
         return [points for _ in ways]
     amounts = limb_amounts(points, faces, chosen)
@@ -88,7 +93,8 @@ def _shapes_of_part(
         return [form for _ in ways]
     path = Articulation(points, faces, form, monitor)
     shapes = []
-    for number, way in enumerate(ways, start=1):
-        shapes.append(path.at(amounts, way))
-        monitor.tick(number / len(ways))
+    with monitor.stage("Limbs"):
+        for number, way in enumerate(ways, start=1):
+            shapes.append(path.at(amounts, way))
+            monitor.tick(number / len(ways))
     return shapes

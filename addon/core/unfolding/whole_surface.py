@@ -1,4 +1,4 @@
-"""What the rivals share: the whole surface, and geodesics between its vertices or from landmarks."""
+"""What rivals share: all vertices of the surface, and geodesics between them or from landmarks."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from ..deformation.elastic_body import ElasticBody
 from ..distances.farthest_points import farthest_points
 from ..distances.geodesics import all_geodesics
 from ..distances.heat import HeatMethod
-from ..embedding.classical_scaling import placed_around
-from ..measures.alignment import keeps_outside_out
+from ..embedding.classical_scaling import landmark_scaling, leading_scaling, placed_around
+from ..measures.alignment import outside_out
 from ..numerics.arrays import FloatArray, IntArray
 from ..run.memory import require_pair_memory
 from ..run.monitor import Monitor
 from ..surface.delaunay import intrinsic_delaunay
 from ..surface.triangulation import Triangulation, triangulated
 from .embedding import Embedding
-from .recognition import Recognition
 from .settings import Settings
+from .surface_features import SurfaceFeatures
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,6 +52,19 @@ class Samples:
         square = self.distances[self.vertices]
         return (square + square.T) / 2
 
+    def classical_embedding(self) -> FloatArray:
+        """Embed all vertices by classical scaling: from all pairs where there are all, otherwise by the landmarks.
+
+        Returns
+        -------
+        (n, 3) ndarray of float
+            The points, centred.
+        """
+        if self.complete:
+            return leading_scaling(self.distances)
+        embedding = landmark_scaling(self.distances, self.vertices)
+        return embedding - embedding.mean(axis=0)
+
     def spread(self, placed: FloatArray, start: FloatArray, distances: FloatArray | None = None) -> FloatArray:
         """Place all other vertices by their distances from the samples.
 
@@ -79,36 +92,36 @@ class WholeSurface:
 
     Parameters
     ----------
-    found : Recognition
+    found : SurfaceFeatures
         The mesh and its feature points.
     settings : Settings
         Quality and number of landmarks.
     monitor : Monitor
-        Told the progress and asked whether to stop.
+        Receives progress; polled for cancellation.
 
     Attributes
     ----------
     points : (n, 3) ndarray of float
         Vertices, of unit area.
-    triangles : (m, 3) ndarray of int
+    faces : (m, 3) ndarray of int
         Triangles.
     features : (k,) ndarray of int
         Feature points.
     """
 
-    def __init__(self, found: Recognition, settings: Settings, monitor: Monitor) -> None:
-        self.points, self.triangles, self.features = found.whole_points, found.whole_triangles, found.whole_features
+    def __init__(self, found: SurfaceFeatures, settings: Settings, monitor: Monitor) -> None:
+        self.points, self.faces, self.features = found.whole_points, found.whole_faces, found.whole_features
         self._settings, self._monitor = settings, monitor
 
     @cached_property
     def surface(self) -> Triangulation:
         """The intrinsic Delaunay triangulation of all vertices."""
-        return intrinsic_delaunay(triangulated(self.points, self.triangles), self._monitor)
+        return intrinsic_delaunay(triangulated(self.points, self.faces), self._monitor)
 
     @cached_property
     def body(self) -> ElasticBody:
         """The mesh as an elastic body, without struts."""
-        return ElasticBody(self.surface, self.points, self.triangles)
+        return ElasticBody(self.surface, self.points, self.faces)
 
     @cached_property
     def heat(self) -> HeatMethod:
@@ -128,14 +141,16 @@ class WholeSurface:
         TooLargeError
             If all pairs do not fit into the memory limit.
         CancelledError
-            If the monitor says so.
+            If the run is cancelled.
         """
         count = len(self.points)
         if self._settings.whole:
-            require_pair_memory(count, [count], self._settings)
-            return Samples(np.arange(count), all_geodesics(self.surface, self._monitor))
+            require_pair_memory(count, [count], limit=self._settings.memory_limit, whole=True)
+            return Samples(np.arange(count), all_geodesics(self.surface, monitor=self._monitor))
         first = self.heat.distances(self.features)
-        landmarks, distances = farthest_points(self.heat, self.features, first, self._settings.landmarks, self._monitor)
+        landmarks, distances = farthest_points(
+            self.heat, self.features, first, self._settings.landmark_count, monitor=self._monitor
+        )
         distances = np.maximum(distances, 0.0)
         if len(landmarks) == count:  # a small mesh: all pairs, in the order of the vertices
             distances = distances[:, np.argsort(landmarks)]
@@ -155,7 +170,7 @@ class WholeSurface:
         (n, 3) ndarray of float
             The embedding or its mirror image.
         """
-        return form if keeps_outside_out(self.body, form) else form * [1.0, 1.0, -1.0]
+        return outside_out(self.body, form)
 
     def embedding(self, form: FloatArray, history: ArrayLike, pair_count: int) -> Embedding:
         """Finish an embedding that may be a mirror image.

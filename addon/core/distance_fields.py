@@ -1,0 +1,225 @@
+"""The doors to distances from chosen vertices, each useful by itself: the pictures of the paper's section 3.3."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .assembly.pieces import Chosen, Piece, Pieces, connected_pieces
+from .distances.costs import require_distance_memory
+from .distances.edge_paths import edge_graph
+from .distances.fast_marching import fast_marching
+from .distances.heat import WHOLE, HeatMethod
+from .distances.spectral import GreensFunction
+from .mesh.geometry import of_unit_area
+from .numerics.arrays import FloatArray, IntArray
+from .run.errors import InvalidSettingsError
+from .run.memory import require_pair_memory
+from .run.monitor import Cancelled, Monitor, Plan, Progress, Warned
+from .surface.laplacian import mass, stiffness
+from .surface.triangulation import triangulated
+from .surface.working_surface import working_surface
+
+KINDS = ("heat", "fast_marching", "biharmonic", "commute_time")
+_STAGES: Plan = {"Surface": 10, "Pieces": 90}
+_PIECE_STAGES: Plan = {"Coarse mesh": 20, "Triangulation": 5, "Distances": 75}
+_WORKED_ON = 2000  # vertices between which biharmonic distance and commute time are computed, all pairs
+_REFINED = 30_000  # vertices up to which the heat method splits the triangles for accuracy
+_ONE_BY_ONE = 16  # sources that the heat method measures from one by one, which is more accurate
+_OFF = 0.1  # of the largest distance: how far one may be held before it is reported
+_MOST_SOURCES = 1000  # of these kinds: each stays in the coarse mesh
+
+
+def distance_field(
+    vertices: ArrayLike,
+    faces: ArrayLike,
+    sources: ArrayLike,
+    kind: str = "heat",
+    *,
+    progress: Progress | None = None,
+    cancelled: Cancelled | None = None,
+    warned: Warned | None = None,
+    memory_limit: float = 0.0,
+) -> FloatArray:
+    """Measure how far every vertex of a mesh is from the nearest of some vertices.
+
+    Parameters
+    ----------
+    vertices : (n, 3) array_like of float
+        Vertex positions, any unit of length.
+    faces : (m, 3) array_like of int
+        Triangles of one or several surfaces.
+    sources : (s,) array_like of int
+        Vertices to measure from.
+    kind : {'heat', 'fast_marching', 'biharmonic', 'commute_time'}
+        Geodesic distance by the heat method or by fast marching, biharmonic distance (equation 9) or commute time
+        (the root of equation 8). The last two are computed on 2,000 vertices and carried to all.
+    progress : callable, optional
+        Called with the fraction done (0 to 1) and the name of the stage.
+    cancelled : callable, optional
+        The computation stops when it returns True; one factorisation, a few seconds at 160,000 vertices, is not
+        interrupted.
+    warned : callable, optional
+        Called with each warning, a sentence; without it they are Python's own.
+    memory_limit : float
+        Gigabytes that the computation may take; 0 for 60 % of the free memory.
+
+    Returns
+    -------
+    (n,) ndarray of float
+        Distances, in the unit of the vertices; commute time has no unit. inf where unreachable.
+
+    Raises
+    ------
+    InvalidMeshError
+        If the mesh cannot be used; the message says what to do.
+    InvalidSettingsError
+        If the kind is unknown, or the sources are not vertices or too many.
+    TooLargeError
+        If the surfaces with sources are too large for the memory limit.
+    CancelledError
+        If `cancelled` returned True.
+    """
+    if kind not in KINDS:
+        raise InvalidSettingsError("unknown_kind", names=", ".join(KINDS), value=kind)
+    monitor = Monitor(progress, cancelled, _STAGES)
+    pieces, chosen = _measurable(vertices, faces, sources, kind, memory_limit, monitor)
+
+    def work(piece: Piece, here: Chosen, own: Monitor) -> FloatArray:
+        return _field_of_piece(piece, np.unique(here.vertices), kind, memory_limit, own)
+
+    fields = pieces.map(work, monitor, _PIECE_STAGES, chosen)
+    field = pieces.gathered(fields, np.full(len(pieces.vertices), np.inf))
+    field[np.unique(np.asarray(sources))] = 0.0
+    monitor.deliver(warned)
+    return field
+
+
+def heat_geodesics(
+    vertices: ArrayLike,
+    faces: ArrayLike,
+    sources: ArrayLike,
+    *,
+    warned: Warned | None = None,
+    memory_limit: float = 0.0,
+) -> FloatArray:
+    """Measure geodesic distances from some vertices of a mesh to all its vertices, one by one, by the heat method.
+
+    Parameters
+    ----------
+    vertices : (n, 3) array_like of float
+        Vertex positions.
+    faces : (m, 3) array_like of int
+        Triangles of one or several surfaces.
+    sources : (s,) array_like of int
+        Vertex indices to measure from.
+    warned : callable, optional
+        Called with each warning, a sentence; without it they are Python's own.
+    memory_limit : float
+        Gigabytes that the computation may take; 0 for 60 % of the free memory.
+
+    Returns
+    -------
+    (n, s) ndarray of float
+        Distances in the unit of the vertices, one column per source; inf where unreachable.
+
+    Raises
+    ------
+    InvalidMeshError
+        If the mesh cannot be used; the message says what to do.
+    InvalidSettingsError
+        If the sources are not vertices of the mesh.
+    TooLargeError
+        If the surfaces with sources are too large for the memory limit.
+    """
+    from scipy.sparse.csgraph import dijkstra
+    from scipy.spatial.distance import cdist
+
+    monitor = Monitor()
+    pieces, chosen = _measurable(vertices, faces, sources, "geodesics", memory_limit, monitor)
+    columns = np.atleast_1d(np.asarray(sources))
+
+    def work(piece: Piece, here: Chosen, own: Monitor) -> FloatArray:
+        each = np.full((len(piece.vertices), len(columns)), np.inf)
+        if len(here.vertices):
+            points, _, unit = of_unit_area(piece.points, piece.faces)
+            surface = triangulated(points, piece.faces)
+            found = HeatMethod(surface, monitor=own, fewest=WHOLE).distances(here.vertices)
+            longest = dijkstra(edge_graph(surface), directed=False, indices=here.vertices).T
+            each[:, here.positions] = unit * _possible(found, cdist(points, points[here.vertices]), longest, own)
+        return each
+
+    distances = pieces.map(work, monitor, _PIECE_STAGES, chosen)
+    monitor.deliver(warned)
+    result = pieces.gathered(distances, np.full((len(pieces.vertices), len(columns)), np.inf))
+    result[columns, np.arange(len(columns))] = 0.0
+    return result
+
+
+def _measurable(
+    vertices: ArrayLike, faces: ArrayLike, sources: ArrayLike, kind: str, memory_limit: float, monitor: Monitor
+) -> tuple[Pieces, list[Chosen]]:
+    """Find the pieces and the sources in them, and refuse what is too large before anything is computed."""
+    with monitor.stage("Surface"):
+        pieces = connected_pieces(vertices, faces, monitor)
+        monitor.extend(pieces.repairs)
+        chosen = pieces.sources(sources)
+        for piece, here in zip(pieces.pieces, chosen, strict=True):
+            if kind in ("biharmonic", "commute_time") and len(here.vertices) > _MOST_SOURCES:
+                raise InvalidSettingsError("too_many_sources", most=_MOST_SOURCES, count=len(here.vertices))
+            count = len(piece.vertices)
+            refined = kind == "geodesics" or (kind == "heat" and count <= _REFINED)  # about four times as many
+            if len(here.vertices):
+                require_distance_memory(4 * count if refined else count, kind, limit=memory_limit)
+    return pieces, chosen
+
+
+def _field_of_piece(piece: Piece, chosen: IntArray, kind: str, memory_limit: float, monitor: Monitor) -> FloatArray:
+    from scipy.sparse.csgraph import dijkstra
+    from scipy.spatial import cKDTree
+
+    if not len(chosen):
+        return np.full(len(piece.vertices), np.inf)
+    points, _, unit = of_unit_area(piece.points, piece.faces)
+    if kind in ("biharmonic", "commute_time"):
+        field = _spectral_field(points, piece.faces, chosen, kind, memory_limit, monitor)
+        return field * (unit if kind == "biharmonic" else 1.0)
+    surface = triangulated(points, piece.faces)
+    with monitor.stage("Distances"):
+        if kind == "fast_marching":
+            return unit * fast_marching(surface, chosen, monitor)
+        heat = HeatMethod(surface, refine=len(points) <= _REFINED, monitor=monitor, fewest=WHOLE)
+        one_by_one = len(chosen) <= _ONE_BY_ONE
+        field = heat.distances(chosen).min(axis=1) if one_by_one else heat.distance_to_set(chosen)
+        longest = dijkstra(edge_graph(surface), directed=False, indices=chosen, min_only=True)
+        return unit * _possible(field, cKDTree(points[chosen]).query(points)[0], longest, monitor)
+
+
+def _possible(field: FloatArray, straight: FloatArray, longest: FloatArray, monitor: Monitor) -> FloatArray:
+    """Hold distances between the straight ones and the ways along edges, which heat misses beside spikes."""
+    held = np.clip(field, np.minimum(straight, longest), longest)
+    off = ~(np.abs(held - field) <= _OFF * longest.max(axis=0))
+    far = np.count_nonzero(off.reshape(len(off), -1).any(axis=1))
+    if far:
+        monitor.warn("heat_bounded", count=far)
+    return np.where(np.isfinite(held), held, longest)
+
+
+def _spectral_field(
+    points: FloatArray, faces: IntArray, chosen: IntArray, kind: str, memory_limit: float, monitor: Monitor
+) -> FloatArray:
+    """Compute exact biharmonic distances or commute times on a coarse mesh and interpolate them to all vertices."""
+    surface = working_surface(points, faces, _WORKED_ON, fixed=chosen, monitor=monitor)
+    count = len(surface.points)
+    if surface.stuck:
+        require_pair_memory(len(points), [count], limit=memory_limit)
+        monitor.warn("coarse_mesh_stuck", count=count)
+    chosen = surface.numbers_of(chosen)
+    with monitor.stage("Distances"):
+        green = GreensFunction(stiffness(surface.triangulation), mass(surface.triangulation))
+        if kind == "biharmonic":
+            field = green.biharmonic_distances(np.arange(count))[:, chosen].min(axis=1)
+        else:
+            field = np.sqrt(green.commute_time_squared(np.arange(count), monitor)[:, chosen].min(axis=1))
+        monitor.check()
+    return surface.prolong(field)

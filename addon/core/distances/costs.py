@@ -1,0 +1,63 @@
+"""What distances over a whole surface will cost in memory."""
+
+from __future__ import annotations
+
+from ..run.errors import TooLargeError
+from ..run.memory import limit_in_words, memory_limit
+
+_FACTORS = (6.9, 655_362, 1.35)  # gigabytes that the factors of the heat method take at so many vertices, and growth
+_LINEAR = {  # gigabytes, and by vertex
+    "fast_marching": (0.05, 0.75e-6),
+    "biharmonic": (0.1, 1.05e-6),
+    "commute_time": (0.1, 1.05e-6),
+}
+
+
+def distance_memory(vertex_count: int, kind: str) -> float:
+    """Estimate the most memory that distances from some vertices take.
+
+    Parameters
+    ----------
+    vertex_count : int
+        Number of vertices of the connected surface; where the heat method refines it, of the refined one.
+    kind : {'heat', 'fast_marching', 'biharmonic', 'commute_time'}
+        As in `distance_field`.
+
+    Returns
+    -------
+    float
+        Gigabytes.
+
+    Examples
+    --------
+    >>> f"{distance_memory(100_000, 'fast_marching'):.3f} GB"
+    '0.125 GB'
+    """
+    if kind in _LINEAR:
+        base, each = _LINEAR[kind]
+        return base + each * vertex_count
+    most, at, growth = _FACTORS
+    return 0.05 + most * (vertex_count / at) ** growth
+
+
+def require_distance_memory(vertex_count: int, kind: str, *, limit: float = 0.0) -> None:
+    """Refuse to measure distances on a surface that is too large for the memory.
+
+    Parameters
+    ----------
+    vertex_count : int
+        As in `distance_memory`.
+    kind : str
+        Likewise.
+    limit : float
+        Gigabytes that may be taken; 0 for 60 % of the free memory.
+
+    Raises
+    ------
+    TooLargeError
+        With the memory needed and what to do.
+    """
+    needed = distance_memory(vertex_count, kind)
+    if needed > memory_limit(limit):
+        advice = "Fast marching takes far less. Or close" if kind == "heat" else "Close"
+        raise TooLargeError("distance_memory", needed=needed, limit=limit_in_words(limit), advice=advice)

@@ -1,0 +1,76 @@
+"""The door to feature points and patches alone."""
+
+from __future__ import annotations
+
+from numpy.typing import ArrayLike
+
+from .assembly.pieces import Chosen, Piece, connected_pieces
+from .numerics.arrays import FloatArray, IntArray
+from .results import FeaturePatches
+from .run.monitor import Cancelled, Monitor, Plan, Progress
+from .unfolding.catalogue import method_named
+from .unfolding.costs import require_memory
+from .unfolding.settings import Settings
+from .unfolding.surface_features import DETECTION, detected
+
+OPENING: Plan = {"Surface": 2, "Pieces": 98}  # the stages of every door
+
+
+def feature_patches(
+    vertices: ArrayLike,
+    faces: ArrayLike,
+    settings: Settings | None = None,
+    *,
+    progress: Progress | None = None,
+    cancelled: Cancelled | None = None,
+) -> FeaturePatches:
+    """Find the feature points and patches of a mesh, and stop there.
+
+    Parameters
+    ----------
+    vertices : (n, 3) array_like of float
+        Vertex positions, any unit of length.
+    faces : (m, 3) array_like of int
+        Triangles of one or several surfaces.
+    settings : Settings, optional
+        Options.
+    progress, cancelled : callable, optional
+        As in `canonical_form`.
+
+    Returns
+    -------
+    FeaturePatches
+        The same that `canonical_form` finds.
+
+    Raises
+    ------
+    CanonicalFormError
+        As `canonical_form` does.
+
+    Examples
+    --------
+    >>> tetrahedron = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+    >>> found = feature_patches(tetrahedron, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
+    >>> len(found.patches), len(found.feature_points) > 0
+    (4, True)
+
+    References
+    ----------
+    The paper, sections 3.1 and 3.2.
+    """
+    settings = settings or Settings()
+    settings = method_named(settings.method).settings(settings)
+    monitor = Monitor(progress, cancelled, OPENING)
+    with monitor.stage("Surface"):
+        pieces = connected_pieces(vertices, faces, monitor, features=settings.feature_points)
+        require_memory(pieces.largest, settings)
+    monitor.warnings += pieces.repairs + pieces.apart
+
+    def work(piece: Piece, chosen: Chosen | None, own: Monitor) -> tuple[IntArray, IntArray, FloatArray]:
+        given = None if chosen is None else chosen.vertices
+        return detected(piece.points, piece.faces, given, settings, own).prolonged(own)
+
+    found = pieces.map(work, monitor, DETECTION, pieces.chosen)
+    if pieces.detected_elsewhere:
+        monitor.warn("features_detected_elsewhere", count=pieces.detected_elsewhere)
+    return FeaturePatches(*pieces.gathered_features(found), monitor.timings, monitor.warnings)

@@ -1,0 +1,112 @@
+"""The paper to the letter, and a second reading of it with closed patches. Nothing here follows our own method.
+
+Start at the input, t = 0.1, sums over the K eigenpairs at hand, biharmonic distances as they are, unscaled terms and
+plain SMACOF steps, on all vertices. With open cells, as printed, the stress falls apart into one independent problem a
+patch; the paper's figures show forms that hold together, which closed cells give.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+
+from ..distances.spectral import biharmonic_squared, commute_time_squared
+from ..embedding.pairs import feature_pairs, patch_pairs
+from ..embedding.smacof import minimise_stress
+from ..embedding.stress import Stress
+from ..embedding.weight_inverse import WeightInverse
+from ..patching.cells import patches_of
+from ..run.memory import require_pair_memory
+from ..run.monitor import Monitor
+from ..unfolding.catalogue import Method
+from ..unfolding.embedding import Embedding
+from ..unfolding.settings import Settings
+from ..unfolding.surface_features import SurfaceFeatures
+
+_LETTER = {"quality": "full", "diffusion_time": 0.1, "eigenpairs": 80, "extrapolation": 0}
+
+
+def as_published_form(found: SurfaceFeatures, settings: Settings, monitor: Monitor, *, closed: bool) -> Embedding:
+    """Unfold a surface as the paper says.
+
+    Parameters
+    ----------
+    found : SurfaceFeatures
+        The surface, its spectrum, feature points and patches.
+    settings : Settings
+        Number of iterations, tolerance and memory limit; all else is the letter's.
+    monitor : Monitor
+        Receives progress and warnings; polled for cancellation.
+    closed : bool
+        Whether neighbouring patches share a band of vertices.
+
+    Returns
+    -------
+    Embedding
+        The form, not yet aligned to the input. No mirror image is chosen: the start is the input.
+
+    Raises
+    ------
+    TooLargeError
+        If all pairs inside the patches do not fit into the memory limit.
+    CancelledError
+        If the run is cancelled.
+
+    References
+    ----------
+    The paper, sections 3.2 to 3.4, equations 7 to 10.
+    """
+    surface, features, spectrum = found.surface, found.features, found.spectrum
+    count = len(surface.points)
+    patches = patches_of(found.cells, surface.faces, len(features), closed=closed)
+    require_pair_memory(count, [len(patch.vertices) for patch in patches], limit=settings.memory_limit, whole=True)
+    with monitor.stage("Distances"):
+        sets = patch_pairs(
+            surface.points,
+            patches,
+            lambda vertices: commute_time_squared(spectrum, vertices, vertices),  # c_ij², [8]
+            monitor=monitor,
+        )
+        if len(features) > 1:
+            biharmonic = biharmonic_squared(spectrum, features, features) ** 0.5  # dB_ij, [9]
+            sets.append(feature_pairs(features, biharmonic, found.adf))
+    with monitor.stage("Factorisation"):
+        inverse = WeightInverse(count, sets, monitor)
+    with monitor.stage("Embedding"):
+        stress = Stress(count, sets, monitor)  # [10]
+        form, history = minimise_stress(stress, inverse, surface.points, **settings.minimisation, monitor=monitor)
+    return Embedding(form, history, sum(len(pairs.vertices) ** 2 for pairs in sets))
+
+
+def _method(name: str, label: str, help: str, source: str, closed: bool, rank: int) -> Method:  # noqa: A002
+    return Method(
+        name,
+        label,
+        help,
+        source,
+        partial(as_published_form, closed=closed),
+        stages={"Distances": 25, "Factorisation": 4, "Embedding": 30},
+        uses=("max_iterations", "tolerance"),
+        pairs="patches",
+        rank=rank,
+        fixed=_LETTER,
+    )
+
+
+METHODS = (
+    _method(
+        "as_published",
+        "As Published",
+        "The paper to the letter, on all vertices; the patches are not connected",
+        "the paper to the letter, open cells",
+        False,
+        1,
+    ),
+    _method(
+        "as_published_closed",
+        "As Published, Closed",
+        "The paper to the letter but with closed patches; the surface stays connected",
+        "the paper with closed cells",
+        True,
+        2,
+    ),
+)

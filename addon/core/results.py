@@ -1,0 +1,76 @@
+"""What the doors give back."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .numerics.arrays import FloatArray, IntArray
+from .run.messages import Message
+
+
+@dataclass(frozen=True, eq=False)
+class FeaturePatches:
+    """Feature points and patches of a mesh.
+
+    Attributes
+    ----------
+    feature_points : (k,) ndarray of int
+        Vertices, most prominent first, or as given; piece by piece, those of the largest first.
+    patches : (n,) ndarray of int
+        Index into `feature_points` of the patch that each vertex belongs to; -1 for vertices of no face.
+    adf : (n,) ndarray of float
+        Auto Diffusion Function of each piece scaled to unit area; 0 at vertices of no face.
+    timings : dict of str to float
+        Seconds by stage.
+    warnings : list of Message
+        Sentences for the user.
+    """
+
+    feature_points: IntArray
+    patches: IntArray
+    adf: FloatArray
+    timings: dict[str, float]
+    warnings: list[Message]
+
+
+@dataclass(frozen=True, eq=False)
+class CanonicalForm:
+    """The canonical form of a mesh and what was found on the way.
+
+    Attributes
+    ----------
+    vertices : (n, 3) ndarray of float
+        The form: the input's area, rigidly aligned to the input, each connected piece by itself. Vertices of no face
+        are where they were.
+    faces : (m', 3) ndarray of int
+        The triangles that it is the form of: those given, repaired where the warnings say so.
+    feature_points : (k,) ndarray of int
+        Vertices, most prominent first, piece by piece, those of the largest first.
+    patches : (n,) ndarray of int
+        Index into `feature_points` of the patch that each vertex belongs to; -1 for vertices of no face.
+    adf : (n,) ndarray of float
+        Auto Diffusion Function of each piece scaled to unit area; 0 at vertices of no face.
+    stress : (s + 1,) ndarray of float
+        Equation 10 before each of the s steps and after the last, of the surface scaled to unit area; the sum over the
+        pieces.
+    pair_count : int
+        Entries of the distance matrices that the stress uses, counted as the paper does: Σ p² over the patches and
+        the feature points. Each pair of points is kept once.
+    pair_reduction : float
+        ``1 - pair_count / n²``.
+    timings : dict of str to float
+        Seconds by stage.
+    warnings : list of Message
+        Sentences for the user.
+    """
+
+    vertices: FloatArray
+    faces: IntArray
+    feature_points: IntArray
+    patches: IntArray
+    adf: FloatArray
+    stress: FloatArray
+    pair_count: int
+    pair_reduction: float
+    timings: dict[str, float]
+    warnings: list[Message]

@@ -1,0 +1,183 @@
+"""Every warning and error of the core as a kind with numbers, and the plain sentence for it.
+
+The sentences name no menu of any program. An outer layer recognises a message by its kind and adds its own advice.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+_SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, and for any other
+    # the mesh as given
+    "not_numbers": "Vertices and faces must be arrays of numbers ({reason}).",
+    "no_faces": "The mesh has no faces. Choose a mesh with a surface.",
+    "vertex_shape": "Vertices must be an (n, 3) array; got shape {shape}.",
+    "face_shape": "Faces must be an (m, 3) array of triangles; got shape {shape}.",
+    "face_type": "Faces must be integers; got {type}.",
+    "not_finite": (
+        "1 vertex has coordinates that are not numbers. Delete or repair it.",
+        "{count:,} vertices have coordinates that are not numbers. Delete or repair them.",
+    ),
+    "face_range": "Faces name vertices outside 0 to {last}.",
+    "no_area": "The surface has no area. Choose a mesh with a surface.",
+    "form_shape": "The form must be a ({count}, 3) array of numbers.",
+    # its repair
+    "repeated_corners": (
+        "1 face was left out: the same vertex twice.",
+        "{count:,} faces were left out: the same vertex twice.",
+    ),
+    "coincident_borders": "Borders lie on each other: {count:,} vertices were taken as one with others at their place.",
+    "duplicate_faces": (
+        "1 face was left out: another has the same vertices.",
+        "{count:,} faces were left out: another has the same vertices.",
+    ),
+    "inconsistent_faces": (
+        "1 face was turned over to face the same way as its neighbours.",
+        "{count:,} faces were turned over to face the same way as their neighbours.",
+    ),
+    "rounded_positions": "The mesh lies so far from its origin that its positions are rounded to {share:.1%} of its "
+    "size. Bring it nearer before detail is modelled or scanned.",
+    # its pieces
+    "too_many_pieces": "The mesh falls into {count:,} loose parts, more than {most}. Merge what belongs together, or "
+    "delete or separate the small parts, and run again.",
+    "pieces_without_area": "Loose parts without any area ({count}) stay where they are.",
+    "several_pieces": "The mesh has {count} loose parts. Each got feature points and a form of its own and stays in "
+    "its place; parts that should move together have to be joined first.",
+    "loose_vertices": (
+        "1 vertex that belongs to no face stays where it is.",
+        "{count:,} vertices that belong to no face stay where they are.",
+    ),
+    "more_warnings": "There are {count} more warnings like these about other parts.",
+    # settings and choices
+    "setting_range": "{name} must be {range}; got {value!r}.",
+    "unknown_method": "method must be one of {names}; got {value!r}.",
+    "unknown_kind": "kind must be one of {names}; got {value!r}.",
+    "feature_list": "feature_points must be a list of at least one vertex index.",
+    "feature_range": "feature_points must lie between 0 and {last}.",
+    "feature_twice": "feature_points names a vertex twice.",
+    "feature_off_surface": "feature_points names vertices that belong to no face with area.",
+    "feature_coincident": "feature_points names two vertices at one place, where borders lie on each other.",
+    "features_detected_elsewhere": "{count} loose parts have none of the given feature points; theirs were detected.",
+    "source_list": "Vertices to start from must be a list of at least one whole number.",
+    "source_range": "Vertices to start from must lie between 0 and {last}.",
+    "too_many_sources": "Select at most {most:,} vertices to measure from; {count:,} are.",
+    "limb_mask": "chosen must be an array of {count} times True or False.",
+    "limb_ways": "ways must be from 0 to 1.",
+    "diffusion_time": "The diffusion time must be positive; got {value}.",
+    # memory
+    "mesh_memory": "A mesh of {vertices:,} vertices needs about {needed:.1f} GB, more than {limit}. Reduce the mesh, "
+    "close other programs, or raise the memory limit.",
+    "pair_memory": "All pairs {which} need about {needed:.1f} GB, more than {limit}. {advice}, reduce the mesh to "
+    "about {vertices:,} vertices, or raise the memory limit.",
+    "distance_memory": "These distances need about {needed:.1f} GB, more than {limit}. {advice} other programs, reduce "
+    "the mesh, or raise the memory limit.",
+    # the working surface
+    "coarse_mesh_stuck": "The mesh could only be reduced to {count:,} vertices, because of its many borders or edges "
+    "of more than two faces; the computation takes longer and more memory than announced. Merge vertices by distance "
+    "for a faster one.",
+    "flips_exhausted": "Some triangles are so long and thin that better ones could not be found for them; distances "
+    "there are less exact. Remesh for a better form.",
+    "flat_triangles": "Triangles without any width upset the spectrum; it was computed with every edge lengthened a "
+    "little (at most {share:.0%} of the mean edge).",
+    "few_eigenpairs": "The mesh is small: it has fewer eigenpairs than asked for, and all were used.",
+    "few_features": "The surface has {count} feature points, fewer than the number asked for.",
+    # solvers
+    "singular": "The triangles are too thin, or of too different sizes, to compute with. Clean the mesh up or remesh "
+    "it.",
+    "disconnected": "The surface falls into parts, or nearly so: its lowest eigenvalue is 0.",
+    "inaccurate_spectrum": "The spectrum of the surface is only accurate to {residual:.1e}. Clean the mesh up or ask "
+    "for fewer eigenpairs.",
+    "spectrum_diverged": "The spectrum of the surface did not converge ({reason}). Ask for fewer eigenpairs or clean "
+    "the mesh up.",
+    "heat_disconnected": "Heat does not reach all of the surface: it falls into loose parts. Separate or merge them.",
+    "no_axes": "Classical scaling found no axes: the distances are too alike or too irregular. Clean the mesh up.",
+    # distances
+    "heat_fallback": "Some triangles are so long and thin that heat runs astray on them; distances there were measured "
+    "along edges. Remesh for a better form.",
+    "heat_bounded": (
+        "Heat runs astray beside spikes: the distances of 1 vertex were put between the straight way and that along "
+        "edges. Compare fast marching, or smooth the spikes.",
+        "Heat runs astray beside spikes: the distances of {count:,} vertices were put between the straight way and "
+        "that along edges. Compare fast marching, or smooth the spikes.",
+    ),
+    "zero_distances": "{count} pairs of points came out with no distance between them, because of very thin "
+    "triangles, and were given a small one. Merge vertices by distance, or remesh, for a better form.",
+    # the embedding
+    "still_falling": "The stress was still falling after {steps} steps. More iterations will change the form a little "
+    "further.",
+    "cancelled": "Cancelled; nothing was changed.",
+}
+
+
+class Message(str):
+    """A sentence that knows its kind and its numbers.
+
+    Attributes
+    ----------
+    kind : str
+        What happened, one of `kinds()`; empty for a sentence from elsewhere.
+    numbers : dict
+        What the sentence tells beside its kind.
+
+    Examples
+    --------
+    >>> told = message("several_pieces", count=3)
+    >>> told.kind, told.numbers["count"], told.startswith("The mesh has 3 loose parts.")
+    ('several_pieces', 3, True)
+    """
+
+    kind: str
+    numbers: dict[str, Any]
+
+    def __new__(cls, text: str, kind: str = "", numbers: dict[str, Any] | None = None) -> Message:
+        """Make a sentence with its kind and numbers."""
+        made = super().__new__(cls, text)
+        made.kind, made.numbers = kind, numbers or {}
+        return made
+
+
+def message(kind: str, **numbers: Any) -> Message:
+    """Put a kind and its numbers into words.
+
+    Parameters
+    ----------
+    kind : str
+        One of `kinds()`.
+    **numbers
+        What the sentence tells.
+
+    Returns
+    -------
+    Message
+        The sentence.
+
+    Raises
+    ------
+    KeyError
+        If there is no such kind, or a number of its sentence is missing.
+
+    Examples
+    --------
+    >>> str(message("duplicate_faces", count=1))
+    '1 face was left out: another has the same vertices.'
+    """
+    sentence = _SENTENCES[kind]
+    if isinstance(sentence, tuple):
+        sentence = sentence[0 if numbers["count"] == 1 else 1]
+    return Message(sentence.format(**numbers), kind, numbers)
+
+
+def kinds() -> tuple[str, ...]:
+    """List every kind of message.
+
+    Returns
+    -------
+    tuple of str
+        The kinds.
+
+    Examples
+    --------
+    >>> "no_faces" in kinds()
+    True
+    """
+    return tuple(_SENTENCES)

@@ -1,0 +1,171 @@
+"""The surface that a computation works on: a coarse mesh under Delaunay triangles, and the way back to all vertices."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..mesh.coarsening import Coarsening, coarsened
+from ..numerics.arrays import FloatArray, IntArray
+from ..run.monitor import Monitor
+from .delaunay import intrinsic_delaunay
+from .triangulation import Triangulation, triangulated
+
+_WORTH_IT = 1.2  # times as many vertices as wanted: fewer are not made coarse
+_STUCK = 2.0  # times as many vertices as wanted are left: the coarse mesh is not one
+
+
+@dataclass(frozen=True, eq=False)
+class WorkingSurface:
+    """Some vertices of a mesh with triangles of their own.
+
+    Attributes
+    ----------
+    points : (c, 3) ndarray of float
+        The vertices that are worked on.
+    faces : (d, 3) ndarray of int
+        Their triangles in space; corners index `points`.
+    kept : (c,) ndarray of int
+        Which vertices of the whole mesh they are, in rising order.
+    triangulation : Triangulation
+        Their intrinsic Delaunay triangulation.
+    stuck : bool
+        Whether far more vertices are left than were wanted, because no more could be removed.
+    """
+
+    points: FloatArray
+    faces: IntArray
+    kept: IntArray
+    triangulation: Triangulation
+    stuck: bool
+    _coarsening: Coarsening | None
+
+    @property
+    def coarse(self) -> bool:
+        """Whether there are vertices that are not worked on."""
+        return self._coarsening is not None
+
+    def numbers_of(self, vertices: IntArray) -> IntArray:
+        """Find vertices of the whole mesh among those that are worked on.
+
+        Parameters
+        ----------
+        vertices : (k,) ndarray of int
+            Vertices of the whole mesh; all of them were kept.
+
+        Returns
+        -------
+        (k,) ndarray of int
+            Their numbers here.
+        """
+        return np.searchsorted(self.kept, vertices)
+
+    def prolong(self, values: FloatArray) -> FloatArray:
+        """Interpolate values to all vertices of the mesh, smoothly over the surface.
+
+        Parameters
+        ----------
+        values : (c, d) or (c,) ndarray of float
+            Values on the vertices that are worked on.
+
+        Returns
+        -------
+        (n, d) or (n,) ndarray of float
+            Values on all vertices.
+        """
+        return values if self._coarsening is None else self._coarsening.prolong(values)
+
+    def prolong_frames(self, rotation: FloatArray, shift: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Interpolate local rigid motions ``x ↦ x R + t`` to all vertices of the mesh.
+
+        Parameters
+        ----------
+        rotation : (c, 3, 3) ndarray of float
+            R of the vertices that are worked on.
+        shift : (c, 3) ndarray of float
+            Their t.
+
+        Returns
+        -------
+        rotation : (n, 3, 3) ndarray of float
+            R of all vertices, as nearly a rotation as the mean of neighbouring ones is.
+        shift : (n, 3) ndarray of float
+            Their t.
+
+        References
+        ----------
+        Sumner, Schmid and Pauly, "Embedded Deformation for Shape Manipulation", 2007, doi:10.1145/1276377.1276478.
+        """
+        motion = self.prolong(np.column_stack([rotation.reshape(-1, 9), shift]))  # (n, 12)
+        return motion[:, :9].reshape(-1, 3, 3), motion[:, 9:]
+
+    def with_slack(self, slack: float, monitor: Monitor) -> WorkingSurface:
+        """Lengthen every edge a little further, where triangles without width upset a solver.
+
+        Parameters
+        ----------
+        slack : float
+            As in `mollified`.
+        monitor : Monitor
+            Receives warnings; polled for cancellation.
+
+        Returns
+        -------
+        WorkingSurface
+            The same vertices and triangles in space, triangulated anew.
+        """
+        return replace(self, triangulation=intrinsic_delaunay(triangulated(self.points, self.faces, slack), monitor))
+
+
+def working_surface(
+    points: FloatArray,
+    faces: IntArray,
+    target: int | None = None,
+    *,
+    fixed: IntArray | None = None,
+    monitor: Monitor | None = None,
+) -> WorkingSurface:
+    """Reduce a mesh to about so many vertices and find its intrinsic Delaunay triangulation.
+
+    Parameters
+    ----------
+    points : (n, 3) ndarray of float
+        Vertices.
+    faces : (m, 3) ndarray of int
+        Triangles of one connected surface.
+    target : int, optional
+        Number of vertices to work on; all when left out, or when there are hardly more.
+    fixed : (k,) ndarray of int, optional
+        Vertices that are kept.
+    monitor : Monitor, optional
+        Receives progress and warnings (stages *Coarse mesh* and *Triangulation*); polled for cancellation.
+
+    Returns
+    -------
+    WorkingSurface
+        The surface.
+
+    Raises
+    ------
+    CancelledError
+        If the run is cancelled.
+
+    Examples
+    --------
+    >>> square = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]])
+    >>> surface = working_surface(square, np.array([[0, 1, 2], [1, 3, 2]]))
+    >>> surface.coarse, surface.prolong(np.arange(4.0)).tolist()
+    (False, [0.0, 1.0, 2.0, 3.0])
+    """
+    monitor = monitor or Monitor()
+    coarsening, kept = None, np.arange(len(points))
+    if target is not None and len(points) > _WORTH_IT * target:
+        with monitor.stage("Coarse mesh"):
+            coarsening = coarsened(points, faces, target, fixed=fixed, monitor=monitor)
+            kept, faces = coarsening.kept, coarsening.faces
+            points = points[kept]
+    with monitor.stage("Triangulation"):
+        triangulation = intrinsic_delaunay(triangulated(points, faces), monitor)
+    stuck = target is not None and len(points) > _STUCK * target
+    return WorkingSurface(points, faces, kept, triangulation, stuck, coarsening)

@@ -1,0 +1,99 @@
+"""What a run will cost: memory and time, known before they are spent."""
+
+from __future__ import annotations
+
+from ..run.errors import TooLargeError
+from ..run.memory import limit_in_words, memory_limit, pair_memory
+from .catalogue import OURS, method_named
+from .settings import Settings
+
+_SMALL = (0.055, 0.6e-6)  # gigabytes, and by vertex: the work on the coarse mesh, measured
+_LARGE = (0.015, 1.27e-6)  # the rounds of the coarse mesh, which take more from about 60,000 vertices on
+_LANDMARK_BYTES = 40.0  # a distance of each vertex from each landmark, and the work to place the vertex by them
+_USUAL_PATCHES = 5
+
+
+def memory_estimate(vertex_count: int, settings: Settings) -> float:
+    """Estimate the most memory that a run takes, beyond what Python and the mesh already take.
+
+    Parameters
+    ----------
+    vertex_count : int
+        Number of vertices.
+    settings : Settings
+        The options; at quality 'full' the estimate is for five patches of equal size.
+
+    Returns
+    -------
+    float
+        Gigabytes.
+
+    Examples
+    --------
+    >>> f"{memory_estimate(100_000, Settings()):.2f} GB"
+    '0.14 GB'
+    """
+    method = method_named(settings.method)
+    settings = method.settings(settings)
+    estimate = max(base + each * vertex_count for base, each in (_SMALL, _LARGE))
+    if method.pairs == "all" and settings.whole:
+        return estimate + pair_memory([float(vertex_count)])
+    if method.pairs != "patches":
+        return estimate + 1e-9 * _LANDMARK_BYTES * vertex_count * settings.landmark_count
+    if settings.whole:
+        return estimate + pair_memory([vertex_count / _USUAL_PATCHES] * _USUAL_PATCHES)
+    return estimate
+
+
+def time_estimate(vertex_count: int, settings: Settings) -> float:
+    """Estimate how long a run takes on a machine of 2020 or later, within a factor of two.
+
+    Parameters
+    ----------
+    vertex_count : int
+        Number of vertices.
+    settings : Settings
+        The options.
+
+    Returns
+    -------
+    float
+        Seconds.
+
+    Examples
+    --------
+    >>> f"{time_estimate(100_000, Settings()):.1f} s"
+    '3.1 s'
+    """
+    if _grows_squared(settings):
+        return 1.0 + 2e-7 * vertex_count**2
+    return (0.4 if settings.quality == "draft" else 0.8) + 2.3e-5 * vertex_count
+
+
+def require_memory(vertex_count: int, settings: Settings) -> None:
+    """Refuse a mesh that is too large for the memory limit.
+
+    Parameters
+    ----------
+    vertex_count : int
+        Number of vertices of its largest piece.
+    settings : Settings
+        The options.
+
+    Raises
+    ------
+    TooLargeError
+        With the memory needed and what to do. Where all pairs are kept, their number is known later, and refused then.
+    """
+    needed = memory_estimate(vertex_count, settings)
+    if not _grows_squared(settings) and needed > memory_limit(settings.memory_limit):
+        limit = limit_in_words(settings.memory_limit)
+        raise TooLargeError("mesh_memory", vertices=vertex_count, needed=needed, limit=limit)
+
+
+def _grows_squared(settings: Settings) -> bool:
+    """Tell whether a run keeps all pairs of vertices, of each patch or of the mesh."""
+    if settings.method == OURS:
+        return settings.whole
+    method = method_named(settings.method)
+    return method.pairs != "landmarks" and method.settings(settings).whole

@@ -1,0 +1,165 @@
+"""What is known about an option: label, help, bounds and choices, told once and read by every interface."""
+
+from __future__ import annotations
+
+from dataclasses import MISSING, dataclass, field, fields
+from numbers import Integral, Real
+from typing import Any
+
+from ..run.errors import InvalidSettingsError
+
+_TYPES = {int: (Integral, "a whole number"), float: (Real, "a number"), bool: (bool, "True or False")}
+
+
+@dataclass(frozen=True)
+class Choice:
+    """One value of an option that has a few.
+
+    Attributes
+    ----------
+    value : str
+        The value.
+    label : str
+        Its name in a panel.
+    help : str
+        One line about it.
+    """
+
+    value: str
+    label: str
+    help: str
+
+
+@dataclass(frozen=True)
+class Option:
+    """What is known about an option.
+
+    Attributes
+    ----------
+    label : str
+        Its name in a panel.
+    help : str
+        One or two lines: what it does, its unit, when to change it.
+    low, high : float or None
+        Least and greatest value.
+    above : bool
+        Whether the least value itself is excluded.
+    soft_high : float or None
+        Greatest value that a slider offers.
+    digits : int
+        Decimal places shown.
+    choices : tuple of Choice
+        The values, where there are a few.
+    former : str
+        The name it had in the last version.
+    """
+
+    label: str
+    help: str
+    low: float | None = None
+    high: float | None = None
+    above: bool = False
+    soft_high: float | None = None
+    digits: int = 2
+    choices: tuple[Choice, ...] = ()
+    former: str = ""
+
+    @property
+    def range(self) -> str:
+        """The allowed values in words."""
+        if self.choices:
+            return "one of " + ", ".join(choice.value for choice in self.choices)
+        if self.above:
+            return f"above {self.low:g} and at most {self.high:g}"
+        return f"at least {self.low:g}" if self.high is None else f"from {self.low:g} to {self.high:g}"
+
+    def allows(self, value: Any) -> bool:
+        """Tell whether a value is allowed.
+
+        Parameters
+        ----------
+        value : str, int or float
+            The value, of the right type.
+
+        Returns
+        -------
+        bool
+            Whether it lies in the range.
+
+        Examples
+        --------
+        >>> share = Option("Share", "Part of the whole", low=0, high=1)
+        >>> share.allows(0.5), share.allows(2), share.range
+        (True, False, 'from 0 to 1')
+        """
+        if self.choices:
+            return value in {choice.value for choice in self.choices}
+        if self.low is None:
+            return True
+        return bool((value > self.low if self.above else value >= self.low) and value <= (self.high or float("inf")))
+
+
+def option(default: Any, label: str, help: str, **about: Any) -> Any:  # noqa: A002 (the field's word)
+    """Declare an option as a field of a dataclass.
+
+    Parameters
+    ----------
+    default : object
+        Its default value; its type is the option's.
+    label, help, **about
+        As in `Option`.
+
+    Returns
+    -------
+    dataclasses.Field
+        The field.
+
+    Examples
+    --------
+    >>> @dataclass
+    ... class Brush:
+    ...     size: int = option(3, "Size", "Width of a stroke, in pixels", low=1)
+    >>> options_of(Brush)["size"].label
+    'Size'
+    """
+    return field(default=default, metadata={"option": Option(label, help, **about)})
+
+
+def options_of(owner: Any) -> dict[str, Option]:
+    """List the options that a dataclass declares.
+
+    Parameters
+    ----------
+    owner : type or object
+        The dataclass.
+
+    Returns
+    -------
+    dict of str to Option
+        By name, in order.
+    """
+    return {each.name: each.metadata["option"] for each in fields(owner) if "option" in each.metadata}
+
+
+def require_allowed(owner: Any) -> None:
+    """Refuse values of a wrong type or outside their range.
+
+    Parameters
+    ----------
+    owner : object
+        A dataclass with options.
+
+    Raises
+    ------
+    InvalidSettingsError
+        With the name of the option, its range and the value.
+    """
+    for each in fields(owner):
+        about, value = each.metadata.get("option"), getattr(owner, each.name)
+        if about is None or each.default is MISSING:
+            continue
+        kind, called = _TYPES.get(type(each.default), (object, ""))
+        if not isinstance(value, kind):
+            raise InvalidSettingsError("setting_range", name=each.name, range=called, value=value)
+        if not about.allows(value):
+            raise InvalidSettingsError("setting_range", name=each.name, range=about.range, value=value)

@@ -1,0 +1,195 @@
+"""What every method starts from: the surface that is worked on, its spectrum, feature points and patches."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from ..detection.auto_diffusion import auto_diffusion
+from ..detection.feature_points import merged, prominent_maxima
+from ..distances.heat import HeatMethod
+from ..mesh.geometry import of_unit_area
+from ..numerics.arrays import FloatArray, IntArray
+from ..patching.cells import voronoi_cells
+from ..run.errors import SolverError
+from ..run.monitor import Monitor, Plan
+from ..surface.laplacian import mass, stiffness
+from ..surface.spectrum import Spectrum, compute_spectrum
+from ..surface.working_surface import WorkingSurface, working_surface
+from .settings import Settings
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_matrix
+
+DETECTION: Plan = {"Coarse mesh": 28, "Triangulation": 2, "Spectrum": 7, "Feature points": 2, "Patches": 1}
+_SPARE = 4  # times as many candidates as feature points wanted, since some lie too close to others
+_MORE_SLACK = 0.01  # of every triangle inequality, in mean edges, where the least is too little
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceFeatures:
+    """A connected surface scaled to unit area, and what was found on it.
+
+    Attributes
+    ----------
+    whole_points : (n, 3) ndarray of float
+        All vertices, centred and scaled to unit area.
+    whole_faces : (m, 3) ndarray of int
+        All triangles.
+    centre : (3,) ndarray of float
+        Where the centre was, in the unit of the input.
+    unit : float
+        Root of the area, in the unit of the input.
+    surface : WorkingSurface
+        The c vertices that are worked on.
+    stiffness : (c, c) scipy.sparse.csr_matrix
+        L.
+    mass : (c,) ndarray of float
+        Diagonal of M.
+    spectrum : Spectrum
+        Eigenpairs of L and M.
+    adf : (c,) ndarray of float
+        Auto Diffusion Function.
+    features : (k,) ndarray of int
+        Feature points among the vertices that are worked on.
+    to_features : (c, k) ndarray of float
+        Geodesic distances from them.
+    cells : (c,) ndarray of int
+        Patch of every vertex that is worked on.
+    """
+
+    whole_points: FloatArray
+    whole_faces: IntArray
+    centre: FloatArray
+    unit: float
+    surface: WorkingSurface
+    stiffness: csr_matrix
+    mass: FloatArray
+    spectrum: Spectrum
+    adf: FloatArray
+    features: IntArray
+    to_features: FloatArray
+    cells: IntArray
+
+    @property
+    def whole_features(self) -> IntArray:
+        """Feature points among all vertices, (k,)."""
+        return self.surface.kept[self.features]
+
+    def prolonged(self, monitor: Monitor) -> tuple[IntArray, IntArray, FloatArray]:
+        """Interpolate what was found to all vertices.
+
+        Parameters
+        ----------
+        monitor : Monitor
+            Polled for cancellation.
+
+        Returns
+        -------
+        features : (k,) ndarray of int
+            Feature points among all vertices.
+        cells : (n,) ndarray of int
+            Patch of every vertex.
+        adf : (n,) ndarray of float
+            Auto Diffusion Function of every vertex.
+
+        Raises
+        ------
+        CancelledError
+            If the run is cancelled.
+        """
+        features = self.whole_features
+        if not self.surface.coarse:
+            return features, self.cells, self.adf
+        cells = voronoi_cells(self.surface.prolong(self.to_features), features, self.whole_faces)
+        monitor.check()
+        return features, cells, self.surface.prolong(self.adf)
+
+
+def detected(
+    points: FloatArray, faces: IntArray, chosen: IntArray | None, settings: Settings, monitor: Monitor
+) -> SurfaceFeatures:
+    """Reduce a surface to the vertices that are worked on, and find its feature points and patches.
+
+    Parameters
+    ----------
+    points : (n, 3) ndarray of float
+        Vertex positions, any unit of length.
+    faces : (m, 3) ndarray of int
+        Triangles of one connected surface with some area, each vertex in one at least.
+    chosen : (k,) ndarray of int or None
+        Feature points given by hand; None to detect them.
+    settings : Settings
+        Options.
+    monitor : Monitor
+        Receives progress (the stages of `DETECTION`) and warnings; polled for cancellation.
+
+    Returns
+    -------
+    SurfaceFeatures
+        What was found.
+
+    Raises
+    ------
+    SolverError
+        If the spectrum cannot be computed accurately.
+    CancelledError
+        If the run is cancelled.
+
+    References
+    ----------
+    The paper, sections 3.1 and 3.2.
+    """
+    monitor.check()
+    whole_points, centre, unit = of_unit_area(points, faces)
+    surface = working_surface(whole_points, faces, settings.coarse_vertices, fixed=chosen, monitor=monitor)
+    if surface.stuck:
+        monitor.warn("coarse_mesh_stuck", count=len(surface.points))
+    with monitor.stage("Spectrum"):
+        surface, L, M, spectrum = _spectrum(surface, settings.eigenpairs, monitor)
+    with monitor.stage("Feature points"):
+        adf = auto_diffusion(spectrum, settings.diffusion_time)
+        heat = HeatMethod(surface.triangulation, refine=settings.whole, monitor=monitor)
+        if chosen is not None:
+            features = surface.numbers_of(chosen)
+            to_features = heat.distances(features)
+        else:
+            features, to_features = _feature_points(adf, surface.faces, heat, settings, monitor)
+    with monitor.stage("Patches"):
+        cells = voronoi_cells(to_features, features, surface.faces)
+    return SurfaceFeatures(
+        whole_points, faces, centre, unit, surface, L, M, spectrum, adf, features, to_features, cells
+    )
+
+
+def _spectrum(
+    surface: WorkingSurface, eigenpairs: int, monitor: Monitor
+) -> tuple[WorkingSurface, csr_matrix, FloatArray, Spectrum]:
+    """Compute eigenpairs, on slightly longer edges where triangles without width upset the solver."""
+    L, M = stiffness(surface.triangulation), mass(surface.triangulation)
+    try:
+        spectrum = compute_spectrum(L, M, eigenpairs, monitor)
+    except SolverError:
+        monitor.warn("flat_triangles", share=_MORE_SLACK)
+        surface = surface.with_slack(_MORE_SLACK, monitor)
+        L, M = stiffness(surface.triangulation), mass(surface.triangulation)
+        spectrum = compute_spectrum(L, M, eigenpairs, monitor)
+    if len(spectrum.eigenvalues) < eigenpairs:
+        monitor.warn("few_eigenpairs")
+    return surface, L, M, spectrum
+
+
+def _feature_points(
+    adf: FloatArray, faces: IntArray, heat: HeatMethod, settings: Settings, monitor: Monitor
+) -> tuple[IntArray, FloatArray]:
+    """Take the prominent maxima of the Auto Diffusion Function, and of those close to each other the first."""
+    features = prominent_maxima(adf, faces, 0.0 if settings.feature_count else settings.prominence)[0]
+    if settings.feature_count:
+        features = features[: _SPARE * settings.feature_count]
+    monitor.check()
+    to_features = heat.distances(features)
+    kept = merged(features, to_features[features], settings.merge_distance * float(to_features.max()))
+    kept = kept[: settings.feature_count or None]
+    if len(kept) < settings.feature_count:
+        monitor.warn("few_features", count=len(kept))
+    return features[kept], to_features[:, kept]

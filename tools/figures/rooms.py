@@ -1,0 +1,107 @@
+"""Draws the rooms of the core for docs/architecture.md: `make rooms-picture`.
+
+Rooms stand on each other in the order of addon/core/README.md; an arrow leads from a room to one that it imports.
+"""
+
+import ast
+import sys
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT))
+CORE = ROOT / "addon" / "core"
+TARGET = ROOT / "docs" / "pictures" / "rooms.png"
+COLUMNS = {  # where a room stands from left to right; its height is its floor
+    "doors": 1.5, "methods": 1.5, "unfolding": 1.5, "posing": 0.0, "embedding": 1.5, "measures": 3.0,
+    "deformation": 0.0, "distances": 1.5, "detection": 3.0, "assembly": 0.0, "surface": 1.5, "patching": 3.0,
+    "mesh": 1.5, "numerics": 1.5, "run": 1.5,
+}  # fmt: skip
+SAYS = {
+    "doors": "canonical_form, feature_patches,\ndistance_field, limb_shapes",
+    "methods": "one file per method:\nours, the paper's letter, rivals",
+    "unfolding": "settings, catalogue, costs,\nthe features of a surface",
+    "posing": "shapes between\npose and form",
+    "embedding": "start, pairs, stress,\nSMACOF",
+    "measures": "alignment and\nfigures of a form",
+    "deformation": "elastic body, struts,\ndetail",
+    "distances": "heat, fast marching,\nspectral",
+    "detection": "Auto Diffusion Function,\nfeature points",
+    "assembly": "a mesh as pieces",
+    "surface": "Delaunay, Laplacian,\nspectrum, working surface",
+    "patching": "geodesic Voronoi cells",
+    "mesh": "geometry, connectivity,\nrepair, coarsening",
+    "numerics": "factorisation, products",
+    "run": "errors, messages,\nprogress, memory",
+}
+WIDE, HIGH = 1.1, 0.64
+
+
+def arrows() -> dict[str, set[str]]:
+    """Which room imports which."""
+    uses: dict[str, set[str]] = {}
+    for path in CORE.rglob("*.py"):
+        parts = path.relative_to(CORE).parts
+        room = parts[0] if len(parts) > 1 else "doors"
+        text = path.read_text(encoding="utf-8")
+        for node in ast.walk(ast.parse(text)):
+            if isinstance(node, ast.ImportFrom) and node.module and node.level == len(parts):
+                other = node.module.split(".")[0]
+                if (CORE / other).is_dir() and other != room:
+                    uses.setdefault(room, set()).add(other)
+    uses["doors"].add("methods")  # by their names, through the catalogue
+    return uses
+
+
+def floors(uses: dict[str, set[str]]) -> dict[str, int]:
+    """How high a room stands: one above the highest that it imports."""
+    known: dict[str, int] = {}
+
+    def floor(room: str) -> int:
+        if room not in known:
+            known[room] = 1 + max((floor(other) for other in uses.get(room, ())), default=-1)
+        return known[room]
+
+    for room in COLUMNS:
+        floor(room)
+    return known
+
+
+def main() -> None:
+    uses = arrows()
+    height = floors(uses)
+    figure, axes = plt.subplots(figsize=(10, 11))
+    for room, others in uses.items():
+        direct = others - {far for near in others for far in reach(near, uses)}  # what follows is not drawn twice
+        for other in sorted(direct):
+            start = (COLUMNS[room], height[room] - HIGH / 2)
+            axes.annotate(
+                "", (COLUMNS[other], height[other] + HIGH / 2), start,
+                arrowprops={"arrowstyle": "-|>", "color": "0.55", "lw": 1.1, "shrinkA": 0, "shrinkB": 0}, zorder=0,
+            )  # fmt: skip
+    for room, column in COLUMNS.items():
+        colour = "#f2d7b0" if room == "doors" else "#d6e7ed"
+        corner = (column - WIDE / 2, height[room] - HIGH / 2)
+        axes.add_patch(plt.Rectangle(corner, WIDE, HIGH, facecolor=colour, edgecolor="0.4"))
+        axes.text(column, height[room] + 0.17, room, ha="center", va="center", fontsize=13, weight="bold")
+        axes.text(column, height[room] - 0.11, SAYS[room], ha="center", va="center", fontsize=8, linespacing=1.2)
+    axes.set_xlim(-0.7, 3.7)
+    axes.set_ylim(-0.5, max(height.values()) + 0.5)
+    axes.axis("off")
+    figure.tight_layout()
+    figure.savefig(TARGET, dpi=80)
+    print(TARGET)
+
+
+def reach(room: str, uses: dict[str, set[str]]) -> set[str]:
+    """All rooms that a room needs, directly or not."""
+    near = uses.get(room, set())
+    return near | {far for other in near for far in reach(other, uses)}
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,100 @@
+"""Refuses a release whose version is not the same everywhere: `python tools/release_check.py v1.2.3`.
+
+The tag, the manifest, pyproject.toml, CITATION.cff and the newest released section of the changelog have to state one
+version. Exit code 0: they do; 1: they do not, with one sentence a disagreement; 2: no tag was given.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+def manifest_version(text: str) -> str | None:
+    """Read the version of the extension from the text of its manifest; None where it states none."""
+    return tomllib.loads(text).get("version")
+
+
+def project_version(text: str) -> str | None:
+    """Read the version of the project from the text of pyproject.toml; None where it states none."""
+    return tomllib.loads(text).get("project", {}).get("version")
+
+
+def citation_version(text: str) -> str | None:
+    """Read the version from the text of CITATION.cff, from its top level only; None where it states none."""
+    found = re.search(r"""^version:\s*["']?([^"'\s#]+)""", text, flags=re.MULTILINE)
+    return found.group(1) if found else None
+
+
+def released_version(text: str) -> str | None:
+    """Read the version of the changelog's first section that is not marked as unreleased; None where all are.
+
+    Examples
+    --------
+    >>> released_version("# Changelog\\n\\n## Unreleased\\n\\n## 1.2.0 (2026-03-01)\\n\\n## 1.1.0 (2026-01-01)\\n")
+    '1.2.0'
+    """
+    for heading in re.findall(r"^## (.+)$", text, flags=re.MULTILINE):
+        version = re.match(r"(\d+\.\d+\.\d+)(?=\s|$)", heading)
+        if version and "unreleased" not in heading.lower():
+            return version.group(1)
+    return None
+
+
+PLACES: dict[str, Callable[[str], str | None]] = {
+    "blender_manifest.toml": manifest_version,
+    "pyproject.toml": project_version,
+    "CITATION.cff": citation_version,
+    "docs/CHANGELOG.md": released_version,
+}
+
+
+def disagreements(tag: str, root: Path) -> list[str]:
+    """Compare a tag with the versions that the files of a checkout state.
+
+    Parameters
+    ----------
+    tag : str
+        The tag of the release, such as v1.2.3.
+    root : Path
+        The folder of the checkout.
+
+    Returns
+    -------
+    list of str
+        One sentence for each disagreement; empty where all is well.
+    """
+    if not re.fullmatch(r"v\d+\.\d+\.\d+", tag):
+        return [f"The tag {tag!r} is not of the form vX.Y.Z."]
+    wanted, sentences = tag.removeprefix("v"), []
+    for name, version_of in PLACES.items():
+        path = root / name
+        if not path.is_file():
+            sentences.append(f"{name} is missing.")
+            continue
+        found = version_of(path.read_text(encoding="utf-8"))
+        if found is None:
+            sentences.append(f"{name} states no released version; the tag says {wanted}.")
+        elif found != wanted:
+            sentences.append(f"{name} states version {found}; the tag says {wanted}.")
+    return sentences
+
+
+def main(arguments: list[str]) -> int:
+    """Print the disagreements between the tag that is the only argument and this checkout; return the exit code."""
+    if len(arguments) != 1:
+        print("Usage: python tools/release_check.py vX.Y.Z", file=sys.stderr)
+        return 2
+    sentences = disagreements(arguments[0], ROOT)
+    for sentence in sentences:
+        print(sentence, file=sys.stderr)
+    return 1 if sentences else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
