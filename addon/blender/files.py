@@ -1,4 +1,4 @@
-"""Opens mesh files in Blender and writes results, beside and renamed."""
+"""Opens mesh files in Blender and writes results; a file is replaced only when the new one is complete."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from ..core.numerics.arrays import FloatArray
 from .off_format import read_off
 
 SUFFIXES = (".blend", ".obj", ".ply", ".stl", ".glb", ".off")
-_BONE_SHAPES = "glTF_not_exported"  # where the importer of .glb puts what it draws bones with
-_KINDS = [  # what a file may have brought into Blender
+_BONE_SHAPES = "glTF_not_exported"  # collection in which the .glb importer puts the custom shapes of bones
+_KINDS = [  # collections of bpy.data that a file may fill
     "actions",
     "armatures",
     "cache_files",
@@ -53,7 +53,7 @@ _KINDS = [  # what a file may have brought into Blender
 
 
 def open_meshes(path: Path, name: str | None = None) -> list[bpy.types.Object]:
-    """Open a file in place of what Blender holds and list its mesh objects, each mesh once.
+    """Open a file in place of the current one and list its mesh objects, each mesh once.
 
     Parameters
     ----------
@@ -65,12 +65,12 @@ def open_meshes(path: Path, name: str | None = None) -> list[bpy.types.Object]:
     Returns
     -------
     list of bpy.types.Object
-        The objects, in the order of their names.
+        The objects, sorted by name.
 
     Raises
     ------
     InvalidMeshError
-        If the file is not there, is of another kind, cannot be read or holds no mesh.
+        If the file does not exist, has another format, cannot be read or holds no mesh.
     """
     if path.suffix.lower() not in SUFFIXES:
         raise InvalidMeshError(f"{path.name} is not of a kind that can be read: {', '.join(SUFFIXES)}.")
@@ -84,14 +84,14 @@ def open_meshes(path: Path, name: str | None = None) -> list[bpy.types.Object]:
                 _empty()
                 _import(path)
     except RuntimeError as error:
-        told = str(error).strip()
-        if "Traceback" in told:  # of an importer; what it says last is what happened
-            told = next((line for line in reversed(told.splitlines()) if line and line[0] not in " L"), told)
-        raise InvalidMeshError(f"Blender cannot read {path.name}: {told}") from error
+        reason = str(error).strip()
+        if "Traceback" in reason:  # of an importer: its last line is the error
+            reason = next((line for line in reversed(reason.splitlines()) if line and line[0] not in " L"), reason)
+        raise InvalidMeshError(f"Blender cannot read {path.name}: {reason}") from error
     found: dict[bpy.types.Mesh, bpy.types.Object] = {}
     for obj in sorted(bpy.data.objects, key=lambda each: each.name):
-        shown = obj.users_scene and not any(each.name == _BONE_SHAPES for each in obj.users_collection)
-        if obj.type == "MESH" and shown and len(obj.data.polygons) and name in (None, obj.name):
+        visible = obj.users_scene and not any(each.name == _BONE_SHAPES for each in obj.users_collection)
+        if obj.type == "MESH" and visible and len(obj.data.polygons) and name in (None, obj.name):
             found.setdefault(obj.data, obj)
     if not found:
         raise InvalidMeshError(
@@ -103,27 +103,27 @@ def open_meshes(path: Path, name: str | None = None) -> list[bpy.types.Object]:
 
 
 def save_blend(path: Path) -> None:
-    """Save all that Blender holds to a .blend file.
+    """Save the current file as a .blend file.
 
     Parameters
     ----------
     path : Path
-        The file; it is replaced in one step when the new one is whole.
+        The file; it is replaced atomically when the new one is complete.
     """
-    _replace(path, lambda beside: bpy.ops.wm.save_as_mainfile(filepath=str(beside), copy=True, compress=True))
+    _replace(path, lambda partial: bpy.ops.wm.save_as_mainfile(filepath=str(partial), copy=True, compress=True))
 
 
 def save_form(path: Path, vertices: FloatArray, mesh: bpy.types.Mesh) -> None:
-    """Write positions and the mesh's own polygons to an .obj or .ply file, in the mesh's own space and order.
+    """Write positions with the polygons of a mesh to an .obj or .ply file, in local space and the mesh's order.
 
     Parameters
     ----------
     path : Path
-        The file, ending in .obj or .ply; it is replaced in one step when the new one is whole.
+        The file, ending in .obj or .ply; it is replaced atomically when the new one is complete.
     vertices : (n, 3) ndarray of float
         Positions.
     mesh : bpy.types.Mesh
-        The mesh that the polygons are read from.
+        The mesh whose polygons are written.
 
     Raises
     ------
@@ -144,38 +144,38 @@ def save_form(path: Path, vertices: FloatArray, mesh: bpy.types.Mesh) -> None:
         lines += [f"{x:.9g} {y:.9g} {z:.9g}" for x, y, z in vertices.tolist()]
         lines += [f"{len(corners)} " + " ".join(map(str, corners)) for corners in polygons]
     text = "\n".join(lines) + "\n"
-    _replace(path, lambda beside: beside.write_text(text))
+    _replace(path, lambda partial: partial.write_text(text))
 
 
 def _replace(path: Path, write: Callable[[Path], object]) -> None:
-    beside = path.with_name(f".{path.stem}.{os.getpid()}.partial{path.suffix}")
+    partial = path.with_name(f".{path.stem}.{os.getpid()}.partial{path.suffix}")
     try:
-        write(beside)
-        beside.replace(path)
+        write(partial)
+        partial.replace(path)
     finally:
-        beside.unlink(missing_ok=True)
+        partial.unlink(missing_ok=True)
 
 
 @contextmanager
 def _quiet() -> Iterator[None]:
-    """Keep what Blender's importers print about a file off the terminal: errors come as errors too."""
+    """Discard what Blender's importers print about a file: they raise errors too."""
     sys.stderr.flush()
-    kept = {number: os.dup(number) for number in (1, 2)}
+    terminals = {number: os.dup(number) for number in (1, 2)}
     try:
         nowhere = os.open(os.devnull, os.O_WRONLY)
-        for number in kept:
+        for number in terminals:
             os.dup2(nowhere, number)
         os.close(nowhere)
         yield
     finally:
         _flush()
-        for number, terminal in kept.items():
+        for number, terminal in terminals.items():
             os.dup2(terminal, number)
             os.close(terminal)
 
 
 def _flush() -> None:
-    """Write out what Blender has printed so far, where its C library can be asked to."""
+    """Flush what Blender has printed so far through the C library, where it can be reached."""
     if sys.platform != "win32":
         import ctypes
 
@@ -183,7 +183,7 @@ def _flush() -> None:
 
 
 def _empty() -> None:
-    """Drop all data of the open file; loading an empty file instead would switch extensions off."""
+    """Remove all data of the open file; loading an empty file instead would disable extensions."""
     fresh = bpy.data.scenes.new("Scene")
     for window in bpy.context.window_manager.windows:
         window.scene = fresh
@@ -194,15 +194,15 @@ def _empty() -> None:
     fresh.name = "Scene"
 
 
-def _welded(mesh: bpy.types.Mesh) -> None:
-    """Join vertices at one and the same place: glTF keeps a copy for every normal and texture coordinate."""
+def _weld(mesh: bpy.types.Mesh) -> None:
+    """Merge vertices at identical positions: glTF stores a copy for every normal and texture coordinate."""
     import bmesh
 
     edited = bmesh.new()
     edited.from_mesh(mesh)
     first: dict[tuple[float, float, float], Any] = {}
-    twins = {vertex: first.setdefault(tuple(vertex.co), vertex) for vertex in edited.verts}
-    bmesh.ops.weld_verts(edited, targetmap={vertex: kept for vertex, kept in twins.items() if vertex != kept})
+    kept = {vertex: first.setdefault(tuple(vertex.co), vertex) for vertex in edited.verts}
+    bmesh.ops.weld_verts(edited, targetmap={vertex: target for vertex, target in kept.items() if vertex != target})
     edited.to_mesh(mesh)
     edited.free()
 
@@ -219,7 +219,7 @@ def _import(path: Path) -> None:
     elif kind == ".glb":
         bpy.ops.import_scene.gltf(filepath=name)
         for mesh in bpy.data.meshes:
-            _welded(mesh)
+            _weld(mesh)
     else:
         vertices, polygons = read_off(path)
         mesh = bpy.data.meshes.new(path.stem)

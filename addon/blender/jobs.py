@@ -1,4 +1,4 @@
-"""A computation in a thread of its own: it never touches Blender's data, and tells how far it is."""
+"""A computation in its own thread, with progress and cancellation; it never touches Blender's data."""
 
 from __future__ import annotations
 
@@ -11,21 +11,21 @@ from ..core.run.monitor import Cancelled, Progress
 
 
 class Job:
-    """One computation under way.
+    """A running computation.
 
     Parameters
     ----------
     work : callable
-        Takes `progress` and `cancelled` as `canonical_form` does and returns a result; works on arrays only.
+        Called with `progress` and `cancelled`, as `canonical_form` takes them; works on arrays only.
 
     Attributes
     ----------
     fraction : float
-        Part that is done, 0 to 1.
+        Fraction done, 0 to 1.
     stage : str
-        Name of the stage.
+        Name of the current stage.
     shown_at : float
-        When its progress was last shown, by `time.perf_counter`.
+        Time at which its progress was last shown, by `time.perf_counter`.
     """
 
     def __init__(self, work: Callable[[Progress, Cancelled], Any]) -> None:
@@ -34,48 +34,48 @@ class Job:
         self._stop = threading.Event()
         self._result: Any = None
         self._error: Exception | None = None
-        # a daemon, so that quitting Blender does not wait for it
+        # a daemon thread: quitting Blender does not wait for it
         self._thread = threading.Thread(target=self._run, name="Canonical Form", daemon=True)
         self._thread.start()
 
     @property
     def running(self) -> bool:
-        """Whether it is still under way."""
+        """Whether the thread is still running."""
         return self._thread.is_alive()
 
     @property
     def stopped(self) -> bool:
-        """Whether it was asked to stop."""
+        """Whether cancellation was requested."""
         return self._stop.is_set()
 
     def stop(self) -> None:
-        """Ask it to stop; it does so within half a second as a rule."""
+        """Request cancellation; the thread usually ends within half a second."""
         self._stop.set()
 
     def wait(self, seconds: float) -> None:
-        """Wait for its end.
+        """Wait until the thread ends.
 
         Parameters
         ----------
         seconds : float
-            The longest time to wait.
+            Maximum time to wait.
         """
         self._thread.join(seconds)
 
     def result(self) -> Any:
-        """Give the result of a job that has ended.
+        """Return the result of a job that has ended.
 
         Returns
         -------
         object
-            What `work` returned.
+            Return value of `work`.
 
         Raises
         ------
         CancelledError
-            If it was stopped.
+            If cancellation was requested.
         Exception
-            Whatever `work` raised.
+            The exception that `work` raised.
         """
         if self.stopped:
             raise CancelledError()
@@ -86,7 +86,7 @@ class Job:
     def _run(self) -> None:
         try:
             self._result = self._work(self._progress, self._stop.is_set)
-        except Exception as error:  # handed over to whoever asks for the result
+        except Exception as error:  # raised again by `result`
             self._error = error
 
     def _progress(self, fraction: float, stage: str) -> None:

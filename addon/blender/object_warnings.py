@@ -1,4 +1,4 @@
-"""What of an object does not enter its form, in words."""
+"""Warnings about parts of an object that its form leaves out."""
 
 from __future__ import annotations
 
@@ -34,19 +34,19 @@ _BENDING = (
 
 
 def object_warnings(obj: bpy.types.Object, deformed: bool) -> list[str]:
-    """Say what of an object does not enter its form.
+    """List what the form of an object leaves out: its scale and modifiers.
 
     Parameters
     ----------
     obj : bpy.types.Object
         The object.
     deformed : bool
-        Whether the form is of what modifiers show, not of the mesh itself.
+        Whether the form is computed of the evaluated mesh, not of the base mesh.
 
     Returns
     -------
     list of str
-        Sentences that say what to do about it.
+        Sentences that name the remedy.
     """
     warnings = []
     scale = np.abs(np.array(obj.matrix_world.to_scale()))
@@ -55,14 +55,14 @@ def object_warnings(obj: bpy.types.Object, deformed: bool) -> list[str]:
             "The object's scale is not uniform, and the form was computed on the mesh without it. Apply the scale "
             "(Ctrl+A > Scale) and run again for the form of what you see."
         )
-    shown = [] if deformed else [each for each in obj.modifiers if each.show_viewport]
-    bending = [each.name for each in shown if each.type in _BENDING or (each.type == "ARMATURE" and _in_pose(each))]
+    modifiers = [] if deformed else [each for each in obj.modifiers if each.show_viewport]
+    bending = [each.name for each in modifiers if each.type in _BENDING or (each.type == "ARMATURE" and _in_pose(each))]
     if bending:
         warnings.append(
             f"Some modifiers bend the form as they bend the mesh: {', '.join(bending)}. Set Mesh to As Shown to take "
             "out the pose that you see."
         )
-    adding = [each.name for each in shown if each.type in _ADDING]
+    adding = [each.name for each in modifiers if each.type in _ADDING]
     if adding:
         warnings.append(
             f"Some modifiers add to the mesh, and the form is of the mesh without them: {', '.join(adding)}. Apply "

@@ -10,11 +10,11 @@ import numpy as np
 from ..core import InvalidMeshError
 from ..core.numerics.arrays import FloatArray
 
-_HEADS = {"".join(parts) for parts in product(("", "ST"), ("", "C"), ("", "N"), ("OFF",))}  # 4 and n: other dimensions
+_HEADS = {"".join(parts) for parts in product(("", "ST"), ("", "C"), ("", "N"), ("OFF",))}  # 4OFF, nOFF: not 3D
 
 
 def read_off(path: Path) -> tuple[FloatArray, list[list[int]]]:
-    """Read the vertices and polygons of an .off file; colours and normals are passed over.
+    """Read the vertices and polygons of an .off file; colours and normals are ignored.
 
     Parameters
     ----------
@@ -26,12 +26,12 @@ def read_off(path: Path) -> tuple[FloatArray, list[list[int]]]:
     vertices : (n, 3) ndarray of float
         Positions.
     polygons : list of list of int
-        Corners of every polygon.
+        Vertex indices of every polygon.
 
     Raises
     ------
     InvalidMeshError
-        If the file is not in that format; the message names what is wrong.
+        If the file is not in that format; the message names the fault.
     """
     lines = [line.split("#", 1)[0].split() for line in path.read_text(errors="replace").splitlines()]
     lines = [words for words in lines if words]

@@ -1,6 +1,6 @@
-"""Colours of the fields that are shown: a perceptual ramp for values, a palette for patches.
+"""Colours of fields and patches: a perceptual colour map for values, a palette for patches.
 
-Both are made in OKLab, where equal distances look equally different (Ottosson, "A perceptual color space for image
+Both are defined in OKLab, where equal distances look equally different (Ottosson, "A perceptual color space for image
 processing", 2020).
 """
 
@@ -29,7 +29,7 @@ _GOLDEN_TURN = 0.618033988749895
 
 @dataclass(frozen=True, eq=False)
 class Colours:
-    """What is shown of a result, made apart from Blender.
+    """Colours of a result, computed apart from Blender.
 
     Attributes
     ----------
@@ -47,25 +47,25 @@ class Colours:
 
 
 def colours_of(adf: FloatArray, patches: IntArray, faces: IntArray) -> Colours:
-    """Colour what was found.
+    """Colour the Auto Diffusion Function and the patches.
 
     Parameters
     ----------
     adf : (n,) ndarray of float
         Auto Diffusion Function, positive; 0 at vertices of no patch.
     patches : (n,) ndarray of int
-        Patch of every vertex, from 0; -1 for none, which is shown in grey.
+        Patch of every vertex, from 0; -1 for none, shown in grey.
     faces : (m, 3) ndarray of int
         Triangles.
 
     Returns
     -------
     Colours
-        All colours, linear.
+        Linear colours.
     """
     palette = patch_colours(patches, faces)
     field = ramp(np.log(np.where(patches < 0, np.nan, adf)))
-    shown = np.vstack([palette, _GREY])[patches]  # -1 is the last
+    shown = np.vstack([palette, _GREY])[patches]  # -1, no patch, is the last
     return Colours(field.astype(np.float32), shown.astype(np.float32), palette[:, :3].round(6).tolist())
 
 
@@ -75,7 +75,7 @@ def ramp(values: FloatArray) -> FloatArray:
     Parameters
     ----------
     values : (n,) ndarray of float
-        A field; its range is stretched over the ramp. What is not finite is shown in grey.
+        A field; its range is mapped to the whole ramp. Values that are not finite are shown in grey.
 
     Returns
     -------
@@ -90,7 +90,7 @@ def ramp(values: FloatArray) -> FloatArray:
 
 
 def with_isolines(colours: FloatArray, values: FloatArray, count: int) -> FloatArray:
-    """Darken every other band between lines of equal value, so that the lines are seen.
+    """Darken every other band between isolines, so that the isolines are visible.
 
     Parameters
     ----------
@@ -99,12 +99,12 @@ def with_isolines(colours: FloatArray, values: FloatArray, count: int) -> FloatA
     values : (n,) ndarray of float
         The field that the colours show.
     count : int
-        Number of lines over its range.
+        Number of isolines over its range.
 
     Returns
     -------
     (n, 4) ndarray of float
-        The colours with bands.
+        The banded colours.
     """
     band = np.floor((count + 1) * _share_of_range(values))
     result = colours.copy()
@@ -125,7 +125,7 @@ def patch_colours(patches: IntArray, faces: IntArray) -> FloatArray:
     Returns
     -------
     (k, 4) ndarray of float
-        Linear red, green, blue and alpha 1, one row a patch.
+        Linear red, green, blue and alpha 1, one row for each patch.
     """
     count = int(patches.max()) + 1
     turns = np.arange(max(3 * count, 12))
@@ -136,19 +136,19 @@ def patch_colours(patches: IntArray, faces: IntArray) -> FloatArray:
     neighbours = np.unique(ends[ends[:, 0] != ends[:, 1]], axis=0)
     neighbours = neighbours[neighbours.min(axis=1) >= 0]
     taken: list[int] = []
-    apart = np.full(len(choices), 1.0)  # from all that are taken
+    distance = np.full(len(choices), 1.0)  # of every choice from the nearest taken one
     for patch in range(count):
         beside = np.unique(neighbours[(neighbours == patch).any(axis=1)])
         near = choices[[taken[other] for other in beside[beside < patch]]]
         gaps = np.linalg.norm(choices[:, None] - near, axis=2).min(axis=1, initial=1.0)
-        taken.append(int(np.argmax(np.minimum(apart, gaps))))
-        # far patches may be a little more alike
-        apart = np.minimum(apart, 2 * np.linalg.norm(choices - choices[taken[-1]], axis=1))
+        taken.append(int(np.argmax(np.minimum(distance, gaps))))
+        # patches that do not touch may be more alike
+        distance = np.minimum(distance, 2 * np.linalg.norm(choices - choices[taken[-1]], axis=1))
     return _linear(choices[taken])
 
 
 def _share_of_range(values: FloatArray) -> FloatArray:
-    """Say how far each value is on the way from the lowest to the highest, 0 to 1; 0 for what is not finite."""
+    """Scale values to 0 for the lowest and 1 for the highest; 0 for values that are not finite."""
     known, share = np.isfinite(values), np.zeros(len(values))
     if known.any():
         spread = float(np.ptp(values[known]))

@@ -1,4 +1,4 @@
-"""Operators whose work runs in a thread while Blender stays usable, and the one that cancels it."""
+"""The base of operators that compute in a thread while Blender stays usable, and the operator that cancels them."""
 
 from __future__ import annotations
 
@@ -10,11 +10,18 @@ import bpy
 from ..blender.jobs import Job
 from ..core import CancelledError, CanonicalFormError
 
-_TICK = 0.1  # seconds between two looks at the job
-_REDRAW = 0.25  # seconds between two drawings of its progress: the sidebar takes the view behind it along
-_PATIENCE = 0.4  # seconds to wait for a cancelled job before it is left to end by itself
+_TICK = 0.1  # seconds between two timer events
+_REDRAW = 0.25  # seconds between two redraws of the progress: a redraw of the sidebar redraws the view too
+_CANCEL_TIMEOUT = 0.4  # seconds to wait for a cancelled job before it is abandoned
 _NO_MEMORY = "The memory of this machine is not enough. Close other files, or decimate the mesh."
-_BUSY = ("TRANSFORM_OT_", "SCULPT_OT_", "PAINT_OT_", "MESH_OT_", "GPENCIL_OT_", "PAINTCURVE_OT_")  # hold mesh data
+_HOLDING_MESH = (
+    "TRANSFORM_OT_",
+    "SCULPT_OT_",
+    "PAINT_OT_",
+    "MESH_OT_",
+    "GPENCIL_OT_",
+    "PAINTCURVE_OT_",
+)  # modal operators
 
 
 class OBJECT_OT_canonical_form_cancel(bpy.types.Operator):
@@ -24,57 +31,97 @@ class OBJECT_OT_canonical_form_cancel(bpy.types.Operator):
     bl_label = "Cancel Canonical Form"
     bl_options = {"INTERNAL"}
 
-    job: ClassVar[Job | None] = None  # the one computation under way
+    job: ClassVar[Job | None] = None  # the running computation; there is at most one
     timer: ClassVar[bpy.types.Timer | None] = None
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Allow it while something is computed."""
+        """Enable the button during a computation."""
         if cls.job is None:
             cls.poll_message_set("Nothing is being computed.")
         return cls.job is not None
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Ask the computation to stop."""
+        """Cancel the computation."""
         if self.job is not None:
             self.job.stop()
         return {"FINISHED"}
 
 
 class JobOperator:
-    """Mixed into operators that compute: at once when called by a script, in a thread when called by a button.
+    """Mixin for operators that compute: at once when called by a script, in a thread when called by a button.
 
-    A subclass says what the task is (`task`: an object with ``compute(progress, cancelled)``, which touches arrays
-    only, and ``write()``) and tells the user what came of it (`written`).
+    A subclass makes the task (`task`: an object with ``compute(progress, cancelled)``, which touches arrays only, and
+    ``write()``) and reports its outcome to the user (`written`).
     """
 
     def task(self, context: bpy.types.Context) -> Any:
-        """Read what the work needs; raises `CanonicalFormError` with a sentence where it cannot be done."""
+        """Make the task.
+
+        Parameters
+        ----------
+        context : bpy.types.Context
+            The context of the operator.
+
+        Returns
+        -------
+        object
+            The task, with all it needs read from Blender's data.
+
+        Raises
+        ------
+        CanonicalFormError
+            If the task cannot be done; the message names the remedy.
+        """
         raise NotImplementedError
 
     def written(self, context: bpy.types.Context, task: Any, outcome: Any, interactive: bool) -> None:
-        """Tell the user what came of it."""
+        """Report the outcome to the user.
+
+        Parameters
+        ----------
+        context : bpy.types.Context
+            The context at the end of the computation: by then another object may be active.
+        task : object
+            As `task` returned it.
+        outcome : object
+            Return value of the task's ``write()``.
+        interactive : bool
+            Whether the operator was called by a button.
+        """
 
     def _failed(self, error: Exception) -> set[str]:
-        """Show why there is no result."""
+        """Report why there is no result."""
         sentence = _NO_MEMORY if isinstance(error, MemoryError) else str(error)
         self.report({"ERROR"}, sentence)  # type: ignore[attr-defined]
         return {"CANCELLED"}
 
     def warn(self, sentences: list[str]) -> None:
-        """Show warnings of a computation."""
+        """Report warnings.
+
+        Parameters
+        ----------
+        sentences : list of str
+            The warnings.
+        """
         for sentence in sentences:
             self.report({"WARNING"}, sentence)  # type: ignore[attr-defined]
 
     @staticmethod
     def busy() -> str | None:
-        """Say that something is being computed already, for `poll`."""
+        """Return why no computation can start, for `poll`.
+
+        Returns
+        -------
+        str or None
+            A sentence; None if nothing is being computed.
+        """
         if OBJECT_OT_canonical_form_cancel.job is None:
             return None
         return "A computation is under way. Wait for it, or cancel it with Esc."
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Do all of it at once."""
+        """Compute and write at once."""
         manager = context.window_manager
         manager.progress_begin(0, 100)
         try:
@@ -88,7 +135,7 @@ class JobOperator:
         return {"FINISHED"}
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Start the work in a thread and watch it."""
+        """Start the computation in a thread and run modally until it ends."""
         if bpy.app.background or context.window is None:
             return self.execute(context)
         try:
@@ -103,7 +150,7 @@ class JobOperator:
         return {"RUNNING_MODAL"}
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Let every event pass but Esc; when the work is done, write its result."""
+        """Pass every event on but Esc; at the end of the computation write its result."""
         if event.type == "ESC" and event.value == "PRESS":
             self._job.stop()
             return {"RUNNING_MODAL"}
@@ -111,7 +158,7 @@ class JobOperator:
             return {"PASS_THROUGH"}
         if self._job.stopped:
             self._stopped_at = self._stopped_at or perf_counter()
-            if self._job.running and perf_counter() - self._stopped_at < _PATIENCE:
+            if self._job.running and perf_counter() - self._stopped_at < _CANCEL_TIMEOUT:
                 return {"PASS_THROUGH"}
         elif self._job.running or _user_is_busy(context):
             show_progress(context, self._job)
@@ -128,13 +175,13 @@ class JobOperator:
         return {"FINISHED"}
 
     def cancel(self, context: bpy.types.Context) -> None:
-        """Stop the work where Blender ends the operator: another file is opened, the window is closed."""
+        """Cancel the job where Blender ends the operator: another file is opened, or the window is closed."""
         self._job.stop()
         end_job(context)
 
 
 def show_progress(context: bpy.types.Context, job: Job) -> None:
-    """Show in the status bar how far the job is, and have the panels drawn anew.
+    """Show the progress of a job in the status bar and in the sidebars.
 
     Parameters
     ----------
@@ -152,7 +199,7 @@ def show_progress(context: bpy.types.Context, job: Job) -> None:
 
 
 def end_job(context: bpy.types.Context) -> None:
-    """Forget the job and clear what showed its progress.
+    """Clear the current job, its timer and its progress display.
 
     Parameters
     ----------
@@ -169,7 +216,7 @@ def end_job(context: bpy.types.Context) -> None:
 
 
 def redraw_sidebars(context: bpy.types.Context) -> None:
-    """Have the sidebars of all 3D Views drawn anew.
+    """Tag the sidebars of all 3D Views for redrawing.
 
     Parameters
     ----------
@@ -184,8 +231,8 @@ def redraw_sidebars(context: bpy.types.Context) -> None:
 
 
 def _user_is_busy(context: bpy.types.Context) -> bool:
-    """Tell whether the user is in the middle of a stroke or a transform, which must not lose its mesh."""
-    return any(running.bl_idname.startswith(_BUSY) for running in context.window.modal_operators)
+    """Return whether a stroke or transform is running: the mesh must not change under it."""
+    return any(running.bl_idname.startswith(_HOLDING_MESH) for running in context.window.modal_operators)
 
 
 CLASSES = (OBJECT_OT_canonical_form_cancel,)
@@ -198,7 +245,7 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Stop what is under way and unregister the operator."""
+    """Cancel the current job and unregister the operator."""
     if OBJECT_OT_canonical_form_cancel.job is not None:
         OBJECT_OT_canonical_form_cancel.job.stop()
         end_job(bpy.context)
