@@ -1,4 +1,4 @@
-"""Feature points chosen by hand: a vertex group that is the user's own."""
+"""Feature points chosen by hand, kept in a vertex group that belongs to the user."""
 
 from __future__ import annotations
 
@@ -6,36 +6,37 @@ import bpy
 import numpy as np
 
 from ..core import CanonicalFormError
-from .mesh_reading import object_mode, selected_vertices
-from .records import record_of
+from .mesh_reading import selected_vertices
+from .object_states import object_mode
+from .record import read_record
 
 CHOSEN_GROUP = "Chosen Feature Points"
-MOST_FEATURES = 200  # more are a slip of the hand
+MOST_FEATURES = 200  # more are a mistake in the selection
 
 
 def choose_features(obj: bpy.types.Object, how: str, group_name: str) -> tuple[str, int]:
-    """Change the group of chosen feature points by the selected vertices.
+    """Set, add or remove the selected vertices in the group of chosen feature points.
 
     Parameters
     ----------
     obj : bpy.types.Object
         The object, accepted by `refusal`, in any mode.
     how : {'SET', 'ADD', 'REMOVE'}
-        What the selected vertices are: all feature points, further ones, or ones no more.
+        The selected vertices replace the feature points, are added to them or are removed from them.
     group_name : str
-        The group. Where it is missing it is made, for 'ADD' and 'REMOVE' from the points of the last run.
+        Name of the group. A missing one is added; with 'ADD' and 'REMOVE' it starts with those of the last run.
 
     Returns
     -------
     name : str
         Name of the group.
     count : int
-        Number of feature points in it now.
+        Number of feature points in it.
 
     Raises
     ------
     CanonicalFormError
-        If no vertex is selected, or far too many; the message says what to do.
+        If no vertex is selected, or too many are, or the group is locked or painted; the message names the remedy.
     """
     with object_mode(obj):
         selected = selected_vertices(obj.data)
@@ -76,12 +77,12 @@ def members_of(obj: bpy.types.Object, group_name: str) -> list[int]:
     obj : bpy.types.Object
         The object, in Object Mode.
     group_name : str
-        Name of a group that it has.
+        Name of one of its groups.
 
     Returns
     -------
     list of int
-        Vertices of a weight above 0.
+        Vertices whose weight is above 0.
     """
     index = obj.vertex_groups[group_name].index
     return [
@@ -92,12 +93,13 @@ def members_of(obj: bpy.types.Object, group_name: str) -> list[int]:
 
 
 def _is_painted(group: bpy.types.VertexGroup, members: list[int]) -> bool:
-    """Tell whether a group has weights between 0 and 1: it is for something else then."""
+    """Return whether a group has weights between 0 and 1, so that it serves another purpose."""
     return any(0 < group.weight(index) < 1 for index in members)
 
 
 def _detected(obj: bpy.types.Object) -> list[int]:
-    record = record_of(obj.data)
+    """List the feature points of the last run."""
+    record = read_record(obj.data)
     if record is None:
         return []
-    return [point for point in record["report"]["feature_points"] if point < len(obj.data.vertices)]
+    return [point for point in record.report.feature_points if point < len(obj.data.vertices)]

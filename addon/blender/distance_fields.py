@@ -1,24 +1,26 @@
-"""Distance tools: fields measured from chosen vertices, shown as colours and as a vertex group."""
+"""Distance fields from the selected vertices, shown as colours and as a vertex group."""
 
 from __future__ import annotations
 
-import json
 from typing import TYPE_CHECKING
 
 import bpy
 import numpy as np
 
 from ..core import CanonicalFormError
-from .mesh_reading import found_again, object_mode, read_object, require_unchanged, selected_vertices
+from .colour_attributes import add_colours
+from .distance_record import WrittenField, read_distances, write_distances
+from .fingerprints import colour_fingerprint, group_fingerprints
+from .mesh_reading import find_object, read_object, require_unchanged, selected_vertices
+from .object_states import object_mode
 from .palette import ramp, with_isolines
-from .records import DISTANCES, colour_print, free_name, group_prints
 
 if TYPE_CHECKING:
     from ..core.numerics.arrays import FloatArray
     from ..core.run.monitor import Cancelled, Progress
 
-WEIGHTS = "{} Weights"  # the vertex group: one of the colours' own name would hide them from the view
-NAMES = {  # of the colours, by the core's name of the kind
+WEIGHTS = "{} Weights"  # the vertex group; Blender shows a group in place of colours of the same name
+NAMES = {  # of the colours, by kind
     "heat": "Heat Geodesic",
     "fast_marching": "Fast Marching",
     "biharmonic": "Biharmonic Distance",
@@ -36,22 +38,22 @@ class DistanceTask:
     kind : str
         One of `NAMES`.
     isolines : int
-        Number of lines of equal distance in the colours; 0 for none.
+        Number of isolines in the colours; 0 for none.
     memory_limit : float
-        Gigabytes that the computation may take; 0 for 60 % of the free memory.
+        Memory limit in gigabytes; 0 for 60 % of the free memory.
 
     Attributes
     ----------
     warnings : list of str
-        What the computation had to say, for the user.
+        Sentences for the user.
 
     Raises
     ------
     CanonicalFormError
-        If no vertex is selected.
+        If no vertex is selected, or all are.
     """
 
-    def __init__(self, obj: bpy.types.Object, kind: str, isolines: int, memory_limit: float = 0.0) -> None:
+    def __init__(self, obj: bpy.types.Object, kind: str, isolines: int, *, memory_limit: float = 0.0) -> None:
         self.kind, self.isolines, self.memory_limit = kind, isolines, memory_limit
         with object_mode(obj):
             self._reading = read_object(obj)
@@ -64,7 +66,7 @@ class DistanceTask:
         self.warnings: list[str] = []
 
     def compute(self, progress: Progress | None = None, cancelled: Cancelled | None = None) -> None:
-        """Measure; touches no data of Blender's.
+        """Compute the field; touches no data of Blender's.
 
         Parameters
         ----------
@@ -74,7 +76,7 @@ class DistanceTask:
         Raises
         ------
         CanonicalFormError
-            If the mesh cannot be used, or the run was cancelled; the message says what to do.
+            If the mesh cannot be used, or the run was cancelled; the message names the remedy.
         """
         from ..core.distance_field import distance_field
 
@@ -84,19 +86,19 @@ class DistanceTask:
             reading.faces,
             self._sources,
             self.kind,
-            progress,
-            cancelled,
-            self.warnings.append,
-            self.memory_limit,
+            progress=progress,
+            cancelled=cancelled,
+            warned=self.warnings.append,
+            memory_limit=self.memory_limit,
         )
 
     @property
     def unreached(self) -> int:
-        """Number of vertices to which no way leads from the selection."""
+        """Number of vertices that are not connected to the selection."""
         return int(np.count_nonzero(~np.isfinite(self._field)))
 
     def write(self) -> str:
-        """Write the field, in place of an earlier one of its kind, on the main thread.
+        """Write the field, in place of an earlier one of the same kind, on the main thread.
 
         Returns
         -------
@@ -106,41 +108,52 @@ class DistanceTask:
         Raises
         ------
         CanonicalFormError
-            If the object is gone or changed; the message says why.
+            If the object is gone or was changed; the message says why.
         """
-        obj = found_again(self._reading)
+        obj = find_object(self._reading)
         with object_mode(obj):
             require_unchanged(obj, self._reading)
             return _write_field(obj, NAMES[self.kind], self._field, self.isolines)
 
 
 def _write_field(obj: bpy.types.Object, name: str, field: FloatArray, isolines: int) -> str:
-    mesh = obj.data
-    colours = ramp(field)
+    written = read_distances(obj.data)
+    earlier = written.get(name, WrittenField())
+    field_colours = ramp(field)
     if isolines:
-        colours = with_isolines(colours, field, isolines)
-    ours: dict[str, list[str]] = json.loads(mesh.get(DISTANCES, "{}"))  # what it is: its name and fingerprint
-    shown, known = ours.get(f"{name} colours", ["", ""])
-    attribute = mesh.color_attributes.get(shown)
-    if attribute is None or known != colour_print(attribute):
-        attribute = mesh.color_attributes.new(name=free_name(obj, name), type="FLOAT_COLOR", domain="POINT")
-    shown = str(attribute.name)  # the attribute itself moves in memory when others are added
+        field_colours = with_isolines(field_colours, field, isolines)
+    colours = _write_colours(obj, name, field_colours, earlier)
+    weights = _write_weights(obj, WEIGHTS.format(name), field, earlier)
+    written[name] = WrittenField(*colours, *weights)
+    write_distances(obj.data, written)
+    obj.data.update()
+    return colours[0]
+
+
+def _write_colours(obj: bpy.types.Object, name: str, colours: FloatArray, earlier: WrittenField) -> tuple[str, str]:
+    """Write colours, in place of unchanged earlier ones; return the attribute's name and fingerprint."""
+    layers = obj.data.color_attributes
+    attribute = layers.get(earlier.colours)
+    if attribute is None or earlier.colours_fingerprint != colour_fingerprint(attribute):
+        attribute = add_colours(obj, name)
     attribute.data.foreach_set("color", colours.astype(np.float32).ravel())
-    ours[f"{name} colours"] = [shown, colour_print(attribute)]
-    mesh.color_attributes.active_color_name = shown
-    group_name, known = ours.get(f"{name} weights", ["", ""])
-    if group_prints(obj, {group_name: None}).get(group_name) == known and group_name:
-        group = obj.vertex_groups[group_name]
+    written = str(attribute.name), colour_fingerprint(attribute)
+    layers.active_color_name = written[0]
+    return written
+
+
+def _write_weights(obj: bpy.types.Object, name: str, field: FloatArray, earlier: WrittenField) -> tuple[str, str]:
+    """Write weights from 0 to 1, in place of unchanged earlier ones; return the group's name and fingerprint."""
+    known = group_fingerprints(obj, [earlier.weights]).get(earlier.weights)
+    if known is not None and known == earlier.weights_fingerprint:
+        group = obj.vertex_groups[earlier.weights]
     else:
-        group = obj.vertex_groups.new(name=WEIGHTS.format(name))
+        group = obj.vertex_groups.new(name=name)
     reached = np.isfinite(field)
     group.remove(np.flatnonzero(~reached).tolist())
     largest = float(field[reached].max())
     weights = np.round(np.where(reached, field, np.nan) / (largest if largest > 0 else 1.0), 3)
     for weight in np.unique(weights[reached]).tolist():  # at most 1,001 calls, whatever the number of vertices
         group.add(np.flatnonzero(weights == weight).tolist(), weight, "REPLACE")
-    ours[f"{name} weights"] = [group.name, group_prints(obj, {group.name: None})[group.name]]
     obj.vertex_groups.active_index = group.index
-    mesh[DISTANCES] = json.dumps(ours)
-    mesh.update()
-    return shown
+    return group.name, group_fingerprints(obj, [group.name])[group.name]

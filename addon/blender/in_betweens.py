@@ -1,4 +1,4 @@
-"""Keys between the pose and the form, driven by one property, so that dragging it unbends limbs like joints."""
+"""Shape keys between the pose and the form, driven by one property: sliding it unbends limbs like joints."""
 
 from __future__ import annotations
 
@@ -8,18 +8,20 @@ import bpy
 import numpy as np
 
 from ..core import CanonicalFormError
-from .records import keep_record, key_print, named_key, record_of, required_key, required_record
+from .fingerprints import key_fingerprint
+from .record import InBetweens, read_record, require_record, write_record
+from .shape_keys import form_key, require_form_key
 
 if TYPE_CHECKING:
     from ..core.numerics.arrays import FloatArray
 
-PROPERTY = "Pose to Form"  # a property of the shape keys' own data, so that it goes wherever the keys go
+PROPERTY = "Pose to Form"  # on the shape keys' data-block, which is copied and linked along with the keys
 IN_BETWEEN = "Canonical Form {:.0%}"
-_EXPRESSION = "max(0, 1 - abs(s * {} - {}))"  # simple enough for Blender to run it without Python
+_EXPRESSION = "max(0, 1 - abs(s * {} - {}))"  # a simple expression: Blender evaluates it without Python
 
 
-def ways_between(count: int) -> list[float]:
-    """List the parts of the way at which keys between pose and form stand.
+def fractions_between(count: int) -> list[float]:
+    """List the fractions of the way from pose to form at which the keys between lie.
 
     Parameters
     ----------
@@ -35,28 +37,28 @@ def ways_between(count: int) -> list[float]:
 
 
 def write_in_betweens(obj: bpy.types.Object, shapes: list[FloatArray]) -> None:
-    """Write keys between pose and form, in place of earlier ones, and drive all by one property.
+    """Write keys between pose and form, in place of earlier ones, and drive all keys by one property.
 
     Parameters
     ----------
     obj : bpy.types.Object
-        The object, in Object Mode, with a key of ours that is unchanged and not animated.
+        The object, in Object Mode; the form's key is unchanged and not animated.
     shapes : list of (n, 3) ndarray of float
-        Positions at equal steps on the way, without the ends.
+        Positions at equal steps of the way, without the ends.
 
     Raises
     ------
     CanonicalFormError
-        If the key is animated or driven by the user.
+        If the user animates or drives the form's key.
     """
     mesh = obj.data
     remove_in_betweens(obj)
     refusal = animated(mesh)
     if refusal is not None:
         raise CanonicalFormError(refusal)
-    keys, form = mesh.shape_keys, required_key(mesh)
-    record = required_record(mesh)
-    record |= {"between": {}, "animated_before": keys.animation_data is not None, "value": form.value}
+    keys, form = mesh.shape_keys, require_form_key(mesh)
+    record = require_record(mesh)
+    record.in_betweens = InBetweens(keys={}, animated_before=keys.animation_data is not None, value=form.value)
     steps = len(shapes) + 1
     active = obj.active_shape_key_index
     keys[PROPERTY] = form.value
@@ -69,17 +71,10 @@ def write_in_betweens(obj: bpy.types.Object, shapes: list[FloatArray]) -> None:
             key = obj.shape_key_add(name=IN_BETWEEN.format(number / steps), from_mix=False)
             key.relative_key = form.relative_key
             key.data.foreach_set("co", positions.astype(np.float32).ravel())
-            record["between"][key.name] = key_print(key)
-        driver = key.driver_add("value").driver
-        driver.type = "SCRIPTED"
-        variable = driver.variables.new()
-        variable.name = "s"
-        variable.targets[0].id_type = "KEY"
-        variable.targets[0].id = keys
-        variable.targets[0].data_path = f'["{PROPERTY}"]'
-        driver.expression = _EXPRESSION.format(steps, number)
+            record.in_betweens.keys[key.name] = key_fingerprint(key)
+        _drive(key, keys, _EXPRESSION.format(steps, number))
     obj.active_shape_key_index = active
-    keep_record(mesh, record)
+    write_record(mesh, record)
     keys.update_tag()
     mesh.update()
 
@@ -95,50 +90,47 @@ def remove_in_betweens(obj: bpy.types.Object) -> list[str]:
     Returns
     -------
     list of str
-        Names of keys that were left in place because they have been changed since.
+        Names of keys that stay because they have been changed since they were written.
     """
     mesh = obj.data
-    record, keys = record_of(mesh), mesh.shape_keys
-    if record is None or "between" not in record:
+    record, keys = read_record(mesh), mesh.shape_keys
+    if record is None or record.in_betweens is None:
         return []
     left = []
     if keys is not None:
         active = obj.active_shape_key
         active_name = active.name if active else None
-        value = keys.get(PROPERTY, record["value"])
+        value = keys.get(PROPERTY, record.in_betweens.value)
         for curve in list(keys.animation_data.drivers) if keys.animation_data is not None else ():
-            driven = any(
-                each.targets[0].id == keys and each.targets[0].data_path == f'["{PROPERTY}"]'
-                for each in curve.driver.variables
-            )
-            if driven and curve.driver.expression.startswith(_EXPRESSION.split("{")[0]):
+            if _is_own_driver(curve, keys):
                 keys.animation_data.drivers.remove(curve)  # also that of a key which the user has renamed
-        for name, known in record["between"].items():
+        for name, known in record.in_betweens.keys.items():
             key = keys.key_blocks.get(name)
             if key is None:
                 continue
-            if known == key_print(key):
+            if known == key_fingerprint(key):
                 obj.shape_key_remove(key)
             else:
                 left.append(name)
-        form = named_key(mesh)
-        if form is not None and not left:  # with some of them left it would be added to them
+        form = form_key(mesh)
+        if form is not None and not left:  # keys that stay would add to the form
             form.value = value
         if PROPERTY in keys:
             del keys[PROPERTY]
         data = keys.animation_data
-        if data is not None and not record["animated_before"] and not (data.drivers or data.action or data.nla_tracks):
+        unused = data is not None and not (data.drivers or data.action or data.nla_tracks)
+        if unused and not record.in_betweens.animated_before:
             keys.animation_data_clear()
         if active_name in keys.key_blocks:
             obj.active_shape_key_index = keys.key_blocks.find(active_name)
-    del record["between"], record["animated_before"], record["value"]
-    keep_record(mesh, record)
+    record.in_betweens = None
+    write_record(mesh, record)
     mesh.update()
     return left
 
 
 def changed_in_betweens(mesh: bpy.types.Mesh) -> list[str]:
-    """List the keys between pose and form that have been changed since they were made.
+    """List the keys between pose and form that have been changed since they were written.
 
     Parameters
     ----------
@@ -150,17 +142,19 @@ def changed_in_betweens(mesh: bpy.types.Mesh) -> list[str]:
     list of str
         Their names.
     """
-    record, keys = record_of(mesh), mesh.shape_keys
+    record, keys = read_record(mesh), mesh.shape_keys
     if record is None or keys is None:
         return []
     blocks = keys.key_blocks
     return [
-        name for name, known in record.get("between", {}).items() if name in blocks and known != key_print(blocks[name])
+        name
+        for name, known in record.in_between_keys.items()
+        if name in blocks and known != key_fingerprint(blocks[name])
     ]
 
 
 def has_in_betweens(mesh: bpy.types.Mesh) -> bool:
-    """Tell whether there are keys between pose and form.
+    """Return whether there are keys between pose and form.
 
     Parameters
     ----------
@@ -170,26 +164,27 @@ def has_in_betweens(mesh: bpy.types.Mesh) -> bool:
     Returns
     -------
     bool
-        True if one property drives them.
+        True if the property drives them.
     """
-    record = record_of(mesh)
-    return record is not None and "between" in record and mesh.shape_keys is not None and PROPERTY in mesh.shape_keys
+    record = read_record(mesh)
+    recorded = record is not None and record.in_betweens is not None
+    return recorded and mesh.shape_keys is not None and PROPERTY in mesh.shape_keys
 
 
 def animated(mesh: bpy.types.Mesh) -> str | None:
-    """Say why our key cannot be driven: the user animates or drives it.
+    """Return why the form's key cannot be driven: the user animates or drives it.
 
     Parameters
     ----------
     mesh : bpy.types.Mesh
-        The mesh, with our key.
+        The mesh.
 
     Returns
     -------
     str or None
-        A sentence that says what to do, or None.
+        A sentence that names the remedy; None if the key can be driven.
     """
-    keys, form = mesh.shape_keys, named_key(mesh)
+    keys, form = mesh.shape_keys, form_key(mesh)
     if form is None:
         return None
     if PROPERTY in keys and not has_in_betweens(mesh):
@@ -207,8 +202,28 @@ def animated(mesh: bpy.types.Mesh) -> str | None:
     return None
 
 
+def _drive(key: bpy.types.ShapeKey, keys: bpy.types.Key, expression: str) -> None:
+    """Drive the value of a key by an expression in which `s` is the property."""
+    driver = key.driver_add("value").driver
+    driver.type = "SCRIPTED"
+    variable = driver.variables.new()
+    variable.name = "s"
+    variable.targets[0].id_type = "KEY"
+    variable.targets[0].id = keys
+    variable.targets[0].data_path = f'["{PROPERTY}"]'
+    driver.expression = expression
+
+
+def _is_own_driver(curve: bpy.types.FCurve, keys: bpy.types.Key) -> bool:
+    """Return whether a driver is one that `_drive` added."""
+    reads_property = any(
+        each.targets[0].id == keys and each.targets[0].data_path == f'["{PROPERTY}"]' for each in curve.driver.variables
+    )
+    return reads_property and curve.driver.expression.startswith(_EXPRESSION.split("{")[0])
+
+
 def _curves(action: bpy.types.Action) -> list[bpy.types.FCurve]:
-    """List the curves of an action, in the layered kind of Blender 4.4 and later and in the older one."""
+    """List the F-curves of an action: a layered one (Blender 4.4 and later) or one of the earlier kind."""
     if not hasattr(action, "layers"):
         return list(action.fcurves)
     bags = [bag for layer in action.layers for strip in layer.strips for bag in getattr(strip, "channelbags", ())]

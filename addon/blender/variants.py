@@ -1,4 +1,4 @@
-"""Other fillings of our shape key: the form of some limbs only, with keys between pose and form."""
+"""Variants of the form's shape key: the form of some limbs only, with keys between pose and form."""
 
 from __future__ import annotations
 
@@ -8,18 +8,21 @@ import bpy
 import numpy as np
 
 from ..core import CanonicalFormError
+from .hidden_attributes import patches_of, whole_form_of
 from .in_betweens import (
     PROPERTY,
     animated,
     changed_in_betweens,
+    fractions_between,
     has_in_betweens,
     remove_in_betweens,
-    ways_between,
     write_in_betweens,
 )
-from .mesh_reading import found_again, object_mode, read_object, require_unchanged
-from .records import keep_record, named_key, record_of, required_key, required_record
-from .result_writing import patches_of, refill_key, whole_form_of
+from .mesh_reading import find_object, read_object, require_unchanged
+from .object_states import object_mode
+from .record import read_record, require_record, write_record
+from .result_writing import refill_key
+from .shape_keys import form_key, require_form_key
 
 if TYPE_CHECKING:
     from ..core.numerics.arrays import FloatArray
@@ -27,7 +30,7 @@ if TYPE_CHECKING:
 
 
 def limbs_of(mesh: bpy.types.Mesh) -> list[bool]:
-    """Tell of which patches the shape key takes the pose out.
+    """Return for each patch whether the shape key takes the pose out of it.
 
     Parameters
     ----------
@@ -37,16 +40,14 @@ def limbs_of(mesh: bpy.types.Mesh) -> list[bool]:
     Returns
     -------
     list of bool
-        One flag a patch; empty where there is no form.
+        One flag for each patch; empty without a form.
     """
-    record = record_of(mesh)
-    if record is None or not record["key"] or not record["palette"]:
-        return []
-    return record.get("limbs") or [True] * len(record["palette"])
+    record = read_record(mesh)
+    return [] if record is None else record.straightened
 
 
 def variant_refusal(obj: bpy.types.Object | None) -> str | None:
-    """Say why the form of an object cannot be varied.
+    """Return why the form of an object cannot be varied.
 
     Parameters
     ----------
@@ -56,31 +57,40 @@ def variant_refusal(obj: bpy.types.Object | None) -> str | None:
     Returns
     -------
     str or None
-        A sentence that says what to do, or None.
+        A sentence that names the remedy; None if the form can be varied.
     """
     if obj is None or obj.type != "MESH" or not limbs_of(obj.data):
         return "The active object has no canonical form. Compute it first."
-    if named_key(obj.data) is None:
+    if form_key(obj.data) is None:
         return "The shape key of the form was changed, renamed or removed. Compute the form again first."
     return None
 
 
 class VariantTask:
-    """The form of some limbs only, and shapes on the way there.
+    """The form of some limbs only, and the shapes between pose and form.
 
     Parameters
     ----------
     obj : bpy.types.Object
         An object that `variant_refusal` accepts.
     limbs : list of bool, optional
-        The patches to take the pose out of; as they are when left out.
+        For each patch whether to take the pose out of it; unchanged if omitted.
     in_betweens : int, optional
-        Number of keys between pose and form; as many as there are when left out.
+        Number of keys between pose and form; unchanged if omitted.
+
+    Attributes
+    ----------
+    positions : (n, 3) ndarray of float
+        Positions of the form's key.
+    shapes : list of (n, 3) ndarray of float
+        Positions of the keys between.
+    warnings : list of str
+        Sentences for the user.
 
     Raises
     ------
     CanonicalFormError
-        If nothing can be varied, or the key is animated; the message says what to do.
+        If there is no form to vary, or its key is animated; the message names the remedy.
     """
 
     def __init__(self, obj: bpy.types.Object, limbs: list[bool] | None = None, in_betweens: int | None = None) -> None:
@@ -90,10 +100,9 @@ class VariantTask:
             reason = animated(mesh)
         if reason is not None:
             raise CanonicalFormError(reason)
-        required_key(mesh)
+        require_form_key(mesh)
         self.limbs = limbs_of(mesh) if limbs is None else limbs
-        between = required_record(mesh).get("between", {})
-        self.in_betweens = len(between) if in_betweens is None else in_betweens
+        self.in_betweens = len(require_record(mesh).in_between_keys) if in_betweens is None else in_betweens
         with object_mode(obj):
             self._reading = read_object(obj)
             patches, form = patches_of(mesh), whole_form_of(mesh)
@@ -120,23 +129,29 @@ class VariantTask:
         from ..core.run.monitor import Monitor
 
         reading, monitor = self._reading, Monitor(progress, cancelled)
-        chosen = np.array([*self.limbs, False])[self._patches]  # -1, of no face: the last
-        ways = [*ways_between(self.in_betweens), 1.0]
-        *self.shapes, self.positions = limb_shapes(reading.vertices, reading.faces, self._form, chosen, ways, monitor)
-        self.warnings = monitor.warnings
+        chosen = np.array([*self.limbs, False])[self._patches]  # -1, no patch, is the last
+        *self.shapes, self.positions = limb_shapes(
+            reading.vertices,
+            reading.faces,
+            self._form,
+            chosen,
+            ways=[*fractions_between(self.in_betweens), 1.0],
+            monitor=monitor,
+        )
+        self.warnings = list(monitor.warnings)
 
     def write(self) -> None:
-        """Fill the shape key, and the keys between, on the main thread.
+        """Write the positions to the shape key and add the keys between, on the main thread.
 
         Raises
         ------
         CanonicalFormError
-            If the object is gone or changed; the message says why.
+            If the object is gone or was changed; the message says why.
         """
-        obj = found_again(self._reading)
+        obj = find_object(self._reading)
         with object_mode(obj):
             require_unchanged(obj, self._reading)
-            required_key(obj.data)
+            require_form_key(obj.data)
             left = changed_in_betweens(obj.data)
             if left:
                 raise CanonicalFormError(
@@ -145,21 +160,21 @@ class VariantTask:
             value = shown_value(obj.data)
             remove_in_betweens(obj)
             refill_key(obj, self.positions)
-            record = required_record(obj.data)
-            record["limbs"] = self.limbs
-            keep_record(obj.data, record)
-            required_key(obj.data).value = value
+            record = require_record(obj.data)
+            record.limbs = self.limbs
+            write_record(obj.data, record)
+            require_form_key(obj.data).value = value
             if self.shapes:
                 write_in_betweens(obj, self.shapes)
 
 
 def shown_value(mesh: bpy.types.Mesh) -> float:
-    """Tell how far the form is dialled in.
+    """Return the value at which the form is shown.
 
     Parameters
     ----------
     mesh : bpy.types.Mesh
-        The mesh, with our key.
+        The mesh; the form's key is unchanged.
 
     Returns
     -------
@@ -168,4 +183,4 @@ def shown_value(mesh: bpy.types.Mesh) -> float:
     """
     if has_in_betweens(mesh):
         return float(mesh.shape_keys[PROPERTY])
-    return float(required_key(mesh).value)
+    return float(require_form_key(mesh).value)

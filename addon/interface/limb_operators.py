@@ -1,4 +1,4 @@
-"""Operators on the result: one limb at a time, smooth in-betweens, and selecting a patch."""
+"""Operators on the result: the form of single limbs, smooth in-betweens, and selecting a patch."""
 
 # no `from __future__ import annotations`: Blender reads the annotations below as properties
 
@@ -8,9 +8,9 @@ import bpy
 import numpy as np
 from bpy.props import BoolProperty, IntProperty
 
-from ..blender.in_betweens import has_in_betweens
-from ..blender.mesh_reading import object_mode, refusal
-from ..blender.result_writing import patches_of
+from ..blender.hidden_attributes import patches_of
+from ..blender.mesh_reading import refusal
+from ..blender.object_states import object_mode
 from ..blender.variants import VariantTask, limbs_of, variant_refusal
 from ..core import InvalidSettingsError
 from .job_operator import JobOperator
@@ -33,11 +33,11 @@ class OBJECT_OT_canonical_form_limb(JobOperator, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Refuse with a reason where there is no form."""
+        """Disable the button, with a reason, where there is no form."""
         return allowed(cls, cls.busy() or variant_refusal(context.object) or refusal(context.object))
 
     def task(self, context: bpy.types.Context) -> VariantTask:
-        """Read the mesh and change the flags."""
+        """Read the mesh and change the flags of the patches."""
         now = limbs_of(context.object.data)
         if self.patch > len(now):
             raise InvalidSettingsError(f"There are {len(now)} patches; {self.patch} is none of them.")
@@ -50,7 +50,7 @@ class OBJECT_OT_canonical_form_limb(JobOperator, bpy.types.Operator):
         return VariantTask(context.object, limbs=limbs)
 
     def written(self, context: bpy.types.Context, task: VariantTask, outcome: Any, interactive: bool) -> None:
-        """Say of how many limbs the pose is taken out."""
+        """Report from how many patches the pose is taken out."""
         self.report({"INFO"}, f"The pose is out of {sum(task.limbs)} of {len(task.limbs)} patches.")
         self.warn(task.warnings)
 
@@ -68,7 +68,7 @@ class OBJECT_OT_canonical_form_in_betweens(JobOperator, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Refuse with a reason where there is no form."""
+        """Disable the button, with a reason, where there is no form."""
         return allowed(cls, cls.busy() or variant_refusal(context.object) or refusal(context.object))
 
     def task(self, context: bpy.types.Context) -> VariantTask:
@@ -76,9 +76,9 @@ class OBJECT_OT_canonical_form_in_betweens(JobOperator, bpy.types.Operator):
         return VariantTask(context.object, in_betweens=self.count)
 
     def written(self, context: bpy.types.Context, task: VariantTask, outcome: Any, interactive: bool) -> None:
-        """Say what the slider does now."""
-        on = has_in_betweens(context.object.data)
-        self.report({"INFO"}, f"{self.count} keys lie between pose and form." if on else "In-betweens removed.")
+        """Report how many keys there are now; by now another object may be active."""
+        count = task.in_betweens
+        self.report({"INFO"}, f"{count} keys lie between pose and form." if count else "In-betweens removed.")
         self.warn(task.warnings)
 
 
@@ -94,18 +94,18 @@ class OBJECT_OT_canonical_form_select_patch(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Refuse with a reason where there are no patches."""
+        """Disable the button, with a reason, where there are no patches."""
         obj = context.object
         nothing = obj is None or obj.type != "MESH" or not len(obj.data.canonical_form_patches)
         return allowed(cls, "The active object has no patches. Compute them first." if nothing else refusal(obj))
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Take Shift for adding."""
+        """Extend the selection while Shift is held."""
         self.extend = event.shift
         return self.execute(context)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Select vertices, and the edges and faces between them."""
+        """Select the vertices, and the edges and faces between them."""
         obj = context.object
         with object_mode(obj):
             patches = patches_of(obj.data)
@@ -127,7 +127,7 @@ def select_vertices(mesh: bpy.types.Mesh, chosen: Any, extend: bool) -> None:
     chosen : (n,) ndarray of bool
         The vertices.
     extend : bool
-        Whether what is selected stays so.
+        Keep what is selected.
     """
     if extend:
         now = np.empty(len(mesh.vertices), dtype=bool)
@@ -147,7 +147,7 @@ def select_vertices(mesh: bpy.types.Mesh, chosen: Any, extend: bool) -> None:
 
 
 def _set_selection(mesh: bpy.types.Mesh, name: str, domain: str, values: Any) -> None:
-    """Write a selection as an attribute made anew: Blender 5.0 crashes where all were selected before."""
+    """Write a selection to a new attribute: Blender 5.0 crashes on the old one where everything was selected."""
     if name in mesh.attributes:
         mesh.attributes.remove(mesh.attributes[name])
     mesh.attributes.new(name=name, type="BOOLEAN", domain=domain).data.foreach_set("value", values)

@@ -8,14 +8,14 @@ import bpy
 from bpy.props import EnumProperty
 
 from ..blender.mesh_reading import refusal
-from ..blender.records import record_of
+from ..blender.record import read_record
 from ..core import CanonicalFormError
 from .job_operator import JobOperator
 from .properties import FormerProperties, MethodProperties, RequestProperties, list_patches, settings_of
 from .viewport import any_result, restore_shading, show_colours
 
 if TYPE_CHECKING:
-    from ..blender.computing import FormTask
+    from ..blender.form_task import FormTask
 
 
 class OBJECT_OT_canonical_form(JobOperator, MethodProperties, FormerProperties, RequestProperties, bpy.types.Operator):
@@ -38,7 +38,7 @@ class OBJECT_OT_canonical_form(JobOperator, MethodProperties, FormerProperties, 
 
     @classmethod
     def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
-        """Say what this button does."""
+        """Describe what the button does."""
         if properties.step == "FORM":
             return cls.__doc__ or ""
         found = "feature points" if properties.step == "FEATURES" else "feature points and patches"
@@ -46,12 +46,13 @@ class OBJECT_OT_canonical_form(JobOperator, MethodProperties, FormerProperties, 
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Refuse with a reason where the active object cannot be used."""
+        """Disable the button, with a reason, where the active object cannot be used."""
         return allowed(cls, cls.busy() or refusal(context.object))
 
     def task(self, context: bpy.types.Context) -> "FormTask":
         """Read the active and the other selected meshes."""
-        from ..blender.computing import FormTask, Request
+        from ..blender.form_task import FormTask
+        from ..blender.request import Request
 
         objects, self._refused = chosen_objects(context)
         request = Request(
@@ -65,15 +66,12 @@ class OBJECT_OT_canonical_form(JobOperator, MethodProperties, FormerProperties, 
         return FormTask(objects, request)
 
     def written(self, context: bpy.types.Context, task: "FormTask", outcome: list[str], interactive: bool) -> None:
-        """Tell what was found, warnings first."""
-        for sentence in (*self._refused, *task.errors):
-            self.report({"WARNING"}, sentence)
-        for report in task.reports:
-            for warning in report.get("warnings", ()):
-                self.report({"WARNING"}, warning)
-        for name in outcome:
+        """Report the warnings, then the results in one line."""
+        self.warn([*self._refused, *task.errors])
+        for name, report in task.written.items():
+            self.warn(report.warnings)
             list_patches(bpy.data.objects[name].data)
-        self.report({"INFO"}, _told(task, outcome))
+        self.report({"INFO"}, _summary(task))
         if interactive:
             show_colours(context)
 
@@ -87,15 +85,15 @@ class OBJECT_OT_canonical_form_clear(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Refuse with a reason where there is nothing to clear."""
+        """Disable the button, with a reason, where there is nothing to clear."""
         obj = context.object
-        nothing = obj is None or obj.type != "MESH" or record_of(obj.data) is None
+        nothing = obj is None or obj.type != "MESH" or read_record(obj.data) is None
         reason = "The active object has no canonical form." if nothing else refusal(obj)
         return allowed(cls, JobOperator.busy() or reason)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Remove the results."""
-        from ..blender.computing import clear_from
+        from ..blender.result_clearing import clear_from
 
         for obj in chosen_objects(context)[0]:
             try:
@@ -139,14 +137,14 @@ def chosen_objects(context: bpy.types.Context) -> tuple[list[bpy.types.Object], 
 
 
 def allowed(operator: type, reason: str | None) -> bool:
-    """Give the reason, if there is one, to the tooltip of a greyed button.
+    """Show why a button is disabled, if it is, in its tooltip.
 
     Parameters
     ----------
     operator : type
         The operator class, in its `poll`.
     reason : str or None
-        Why it cannot be used.
+        Why it cannot be used; None if it can.
 
     Returns
     -------
@@ -158,19 +156,18 @@ def allowed(operator: type, reason: str | None) -> bool:
     return reason is None
 
 
-def _told(task: "FormTask", outcome: list[str]) -> str:
-    """Say in one line what was found."""
-    reports = [report for report in task.reports if report]
-    seconds = sum(sum(report["timings"].values()) for report in reports)
-    if len(outcome) > 1:
-        return f"{len(outcome)} objects, {seconds:.1f} s."
-    report, obj = reports[0], bpy.data.objects[outcome[0]]
-    read = [reading.name for reading, found in zip(task.readings, task.reports, strict=True) if found]
-    sentence = f"{len(report['feature_points'])} feature points, {seconds:.1f} s"
-    if "pair_reduction" in report:
-        sentence += f", {report['pair_reduction']:.0%} of the pairs saved"
+def _summary(task: "FormTask") -> str:
+    """Summarise the results in one line."""
+    seconds = sum(report.seconds for report in task.written.values())
+    if len(task.written) > 1:
+        return f"{len(task.written)} objects, {seconds:.1f} s."
+    ((name, report),) = task.written.items()
+    obj = bpy.data.objects[name]
+    sentence = f"{len(report.feature_points)} feature points, {seconds:.1f} s"
+    if report.has_form:
+        sentence += f", {report.pair_reduction:.0%} of the pairs saved"
     users = obj.data.users - (1 if obj.data.use_fake_user else 0)
-    if obj.name not in read:
+    if all(item.reading.name != name for item in task.items):
         return f"{sentence}. The result is on {obj.name}."
     return f"{sentence}." + (f" {users} objects share this mesh and show it." if users > 1 else "")
 

@@ -1,4 +1,4 @@
-"""Feature points as labelled dots over the 3D View."""
+"""Feature points as labelled dots in the 3D View."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 import bpy
 
-from ..blender.records import record_of
+from ..blender.record import read_record
 
 _DOT = 5.0  # radius in pixels
 _TEXT = 13.0
@@ -16,29 +16,29 @@ _CIRCLE = [(cos(2 * pi * turn / 16), sin(2 * pi * turn / 16)) for turn in range(
 
 
 class VIEW3D_GGT_canonical_form:
-    """Holds the drawing while the extension is registered; never an instance."""
+    """Holds the handle of the draw callback while the extension is registered; never instantiated."""
 
     handle: ClassVar[Any] = None
 
 
 def feature_labels(obj: bpy.types.Object | None, graph: bpy.types.Depsgraph) -> list[tuple[Any, tuple, str]]:
-    """List the feature points of an object where they are seen now.
+    """List the feature points of an object where the evaluated mesh has them.
 
     Parameters
     ----------
     obj : bpy.types.Object or None
         The object.
     graph : bpy.types.Depsgraph
-        The evaluated scene.
+        The evaluated dependency graph.
 
     Returns
     -------
     list of (mathutils.Vector, tuple of float, str)
-        Place in the world, colour as a display takes it (sRGB) and label of each.
+        World position, sRGB colour and label of each.
     """
     if obj is None or obj.type != "MESH" or not obj.visible_get():
         return []
-    record = record_of(obj.data)
+    record = read_record(obj.data)
     if record is None:
         return []
     if obj.mode == "EDIT":
@@ -48,18 +48,19 @@ def feature_labels(obj: bpy.types.Object | None, graph: bpy.types.Depsgraph) -> 
         vertices.ensure_lookup_table()
     else:
         vertices = obj.evaluated_get(graph).data.vertices
-        if len(vertices) != record["report"]["vertices"]:  # modifiers have changed the vertices
+        if len(vertices) != record.report.vertices:  # modifiers change the number of vertices
             vertices = obj.data.vertices
-    palette = record["palette"] or [(1.0, 1.0, 1.0)] * len(record["report"]["feature_points"])
+    points = record.report.feature_points
+    palette = record.palette or [[1.0, 1.0, 1.0]] * len(points)
     return [
-        (obj.matrix_world @ vertices[point].co, (*_displayed(colour), 1.0), str(number))
-        for number, (point, colour) in enumerate(zip(record["report"]["feature_points"], palette, strict=True), start=1)
+        (obj.matrix_world @ vertices[point].co, (*_srgb(colour), 1.0), str(number))
+        for number, (point, colour) in enumerate(zip(points, palette, strict=True), start=1)
         if point < len(vertices)
     ]
 
 
-def _displayed(colour: Sequence[float]) -> tuple[float, ...]:
-    """Turn linear light into what a display takes (sRGB)."""
+def _srgb(colour: Sequence[float]) -> tuple[float, ...]:
+    """Convert linear RGB to sRGB."""
     return tuple(1.055 * max(part, 0.0031308) ** (1 / 2.4) - 0.055 for part in colour)
 
 
@@ -93,13 +94,13 @@ def _draw() -> None:
 
 
 def register() -> None:
-    """Start drawing, where there is a window."""
+    """Add the draw callback, where there is a window."""
     if not bpy.app.background:
         VIEW3D_GGT_canonical_form.handle = bpy.types.SpaceView3D.draw_handler_add(_draw, (), "WINDOW", "POST_PIXEL")
 
 
 def unregister() -> None:
-    """Stop drawing."""
+    """Remove the draw callback."""
     if VIEW3D_GGT_canonical_form.handle is not None:
         bpy.types.SpaceView3D.draw_handler_remove(VIEW3D_GGT_canonical_form.handle, "WINDOW")
         VIEW3D_GGT_canonical_form.handle = None

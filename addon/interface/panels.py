@@ -6,7 +6,8 @@ import bpy
 
 from ..blender.chosen_features import CHOSEN_GROUP
 from ..blender.in_betweens import PROPERTY, has_in_betweens
-from ..blender.records import named_key, record_of, required_record
+from ..blender.record import Record, read_record, require_record
+from ..blender.shape_keys import form_key
 from ..blender.variants import limbs_of
 from ..core import Settings
 from ..core.run.memory import memory_estimate, time_estimate
@@ -22,15 +23,15 @@ from .properties import METHOD_NAMES, hand_over
 from .tool_operators import OBJECT_OT_canonical_form_choose, OBJECT_OT_canonical_form_distance
 
 _MAIN = ("quality", "preserve_detail")
-_OURS_ALONE = (
+_LOCAL_FEATURES_ONLY = (  # options that the other methods do not use
     "start",
     "smoothing",
     "arrangement_share",
     "unbending",
     "as_published",
-)  # options that mean nothing to rivals
-_BUTTON = 1.4  # height of the main button, in that of others
-_WIDTH = 42  # letters in a line of the sidebar
+)
+_BUTTON_SCALE = 1.4  # height of the main button relative to others
+_LINE_LENGTH = 42  # characters in a line of the sidebar
 
 
 class _Tab:
@@ -40,7 +41,7 @@ class _Tab:
 
 
 class VIEW3D_PT_canonical_form(_Tab, bpy.types.Panel):
-    """Compute, cancel, and the options that most runs need."""
+    """The main button, the progress of a run, and the options that most runs need."""
 
     bl_label = "Canonical Form"
 
@@ -53,15 +54,15 @@ class VIEW3D_PT_canonical_form(_Tab, bpy.types.Panel):
         job = OBJECT_OT_canonical_form_cancel.job
         if job is not None:
             row = layout.row(align=True)
-            row.scale_y = _BUTTON
+            row.scale_y = _BUTTON_SCALE
             row.progress(factor=job.fraction, text=f"{job.fraction:.0%}  {job.stage}", type="BAR")
             row.operator(OBJECT_OT_canonical_form_cancel.bl_idname, text="", icon="X")
         else:
             count = sum(each.type == "MESH" for each in context.selected_objects)
             row = layout.row()
-            row.scale_y = _BUTTON
-            several = f"Compute {count} Objects" if count > 1 and context.mode == "OBJECT" else "Compute"
-            button = row.operator(OBJECT_OT_canonical_form.bl_idname, text=several, icon="ARMATURE_DATA")
+            row.scale_y = _BUTTON_SCALE
+            label = f"Compute {count} Objects" if count > 1 and context.mode == "OBJECT" else "Compute"
+            button = row.operator(OBJECT_OT_canonical_form.bl_idname, text=label, icon="ARMATURE_DATA")
             hand_over(chosen, button)
         if chosen.method != METHODS[0]:
             layout.prop(chosen, "method")
@@ -76,22 +77,22 @@ class VIEW3D_PT_canonical_form(_Tab, bpy.types.Panel):
 
 
 class VIEW3D_PT_canonical_form_result(_Tab, bpy.types.Panel):
-    """What the last run found, and what can be done with it."""
+    """The result of the last run and what can be done with it."""
 
     bl_label = "Result"
     bl_parent_id = "VIEW3D_PT_canonical_form"
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Show it where there is a result."""
+        """Show the panel where there is a result."""
         return _record(context) is not None
 
     def draw(self, context: bpy.types.Context) -> None:
         """Draw the slider, the measures, the warnings and Clear."""
         layout, mesh = self.layout, context.object.data
-        record = required_record(mesh)
+        record = require_record(mesh)
         layout.use_property_decorate = False
-        key = named_key(mesh) if record["key"] else None
+        key = form_key(mesh)
         if has_in_betweens(mesh):
             row = layout.row(align=True)
             row.prop(mesh.shape_keys, f'["{PROPERTY}"]', text="Pose to Form", slider=True)
@@ -105,7 +106,7 @@ class VIEW3D_PT_canonical_form_result(_Tab, bpy.types.Panel):
             )
             button.count = chosen.in_betweens
             row.prop(chosen, "in_betweens")
-        _draw_report(layout.column(align=True), record["report"], bool(record["palette"]))
+        _draw_report(layout.column(align=True), record)
         layout.prop(context.scene.canonical_form, "show_points")
         layout.operator(OBJECT_OT_canonical_form_clear.bl_idname, text="Clear", icon="TRASH")
 
@@ -114,12 +115,12 @@ class VIEW3D_UL_canonical_form_patches(bpy.types.UIList):
     """The patches with their colours."""
 
     def draw_item(self, context, layout, data, item, icon, active_data, active_property, index=0, flt_flag=0):  # type: ignore[no-untyped-def]
-        """Draw a line: colour, name, and whether the pose is taken out of this limb."""
+        """Draw a line: colour, name, and whether the key takes the pose out of this limb."""
         limbs = limbs_of(data)
         row = layout.row(align=True)
         swatch = row.row()
         swatch.ui_units_x = 1.2
-        swatch.enabled = not data.is_editmode  # colours cannot be written there
+        swatch.enabled = not data.is_editmode  # colours cannot be written in Edit Mode
         swatch.prop(item, "colour", text="")
         button = row.operator(
             OBJECT_OT_canonical_form_select_patch.bl_idname, text=f"{item.name}  ({item.size:,})", emboss=False
@@ -134,14 +135,14 @@ class VIEW3D_UL_canonical_form_patches(bpy.types.UIList):
 
 
 class VIEW3D_PT_canonical_form_patches(_Tab, bpy.types.Panel):
-    """The patches: click selects their vertices, the box takes the pose out of that limb."""
+    """The patches: a click selects their vertices, the check box takes the pose out of the limb."""
 
     bl_label = "Patches"
     bl_parent_id = "VIEW3D_PT_canonical_form"
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Show it where there are patches."""
+        """Show the panel where there are patches."""
         return _record(context) is not None and len(context.object.data.canonical_form_patches) > 0
 
     def draw(self, context: bpy.types.Context) -> None:
@@ -159,14 +160,14 @@ class VIEW3D_PT_canonical_form_patches(_Tab, bpy.types.Panel):
 
 
 class VIEW3D_PT_canonical_form_features(_Tab, bpy.types.Panel):
-    """Where the feature points come from."""
+    """The source of the feature points."""
 
     bl_label = "Feature Points"
     bl_parent_id = "VIEW3D_PT_canonical_form"
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw the source, its options, and the steps."""
+        """Draw the source of the feature points, its options, and the steps."""
         layout, chosen, obj = self.layout, context.scene.canonical_form, context.object
         layout.use_property_split = True
         layout.use_property_decorate = False
@@ -199,7 +200,7 @@ class VIEW3D_PT_canonical_form_distance(_Tab, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw the kind, the lines and the button."""
+        """Draw the kind, the isolines and the button."""
         layout, chosen = self.layout, context.scene.canonical_form
         layout.use_property_split = True
         layout.use_property_decorate = False
@@ -224,30 +225,31 @@ class VIEW3D_PT_canonical_form_advanced(_Tab, bpy.types.Panel):
         for name in ("value", *METHOD_NAMES):
             if name not in (*_MAIN, "prominence", "feature_count"):
                 row = column.row()
-                row.active = chosen.method == METHODS[0] or name not in _OURS_ALONE
+                row.active = chosen.method == METHODS[0] or name not in _LOCAL_FEATURES_ONLY
                 row.prop(chosen, name)
 
 
-def _record(context: bpy.types.Context) -> dict | None:
+def _record(context: bpy.types.Context) -> Record | None:
     obj = context.object
-    return record_of(obj.data) if obj is not None and obj.type == "MESH" else None
+    return read_record(obj.data) if obj is not None and obj.type == "MESH" else None
 
 
-def _draw_report(column: bpy.types.UILayout, report: dict, patches: bool) -> None:
-    found = "feature points and patches" if patches else "feature points"
-    lines = [f"{len(report['feature_points'])} {found}, {sum(report['timings'].values()):.1f} s"]
-    if "measures" in report:
-        measures = report["measures"]
-        if report.get("method", METHODS[0]) != METHODS[0]:
-            lines.insert(0, f"Method: {report['method'].replace('_', ' ')}")
-        lines.append(f"{report['pair_reduction']:.1%} of {report['vertices'] ** 2 / 1e6:.3g} million pairs saved")
-        lines.append(f"Edge distortion: median {measures['edge_distortion_median']:.1%}")
-        if measures["compactness_error"] is not None:
-            lines.append(f"Compactness error: {1e4 * measures['compactness_error']:.2f}e-4")
+def _draw_report(column: bpy.types.UILayout, record: Record) -> None:
+    report = record.report
+    found = "feature points and patches" if record.has_patches else "feature points"
+    lines = [f"{len(report.feature_points)} {found}, {report.seconds:.1f} s"]
+    if report.has_form:
+        if report.method != METHODS[0]:
+            lines.insert(0, f"Method: {report.method.replace('_', ' ')}")
+        lines.append(f"{report.pair_reduction:.1%} of {report.vertices**2 / 1e6:.3g} million pairs saved")
+        if report.edge_distortion is not None:
+            lines.append(f"Edge distortion: median {report.edge_distortion:.1%}")
+        if report.compactness_error is not None:
+            lines.append(f"Compactness error: {1e4 * report.compactness_error:.2f}e-4")
     for line in lines:
         column.label(text=line)
-    for warning in report["warnings"]:
-        first, *rest = textwrap.wrap(warning, _WIDTH)
+    for warning in report.warnings:
+        first, *rest = textwrap.wrap(warning, _LINE_LENGTH)
         column.label(text=first, icon="ERROR")
         for line in rest:
             column.label(text=line, icon="BLANK1")

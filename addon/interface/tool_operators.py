@@ -1,4 +1,4 @@
-"""Operators that are useful before a run or without one: feature points by hand, and distances."""
+"""Operators that need no result: feature points chosen by hand, and distance fields."""
 
 # no `from __future__ import annotations`: Blender reads the annotations below as properties
 
@@ -40,21 +40,21 @@ class OBJECT_OT_canonical_form_choose(bpy.types.Operator):
 
     @classmethod
     def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
-        """Say what this button does."""
-        told = {
+        """Describe what the button does."""
+        descriptions = {
             "SET": "Take the selected vertices for the feature points, one at the tip of each limb",
             "ADD": "Add the selected vertices to the feature points, those of the last run to begin with",
             "REMOVE": "Remove the selected vertices from the feature points",
         }
-        return told[properties.how]
+        return descriptions[properties.how]
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Refuse with a reason where the active object cannot be used."""
+        """Disable the button, with a reason, where the active object cannot be used."""
         return allowed(cls, JobOperator.busy() or refusal(context.object))
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Change the group and have the next run use it."""
+        """Change the group and select it as the source of the feature points."""
         try:
             name, count = choose_features(context.object, self.how, self.group)
         except CanonicalFormError as error:
@@ -81,17 +81,18 @@ class OBJECT_OT_canonical_form_distance(JobOperator, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Refuse with a reason where the active object cannot be used."""
+        """Disable the button, with a reason, where the active object cannot be used."""
         return allowed(cls, cls.busy() or refusal(context.object))
 
     def task(self, context: bpy.types.Context) -> "DistanceTask":
-        """Read the mesh and what is selected."""
+        """Read the mesh and its selection."""
         from ..blender.distance_fields import DistanceTask
 
-        return DistanceTask(context.object, self.kind, self.isolines, context.scene.canonical_form.memory_limit)
+        memory_limit = context.scene.canonical_form.memory_limit
+        return DistanceTask(context.object, self.kind, self.isolines, memory_limit=memory_limit)
 
     def written(self, context: bpy.types.Context, task: "DistanceTask", outcome: str, interactive: bool) -> None:
-        """Say where the distances are."""
+        """Report where the distances are, with the warnings."""
         from ..blender.distance_fields import WEIGHTS
 
         self.report({"INFO"}, f"Distances are in the colours {outcome} and the vertex group {WEIGHTS.format(outcome)}.")
@@ -105,7 +106,7 @@ class OBJECT_OT_canonical_form_distance(JobOperator, bpy.types.Operator):
 
 
 def draw_in_menu(menu: bpy.types.Menu, context: bpy.types.Context) -> None:
-    """Add the distances to Blender's own menus of weights and vertex groups.
+    """Add the distance fields to Blender's menus of weights and vertex groups.
 
     Parameters
     ----------
@@ -148,7 +149,7 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Take the operators out of the menus and unregister them."""
+    """Remove the operators from the menus and unregister them."""
     for name, draw in MENUS:
         getattr(bpy.types, name).remove(draw)
     for each in reversed(CLASSES):

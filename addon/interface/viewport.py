@@ -1,17 +1,18 @@
-"""Colours in the 3D View: solid shading switched to them, and back."""
+"""Solid shading of the 3D Views, switched to colour attributes and back."""
 
 from __future__ import annotations
 
 import bpy
 
-from ..blender.records import DISTANCES, RECORD
+from ..blender.distance_record import DISTANCES_PROPERTY
+from ..blender.record import RECORD_PROPERTY
 from .preferences import switches_shading
 
-_BEFORE = "canonical_form_shading"  # of a screen: what its views were coloured by
+_BEFORE = "canonical_form_shading"  # property of a screen: the earlier colour types of its views
 
 
 def show_colours(context: bpy.types.Context) -> None:
-    """Switch solid views to the active colours of the meshes, if the preferences say so.
+    """Switch views in solid shading to the active colour attributes, if the preferences allow it.
 
     Parameters
     ----------
@@ -33,7 +34,7 @@ def show_colours(context: bpy.types.Context) -> None:
 
 
 def restore_shading(context: bpy.types.Context) -> None:
-    """Switch back the views that `show_colours` has switched and the user has not.
+    """Switch back the views that `show_colours` switched and that still show colour attributes.
 
     Parameters
     ----------
@@ -51,29 +52,29 @@ def restore_shading(context: bpy.types.Context) -> None:
 
 
 def any_result() -> bool:
-    """Tell whether any mesh of the file shows colours of ours.
+    """Return whether any mesh of the file has colours that the extension wrote.
 
     Returns
     -------
     bool
-        True for a result or for distances.
+        True for the result of a run and for distances.
     """
-    return any(RECORD in mesh or DISTANCES in mesh for mesh in bpy.data.meshes)
+    return any(RECORD_PROPERTY in mesh or DISTANCES_PROPERTY in mesh for mesh in bpy.data.meshes)
 
 
 @bpy.app.handlers.persistent
 def _after_undo(*_: object) -> None:
-    """Switch the views back where undo has taken the last result away."""
+    """Switch the views back where undo has removed the last result."""
     if not any_result():
         restore_shading(bpy.context)
 
 
 def register() -> None:
-    """Listen to undo."""
+    """Add the handler of undo."""
     bpy.app.handlers.undo_post.append(_after_undo)
 
 
 def unregister() -> None:
-    """Switch the views back before the extension goes."""
+    """Remove the handler and switch the views back."""
     bpy.app.handlers.undo_post.remove(_after_undo)
     restore_shading(bpy.context)

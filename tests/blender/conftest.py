@@ -6,7 +6,7 @@ import pytest
 bpy = pytest.importorskip("bpy")
 
 import addon  # noqa: E402
-from addon.blender.records import RECORD  # noqa: E402
+from addon.blender.record import RECORD_PROPERTY  # noqa: E402
 from tests.meshes import shapes  # noqa: E402
 
 QUICK = {"iterations": 3, "eigenpairs": 30, "landmarks": 20}
@@ -73,7 +73,8 @@ def snapshot(obj):
         "colours": {each.name: (each.data_type, each.domain, flat(each.data, "color", 4)) for each in colours},
         "active colours": colours.active_color and colours.active_color.name,
         "attributes": sorted(each.name for each in mesh.attributes),
-        "properties": sorted((name, name == RECORD or str(value)) for name, value in mesh.items()) + sorted(obj.keys()),
+        "properties": sorted((name, name == RECORD_PROPERTY or str(value)) for name, value in mesh.items())
+        + sorted(obj.keys()),
         "animation": keys and keys.animation_data and [curve.data_path for curve in keys.animation_data.drivers],
         "pinned": obj.show_only_shape_key,
         "materials": [slot and slot.name for slot in mesh.materials],

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from addon.blender.mesh_reading import read_mesh
-from addon.blender.records import record_of
+from addon.blender.record import read_record
 from tests.blender.conftest import QUICK, add_object, flat, snapshot
 from tests.meshes import shapes
 
@@ -288,14 +288,14 @@ def test_a_run_works_or_refuses_and_changes_nothing_else(figure_object, state, t
         assert everything() == around
         return
     assert bpy.ops.object.canonical_form(**QUICK) == {"FINISHED"}
-    record, during = record_of(obj.data), snapshot(obj)
+    record, during = read_record(obj.data), snapshot(obj)
     assert during["mode"] == before["mode"]
-    assert record["report"]["vertices"] == len(obj.data.vertices)
+    assert record.report.vertices == len(obj.data.vertices)
     for name, key in (before["keys"] or {}).items():
         assert during["keys"][name] == key
     assert during["groups"][: len(before["groups"])] == before["groups"]
     assert during["vertices"] == before["vertices"]
-    key = obj.data.shape_keys.key_blocks[next(iter(record["key"]))]
+    key = obj.data.shape_keys.key_blocks[next(iter(record.keys))]
     points = np.frombuffer(flat(key.data, "co", 3), np.float32)
     assert np.isfinite(points).all()
     rest = read_mesh(obj.data)[0] if obj.mode == "OBJECT" else None
@@ -321,7 +321,7 @@ def test_a_warning_tells_what_does_not_enter_the_form(figure_object, state, word
     STATES[state][0](figure_object, tmp_path)
     bpy.ops.object.canonical_form(**QUICK)
     warnings = [
-        each for each in record_of(figure_object.data)["report"]["warnings"] if "scale" in each or "modifiers" in each
+        each for each in read_record(figure_object.data).report.warnings if "scale" in each or "modifiers" in each
     ]
     assert (words is None and not warnings) or words in warnings[0]
 

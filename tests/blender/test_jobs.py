@@ -2,16 +2,20 @@
 
 import threading
 from time import perf_counter, sleep
+from types import SimpleNamespace
 
 import bpy
 import pytest
 
-from addon.blender.computing import FormTask, Request
+from addon.blender.form_task import FormTask
 from addon.blender.jobs import Job
+from addon.blender.request import Request
 from addon.blender.variants import VariantTask
 from addon.core import CancelledError, CanonicalFormError, Settings
 from addon.interface import panels
 from addon.interface.job_operator import OBJECT_OT_canonical_form_cancel
+from addon.interface.limb_operators import OBJECT_OT_canonical_form_in_betweens
+from addon.interface.operators import _summary
 from tests.blender.conftest import QUICK, add_object, drawn, snapshot
 from tests.meshes import shapes
 
@@ -53,7 +57,7 @@ def test_it_stops_within_half_a_second():
     assert snapshot(mesh) == before
 
 
-def test_a_failure_is_handed_over():
+def test_the_result_raises_the_exception_of_the_work():
     def fails(progress, cancelled):
         raise CanonicalFormError("No.")
 
@@ -121,6 +125,32 @@ def test_what_was_changed_meanwhile_is_not_written_to(figure_object, change, wor
     assert {obj.name: snapshot(obj) for obj in bpy.data.objects if obj.type == "MESH"} == before
 
 
+def test_the_summary_is_of_what_was_written(figure_object, arrays):
+    vertices, faces = shapes.sphere(2)
+    other = add_object("Other", vertices, faces)
+    task = FormTask([figure_object, other], Request(Settings(**QUICK)))
+    task.compute()
+    figure_object.data.vertices[3].co.x += 0.01
+    assert task.write() == ["Other"]
+    assert len(task.errors) == 1
+    assert "was edited" in task.errors[0]
+    points = len(task.written["Other"].feature_points)
+    assert points != len(task.items[0].result.report.feature_points)
+    assert _summary(task).startswith(f"{points} feature point")
+
+
+def test_in_betweens_are_reported_whatever_object_is_active_by_then(figure_object):
+    bpy.ops.object.canonical_form(**QUICK)
+    task = VariantTask(figure_object, in_betweens=2)
+    task.compute()
+    bpy.context.view_layer.objects.active = None
+    task.write()
+    said = []
+    operator = SimpleNamespace(report=lambda kind, sentence: said.append(sentence), warn=said.extend, count=2)
+    OBJECT_OT_canonical_form_in_betweens.written(operator, bpy.context, task, None, interactive=True)
+    assert said[0] == "2 keys lie between pose and form."
+
+
 @pytest.mark.parametrize("mode", ["EDIT", "SCULPT"])
 def test_another_mode_meanwhile_is_kept(figure_object, mode):
     task = FormTask([figure_object], Request(Settings(**QUICK)))
@@ -143,9 +173,10 @@ def test_a_variant_of_a_changed_mesh_is_not_written(figure_object):
 def test_the_computation_touches_no_data_of_blender(figure_object, monkeypatch):
     """Blender's data is not for threads: take it away while the work runs."""
     task = FormTask([figure_object], Request(Settings(**QUICK)))
-    from addon.blender import computing
+    from addon.blender import form_item, form_task
 
-    monkeypatch.setattr(computing, "bpy", None)
+    for module in (form_task, form_item):
+        monkeypatch.setattr(module, "bpy", None)
     assert ended(Job(task.compute)).result() is None
 
 

@@ -4,9 +4,9 @@ import bpy
 import numpy as np
 import pytest
 
+from addon.blender.hidden_attributes import patches_of, whole_form_of
 from addon.blender.in_betweens import PROPERTY
-from addon.blender.records import record_of
-from addon.blender.result_writing import patches_of, whole_form_of
+from addon.blender.record import read_record
 from addon.blender.variants import limbs_of
 from addon.interface import panels
 from tests.blender.conftest import QUICK, Layout, drawn, flat, snapshot
@@ -30,7 +30,7 @@ def keys_of(obj):
 def test_one_limb_and_back(formed):
     before = snapshot(formed)
     basis, whole = points_of(keys_of(formed)["Basis"]), points_of(keys_of(formed)["Canonical Form"])
-    sizes = record_of(formed.data)["report"]["patch_sizes"]
+    sizes = read_record(formed.data).report.patch_sizes
     limb = int(np.argmin(sizes)) + 1
     assert bpy.ops.object.canonical_form_limb(patch=limb, only=True) == {"FINISHED"}
     alone = points_of(keys_of(formed)["Canonical Form"])
@@ -45,7 +45,7 @@ def test_one_limb_and_back(formed):
 
 def test_a_limb_that_keeps_its_pose_leaves_the_rest_of_the_form(formed):
     whole = points_of(keys_of(formed)["Canonical Form"])
-    limb = int(np.argmin(record_of(formed.data)["report"]["patch_sizes"])) + 1
+    limb = int(np.argmin(read_record(formed.data).report.patch_sizes)) + 1
     bpy.ops.object.canonical_form_limb(patch=limb)
     without = points_of(keys_of(formed)["Canonical Form"])
     assert (without == whole).all(axis=1).sum() > 0.5 * len(whole)
@@ -185,7 +185,7 @@ def test_the_list_and_the_slider_are_drawn(formed):
     data = formed.data
     draw = panels.VIEW3D_UL_canonical_form_patches.draw_item
     draw(None, bpy.context, Layout(lines), data, data.canonical_form_patches[0], "NONE", data, "canonical_form_patch")
-    assert lines == ["", f"Patch 1  ({record_of(data)['report']['patch_sizes'][0]:,})", "", ""]
+    assert lines == ["", f"Patch 1  ({read_record(data).report.patch_sizes[0]:,})", "", ""]
     bpy.ops.object.canonical_form_limb(patch=1)
     assert "All Limbs" in drawn(panels.VIEW3D_PT_canonical_form_patches)
     bpy.ops.object.canonical_form_in_betweens(count=1)

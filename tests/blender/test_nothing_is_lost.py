@@ -4,10 +4,11 @@ import bpy
 import numpy as np
 import pytest
 
-from addon.blender.computing import FormTask, Request
 from addon.blender.distance_fields import DistanceTask
+from addon.blender.form_task import FormTask
 from addon.blender.in_betweens import PROPERTY
-from addon.blender.records import RECORD, record_of
+from addon.blender.record import RECORD_PROPERTY, read_record
+from addon.blender.request import Request
 from addon.core import CanonicalFormError, Settings
 from addon.interface import panels
 from tests.blender.conftest import QUICK, add_object, drawn, flat, snapshot
@@ -50,8 +51,8 @@ def test_a_new_object_has_the_faces_that_were_computed_on(formed):
     formed.modifiers.new("Fewer", "DECIMATE").ratio = 0.5
     run(mesh="SHOWN", result="OBJECT")
     added = bpy.data.objects["Figure Canonical Form"]
-    record = record_of(added.data)
-    assert record["report"]["vertices"] == len(added.data.vertices)
+    record = read_record(added.data)
+    assert record.report.vertices == len(added.data.vertices)
     for key in added.data.shape_keys.key_blocks:
         points = np.frombuffer(flat(key.data, "co", 3), np.float32).reshape(-1, 3)
         edges = np.array([edge.vertices[:] for edge in added.data.edges])
@@ -168,7 +169,7 @@ def test_objects_that_share_a_mesh_each_get_a_new_object(figure_object):
     assert {"Figure Canonical Form", "Twin Canonical Form"} <= set(bpy.data.objects.keys())
 
 
-def test_active_key_of_a_twin_is_kept(figure_object):
+def test_the_active_key_of_an_object_that_shares_the_mesh_is_kept(figure_object):
     twin = bpy.data.objects.new("Twin", figure_object.data)
     bpy.context.scene.collection.objects.link(twin)
     for name in ("Basis", "Smile", "Frown"):
@@ -232,9 +233,9 @@ def test_materials_of_the_object_come_along(figure_object):
 def test_a_record_of_another_version_breaks_no_panel(formed):
     import json
 
-    record = json.loads(formed.data[RECORD])
+    record = json.loads(formed.data[RECORD_PROPERTY])
     del record["palette"], record["hidden"]
-    formed.data[RECORD] = json.dumps(record)
+    formed.data[RECORD_PROPERTY] = json.dumps(record)
     for panel in panels.CLASSES[1:]:
         drawn(panel)
     with pytest.raises(RuntimeError, match="no canonical form"):

@@ -6,7 +6,7 @@ import pytest
 
 from addon.blender.mesh_reading import read_mesh
 from addon.blender.palette import patch_colours, ramp
-from addon.blender.records import record_of
+from addon.blender.record import read_record
 from addon.core import Settings, canonical_form
 from addon.interface import panels
 from addon.interface.properties import METHOD_NAMES, settings_of
@@ -102,10 +102,10 @@ def test_a_second_run_replaces_its_own_results_only(furnished):
     compute()
     assert snapshot(furnished) == once
     compute(feature_points="3, 200")
-    record = record_of(furnished.data)
-    assert len(record["groups"]) == 3
+    record = read_record(furnished.data)
+    assert len(record.groups) == 3
     assert len(furnished.vertex_groups) == 5 + 3
-    assert record["report"]["feature_points"] == [3, 200]
+    assert record.report.feature_points == [3, 200]
 
 
 def test_results_that_the_user_renamed_or_removed_do_not_confuse_clear(figure_object):
@@ -134,7 +134,7 @@ def test_what_the_user_put_in_place_of_a_result_is_the_users(figure_object):
     assert after["keys"] == kept["keys"]
     assert [name for name, *_ in after["groups"]] == ["Kept", "Patch 1"]
     assert after["colours"] == {"Patches": kept["colours"]["Patches"]}
-    assert record_of(obj.data) is None
+    assert read_record(obj.data) is None
 
 
 def test_a_second_run_keeps_what_hangs_on_the_key(figure_object):
@@ -160,10 +160,10 @@ def test_a_second_run_keeps_what_hangs_on_the_key(figure_object):
 
 
 def test_a_failure_half_way_takes_back_what_was_written(furnished, monkeypatch):
-    from addon.blender import result_writing
+    from addon.blender.hidden_attributes import HiddenAttribute
 
     before = snapshot(furnished)
-    monkeypatch.setattr(result_writing, "_write_hidden", lambda *_: 1 / 0)
+    monkeypatch.setattr(HiddenAttribute, "write", lambda *_: 1 / 0)
     with pytest.raises(RuntimeError, match="ZeroDivisionError"):
         compute()
     assert snapshot(furnished) == before
@@ -182,7 +182,7 @@ def test_a_mesh_edited_through_another_object_is_refused(figure_object):
 
 def test_a_property_of_the_users_with_our_name_is_not_taken_for_a_record(figure_object):
     figure_object.data["canonical_form_record"] = "yes"
-    assert record_of(figure_object.data) is None
+    assert read_record(figure_object.data) is None
     assert drawn(panels.VIEW3D_PT_canonical_form_result) == []
 
 
@@ -234,7 +234,7 @@ def test_objects_that_share_a_mesh_share_the_result(figure_object):
     assert [group.name for group in twin.vertex_groups] == [group.name for group in figure_object.vertex_groups]
     bpy.context.view_layer.objects.active = twin
     bpy.ops.object.canonical_form_clear()
-    assert record_of(figure_object.data) is None
+    assert read_record(figure_object.data) is None
     assert len(figure_object.vertex_groups) == 0
 
 
@@ -302,7 +302,7 @@ def test_results_survive_saving_and_loading(figure_object, tmp_path):
     bpy.ops.wm.save_as_mainfile(filepath=path)
     bpy.ops.wm.open_mainfile(filepath=path)
     obj = bpy.data.objects["Figure"]
-    assert record_of(obj.data)["report"]["stress"]["steps"] == QUICK["iterations"]
+    assert read_record(obj.data).report.stress.steps == QUICK["iterations"]
     bpy.context.view_layer.objects.active = obj
     bpy.ops.object.canonical_form_clear()
     assert snapshot(obj) == before
@@ -312,7 +312,7 @@ def test_a_stretched_object_is_warned_about(figure_object):
     figure_object.scale = (1, 1, 3)
     bpy.context.view_layer.update()
     compute()
-    assert any("scale is not uniform" in each for each in record_of(figure_object.data)["report"]["warnings"])
+    assert any("scale is not uniform" in each for each in read_record(figure_object.data).report.warnings)
 
 
 @pytest.mark.parametrize("method", ["classical", "skeleton"])
@@ -321,9 +321,9 @@ def test_a_rival_writes_what_the_method_writes(figure_object, method):
     chosen.method = method
     assert "method" in drawn(panels.VIEW3D_PT_canonical_form)
     bpy.ops.object.canonical_form(method=method)
-    record = record_of(figure_object.data)
-    assert record["report"]["method"] == method
-    assert len(record["report"]["feature_points"]) == 5
+    record = read_record(figure_object.data)
+    assert record.report.method == method
+    assert len(record.report.feature_points) == 5
     assert figure_object.data.shape_keys.key_blocks["Canonical Form"].value == 1.0
     assert f"Method: {method}" in drawn(panels.VIEW3D_PT_canonical_form_result)
     bpy.ops.object.canonical_form_clear()
@@ -361,9 +361,9 @@ def test_the_panel_shows_what_was_found(figure_object):
 
 def test_the_record_is_json(figure_object):
     compute()
-    report = record_of(figure_object.data)["report"]
-    assert json.loads(json.dumps(report)) == report
-    assert report["measures"]["compactness_error"] is not None
+    report = read_record(figure_object.data).report
+    assert json.loads(json.dumps(report.as_json())) == report.as_json()
+    assert report.compactness_error is not None
 
 
 def test_unregistering_leaves_nothing_behind(blender):

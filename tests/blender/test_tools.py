@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from addon.blender.distance_fields import NAMES
-from addon.blender.mesh_reading import read_mesh, read_shown
-from addon.blender.records import record_of
+from addon.blender.mesh_reading import read_evaluated, read_mesh
+from addon.blender.record import read_record
 from addon.core import Settings, canonical_form
 from addon.core.distance_fields import distance_field
 from addon.interface import panels
@@ -40,14 +40,14 @@ def test_feature_points_by_hand(figure_object, mode):
     choose(how="REMOVE")
     assert members(obj, "Chosen Feature Points") == [5, 300]
     bpy.ops.object.canonical_form(**QUICK, feature_group="Chosen Feature Points")
-    assert record_of(obj.data)["report"]["feature_points"] == [5, 300]
+    assert read_record(obj.data).report.feature_points == [5, 300]
     bpy.ops.object.canonical_form_clear()
     assert members(obj, "Chosen Feature Points") == [5, 300]  # the user's own
 
 
 def test_adding_starts_from_the_detected_ones(figure_object):
     bpy.ops.object.canonical_form(**QUICK)
-    found = record_of(figure_object.data)["report"]["feature_points"]
+    found = read_record(figure_object.data).report.feature_points
     select(figure_object, {3})
     bpy.ops.object.canonical_form_choose(how="ADD")
     assert members(figure_object, "Chosen Feature Points") == sorted([*found, 3])
@@ -78,18 +78,18 @@ def test_detect_only_and_patches_only(figure_object):
     assert len(figure_object.vertex_groups) == 6
     assert figure_object.data.shape_keys is None
     assert "canonical_form_patches" in drawn(panels.VIEW3D_PT_canonical_form_patches)
-    found = record_of(figure_object.data)["report"]["feature_points"]
+    found = read_record(figure_object.data).report.feature_points
     bpy.ops.object.canonical_form(**QUICK)
     bpy.ops.object.canonical_form(step="PATCHES")  # takes the form away again
     assert figure_object.data.shape_keys is None
-    assert record_of(figure_object.data)["report"]["feature_points"] == found
+    assert read_record(figure_object.data).report.feature_points == found
     bpy.ops.object.canonical_form_clear()
     assert snapshot(figure_object) == before
 
 
 def test_a_number_of_feature_points(figure_object):
     bpy.ops.object.canonical_form(**QUICK, feature_count=3)
-    assert len(record_of(figure_object.data)["report"]["feature_points"]) == 3
+    assert len(read_record(figure_object.data).report.feature_points) == 3
 
 
 @pytest.mark.parametrize("kind", list(NAMES))
@@ -182,7 +182,7 @@ def bent(obj):
 
 
 def wanted_form(obj):
-    shown, faces = read_shown(obj)[0], read_mesh(obj.data)[1]
+    shown, faces = read_evaluated(obj)[0], read_mesh(obj.data)[1]
     return canonical_form(shown, faces, Settings(**QUICK)).vertices
 
 
@@ -193,7 +193,7 @@ def test_the_posed_mesh_gets_a_key_that_shows_its_form(figure_object):
     bpy.ops.object.canonical_form(**QUICK, mesh="SHOWN")
     bpy.context.view_layer.update()
     size = np.ptp(wanted, axis=0).max()
-    np.testing.assert_allclose(read_shown(figure_object)[0], wanted, atol=1e-3 * size)
+    np.testing.assert_allclose(read_evaluated(figure_object)[0], wanted, atol=1e-3 * size)
     once = flat(figure_object.data.shape_keys.key_blocks["Canonical Form"].data, "co", 3)
     bpy.ops.object.canonical_form(**QUICK, mesh="SHOWN")  # of the pose again, not of the form
     again = flat(figure_object.data.shape_keys.key_blocks["Canonical Form"].data, "co", 3)
@@ -217,7 +217,7 @@ def test_other_keys_and_a_lattice_count_as_shown(figure_object):
     wanted = wanted_form(obj)
     bpy.ops.object.canonical_form(**QUICK, mesh="SHOWN")
     bpy.context.view_layer.update()
-    np.testing.assert_allclose(read_shown(obj)[0], wanted, atol=1e-3 * np.ptp(wanted, axis=0).max())
+    np.testing.assert_allclose(read_evaluated(obj)[0], wanted, atol=1e-3 * np.ptp(wanted, axis=0).max())
     bpy.ops.object.canonical_form_clear()
     assert snapshot(obj) == before
 
@@ -243,7 +243,7 @@ def test_where_modifiers_change_the_vertices_a_new_object_is_made(figure_object)
     assert snapshot(figure_object) == before
     added = bpy.data.objects["Figure Canonical Form"]
     assert len(added.data.vertices) > 3 * len(figure_object.data.vertices)
-    assert any("on a new object" in warning for warning in record_of(added.data)["report"]["warnings"])
+    assert any("on a new object" in warning for warning in read_record(added.data).report.warnings)
 
 
 def test_the_distance_tool_tells_what_was_mended(figure_object, capfd):
@@ -258,10 +258,10 @@ def test_too_little_memory_is_told(figure_object, monkeypatch):
     select(figure_object, {10})
     before = snapshot(figure_object)
 
-    def exhausted(*_):
+    def exhausted(*_, **__):
         raise MemoryError
 
-    monkeypatch.setattr("addon.core.fields.distance_field", exhausted)
+    monkeypatch.setattr(f"{distance_field.__module__}.distance_field", exhausted)
     with pytest.raises(RuntimeError, match="The memory of this machine is not enough"):
         bpy.ops.object.canonical_form_distance(kind="heat")
     assert snapshot(figure_object) == before

@@ -1,8 +1,6 @@
 import bpy
 import pytest
 
-from addon.blender import computing, records
-from addon.core.run import errors
 from tests.blender.walks import Walk
 from tests.meshes import shapes
 
@@ -10,4 +8,4 @@ from tests.meshes import shapes
 @pytest.mark.parametrize("seed", [1, 2])
 def test_a_short_walk(blender, seed):
     bpy.context.preferences.filepaths.save_version = 0
-    Walk(records, computing, errors, shapes.figure(12), seed).run(60)
+    Walk("addon", shapes.figure(12), seed).run(60)

@@ -6,6 +6,7 @@ error is anything but a sentence. Works in the bpy module and, with `undo`, in a
 
 import random
 import tempfile
+from importlib import import_module
 from pathlib import Path
 
 import bmesh
@@ -21,12 +22,8 @@ class Walk:
 
     Parameters
     ----------
-    records : module
-        `addon.blender.records` of the extension that runs: its place differs between the module and the window.
-    computing : module
-        `addon.blender.computing`, likewise.
-    errors : module
-        `addon.core.errors`, likewise.
+    package : str
+        Name of the package `addon` that is registered: it differs between the bpy module and an installed extension.
     arrays : (vertices, faces)
         The mesh to start from.
     seed : int
@@ -35,10 +32,14 @@ class Walk:
         Whether undo and redo are among the steps.
     """
 
-    def __init__(self, records, computing, errors, arrays, seed, undo=False):
-        self.records, self.computing, self.errors = records, computing, errors
+    def __init__(self, package, arrays, seed, undo=False):
+        self.read_record = import_module(f"{package}.blender.record").read_record
+        self.fingerprints = import_module(f"{package}.blender.fingerprints")
+        self.core = import_module(f"{package}.core")
+        self.form_task = import_module(f"{package}.blender.form_task")
+        self.request = import_module(f"{package}.blender.request")
         self.arrays, self.chance, self.undo = arrays, random.Random(seed), undo
-        self.told, self.done = [], {}
+        self.steps, self.counts = [], {}
         self.number = 0
         self.folder = Path(tempfile.mkdtemp())
 
@@ -56,26 +57,26 @@ class Walk:
         for _ in range(steps):
             mine = self.chance.random() < 0.55
             step = self.chance.choice(ours if mine else theirs)
-            self.told.append(step.__name__)
-            self.done[step.__name__] = self.done.get(step.__name__, 0) + 1
+            self.steps.append(step.__name__)
+            self.counts[step.__name__] = self.counts.get(step.__name__, 0) + 1
             before, written, orphans = (self.view(), self.ours()["keys"], _orphans()) if mine else (None, None, None)
             try:
                 step()
-            except (RuntimeError, self.errors.CanonicalFormError) as error:
-                told = str(error).strip()
+            except (RuntimeError, self.core.CanonicalFormError) as error:
+                message = str(error).strip()
             else:
-                told = "Error: ."
-            assert told.endswith(".") or ".poll() " in told or told.startswith("Error: "), told
-            assert "Traceback" not in told, told
+                message = "Error: ."
+            assert message.endswith(".") or ".poll() " in message or message.startswith("Error: "), message
+            assert "Traceback" not in message, message
             if self.undo and not mine:
                 bpy.ops.ed.undo_push(message=step.__name__)
             if mine:
                 after = self.view()
                 after["keys"] = {name: value for name, value in after["keys"].items()
                                  if name in before["keys"] or name not in written}  # fmt: skip
-                assert _orphans() <= orphans, self.told[-8:]
+                assert _orphans() <= orphans, self.steps[-8:]
                 for part, value in before.items():
-                    assert after[part] == value, (part, _differing(value, after[part]), self.told[-8:])
+                    assert after[part] == value, (part, _differing(value, after[part]), self.steps[-8:])
 
     def _fresh(self):
         vertices, faces = self.arrays
@@ -98,19 +99,22 @@ class Walk:
     def ours(self):
         """Name all that still is as the last run wrote it, by kind."""
         obj, mesh = self.obj, self.obj.data
-        record = self.records.record_of(mesh) or {}
+        record = self.read_record(mesh)
+        if record is None:
+            return {"keys": set(), "groups": set(), "colours": set()}
         keys = mesh.shape_keys.key_blocks if mesh.shape_keys else {}
-        named = {**record.get("key", {}), **record.get("between", {})}
+        named = {**record.keys, **record.in_between_keys}
+        key_fingerprint, colour_fingerprint = self.fingerprints.key_fingerprint, self.fingerprints.colour_fingerprint
         found = {"keys": {name for name, known in named.items()
-                          if name in keys and known in (None, self.records.key_print(keys[name]))}}  # fmt: skip
-        basis = record.get("basis")
-        if basis and basis in keys and record.get("basis_print") in (None, self.records.key_print(keys[basis])):
+                          if name in keys and known in (None, key_fingerprint(keys[name]))}}  # fmt: skip
+        basis = record.basis
+        if basis and basis in keys and record.basis_fingerprint in (None, key_fingerprint(keys[basis])):
             found["keys"].add(basis)
-        prints = self.records.group_prints(obj, record.get("groups", {}))
-        found["groups"] = {name for name in prints if record["groups"][name] in (None, prints[name])}
-        found["colours"] = {name for name, known in record.get("colours", {}).items()
+        groups = self.fingerprints.group_fingerprints(obj, record.groups)
+        found["groups"] = {name for name in groups if record.groups[name] in (None, groups[name])}
+        found["colours"] = {name for name, known in record.colours.items()
                             if name in mesh.color_attributes
-                            and known in (None, self.records.colour_print(mesh.color_attributes[name]))}  # fmt: skip
+                            and known in (None, colour_fingerprint(mesh.color_attributes[name]))}  # fmt: skip
         return found
 
     def view(self):
@@ -132,7 +136,7 @@ class Walk:
         return {
             "basis": points.tobytes(),
             "polygons": [tuple(polygon.vertices) for polygon in mesh.polygons],
-            "selected": [vertex.select for vertex in mesh.vertices] if self.told[-1] != "select_patch" else None,
+            "selected": [vertex.select for vertex in mesh.vertices] if self.steps[-1] != "select_patch" else None,
             # the value of a form's key is driven by ours where there are in-betweens
             "keys": {key.name: (_positions(key), key.name.startswith("Canonical Form") or round(key.value, 6),
                                 key.mute, key.lock_shape)
@@ -160,10 +164,10 @@ class Walk:
 
     def computed_and_undone(self):
         bpy.ops.ed.undo_push(message="Before")
-        before = self.records.record_of(self.obj.data)
+        before = self.read_record(self.obj.data)
         self.op(bpy.ops.object.canonical_form, **QUICK)
         bpy.ops.ed.undo()
-        assert self.records.record_of(self.obj.data) == before, "undo left something"
+        assert self.read_record(self.obj.data) == before, "undo left something"
 
     def cancelled(self):
         asked, after = [0], self.chance.randrange(120)
@@ -172,16 +176,16 @@ class Walk:
             asked[0] += 1
             return asked[0] > after
 
-        task = self.computing.FormTask([self.obj], self.computing.Request())
+        task = self.form_task.FormTask([self.obj], self.request.Request())
         try:
             task.compute(None, stop)
-        except self.errors.CancelledError:
+        except self.core.CancelledError:
             return
         task.write()
 
     def clear(self):
         self.op(bpy.ops.object.canonical_form_clear)
-        assert self.records.record_of(self.obj.data) is None
+        assert self.read_record(self.obj.data) is None
 
     def limb(self):
         self.op(bpy.ops.object.canonical_form_limb, patch=self.chance.randrange(4), only=self.chance.random() < 0.5)

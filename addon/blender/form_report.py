@@ -1,0 +1,143 @@
+"""The report of a run: counts, stress, measures, timings and warnings."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+
+@dataclass(frozen=True)
+class StressReport:
+    """The stress of the embedding over the minimisation.
+
+    Attributes
+    ----------
+    first, last : float
+        Stress (equation 10) before the first step and after the last.
+    steps : int
+        Number of steps.
+    """
+
+    first: float
+    last: float
+    steps: int
+
+
+@dataclass
+class FormReport:
+    """What a run found on one mesh.
+
+    Attributes
+    ----------
+    vertices, faces : int
+        Size of the mesh, faces counted as triangles.
+    feature_points : list of int
+        Vertex indices, most prominent first.
+    patch_sizes : list of int
+        Vertices in each patch.
+    timings : dict of str to float
+        Seconds by stage.
+    warnings : list of str
+        Sentences for the user.
+    stress : StressReport or None
+        Stress of the embedding; None if the run stopped at the patches or feature points.
+    method : str
+        Method that computed the form. This and the following attributes are meaningful only with a form.
+    pair_count : int
+        Number of pair distances that the stress uses.
+    pair_reduction : float
+        Share of all pairs that this saves.
+    measures : dict of str to float or None
+        Quality measures of the form; None where one is undefined, such as the compactness of an open mesh.
+    """
+
+    vertices: int
+    faces: int
+    feature_points: list[int]
+    patch_sizes: list[int]
+    timings: dict[str, float]
+    warnings: list[str]
+    stress: StressReport | None = None
+    method: str = "local_features"
+    pair_count: int = 0
+    pair_reduction: float = 0.0
+    measures: dict[str, float | None] = field(default_factory=dict)
+
+    @property
+    def has_form(self) -> bool:
+        """Whether the run computed a form, not only patches or feature points."""
+        return self.stress is not None
+
+    @property
+    def seconds(self) -> float:
+        """Computation time of all stages together."""
+        return sum(self.timings.values())
+
+    @property
+    def edge_distortion(self) -> float | None:
+        """Median edge distortion of the form; None without a form."""
+        return self.measures.get("edge_distortion_median")
+
+    @property
+    def compactness_error(self) -> float | None:
+        """Change of the compactness; None for an open mesh or without a form."""
+        return self.measures.get("compactness_error")
+
+    @classmethod
+    def from_json(cls, data: dict[str, Any]) -> FormReport:
+        """Build a report from its JSON object.
+
+        Parameters
+        ----------
+        data : dict
+            As `as_json` returns it.
+
+        Returns
+        -------
+        FormReport
+            The report.
+
+        Raises
+        ------
+        KeyError, TypeError, ValueError
+            If the data are not those of a report.
+        """
+        report = cls(
+            vertices=int(data["vertices"]),
+            faces=int(data["faces"]),
+            feature_points=[int(point) for point in data["feature_points"]],
+            patch_sizes=[int(size) for size in data["patch_sizes"]],
+            timings=dict(data["timings"]),
+            warnings=list(data["warnings"]),
+        )
+        if "stress" in data:
+            report.stress = StressReport(**data["stress"])
+            report.method = str(data.get("method", report.method))
+            report.pair_count = int(data["pair_count"])
+            report.pair_reduction = float(data["pair_reduction"])
+            report.measures = dict(data["measures"])
+        return report
+
+    def as_json(self) -> dict[str, Any]:
+        """Convert the report to a JSON object, for the record and the command line's result lines.
+
+        Returns
+        -------
+        dict
+            Counts, stress, measures, timings and warnings; those of the form only if there is one.
+        """
+        data: dict[str, Any] = {
+            "vertices": self.vertices,
+            "faces": self.faces,
+            "feature_points": self.feature_points,
+            "patch_sizes": self.patch_sizes,
+        }
+        if self.stress is not None:
+            data |= {
+                "method": self.method,
+                "stress": asdict(self.stress),
+                "pair_count": self.pair_count,
+                "pair_reduction": self.pair_reduction,
+                "measures": self.measures,
+            }
+        return data | {"timings": self.timings, "warnings": self.warnings}

@@ -1,0 +1,88 @@
+"""States of an object that are changed for a while and restored: its mode, and the keys of an earlier run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import bpy
+
+from ..core import CanonicalFormError
+from .record import read_record
+
+
+@contextmanager
+def object_mode(obj: bpy.types.Object) -> Iterator[None]:
+    """Switch to Object Mode and restore the mode afterwards, also after an error.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        The object; the active one, if it is in another mode.
+
+    Yields
+    ------
+    None
+        Control, with the object in Object Mode.
+
+    Raises
+    ------
+    CanonicalFormError
+        If Blender cannot leave the object's mode.
+    """
+    mode = obj.mode
+    if mode == "OBJECT":
+        yield
+        return
+    if not obj.visible_get():
+        raise CanonicalFormError(
+            f"{obj.name} is hidden and in another mode. Show it, or leave its mode, and run again."
+        )
+    layer = bpy.context.view_layer
+    in_mode = [other for other in layer.objects if other.mode == mode]  # several objects may be edited at once
+    selected = [other for other in layer.objects if other.select_get()]
+    try:
+        bpy.ops.object.mode_set(mode="OBJECT")
+    except RuntimeError as error:
+        raise CanonicalFormError(f"{obj.name} cannot leave its mode. Switch to Object Mode and run again.") from error
+    try:
+        yield
+    finally:
+        if mode == "EDIT":  # Blender enters Edit Mode with the selected objects
+            for other in layer.objects:
+                other.select_set(other in in_mode)
+        bpy.ops.object.mode_set(mode=mode)
+        if mode == "EDIT":
+            for other in layer.objects:
+                other.select_set(other in selected)
+
+
+@contextmanager
+def muted_result(mesh: bpy.types.Mesh) -> Iterator[None]:
+    """Mute the shape keys of an earlier run, so that a form is computed of the pose and not of a form.
+
+    Parameters
+    ----------
+    mesh : bpy.types.Mesh
+        The mesh.
+
+    Yields
+    ------
+    None
+        Control, while they are muted.
+    """
+    record = read_record(mesh)
+    names = [] if record is None else [*record.keys, *record.in_between_keys]
+    keys = [
+        mesh.shape_keys.key_blocks[name] for name in names if mesh.shape_keys and name in mesh.shape_keys.key_blocks
+    ]
+    muted = [key.mute for key in keys]
+    try:
+        for key in keys:
+            key.mute = True
+        bpy.context.view_layer.update()
+        yield
+    finally:
+        for key, mute in zip(keys, muted, strict=True):
+            key.mute = mute
+        bpy.context.view_layer.update()

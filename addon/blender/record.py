@@ -1,0 +1,247 @@
+"""The record on a mesh of what the last run wrote to it.
+
+It holds names with fingerprints, so that exactly the written items can be removed again: whatever has been renamed,
+replaced or changed since belongs to the user and is never touched.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+import bpy
+
+from ..core import CanonicalFormError
+from .active_items import ActiveItems, ItemNames
+from .form_report import FormReport
+
+RECORD_PROPERTY = "canonical_form_record"
+
+Fingerprints = dict[str, str | None]  # by name; None for an item that an interrupted run has not finished
+
+
+@dataclass
+class InBetweens:
+    """The shape keys between pose and form.
+
+    Attributes
+    ----------
+    keys : dict of str to str or None
+        Fingerprints of the keys by name, in their order on the way.
+    animated_before : bool
+        Whether the shape keys had animation data before the drivers were added.
+    value : float
+        Value of the form's key before it was driven.
+    """
+
+    keys: Fingerprints
+    animated_before: bool
+    value: float
+
+
+@dataclass
+class Record:
+    """What the last run wrote to a mesh.
+
+    Attributes
+    ----------
+    report : FormReport
+        The report, for the panel.
+    active_before : ActiveItems
+        The items that were active before the run.
+    basis : str or None
+        Name of the Basis, if the run added it.
+    basis_fingerprint : str or None
+        Fingerprint of that Basis; None if it is unknown.
+    keys, groups, colours, hidden : dict of str to str or None
+        Fingerprints by name of the form's shape key, the vertex groups, the colour attributes and the hidden
+        attributes. The first group holds the feature points, the others one patch each.
+    palette : list of list of float
+        Linear red, green and blue of each patch; empty without patches.
+    limbs : list of bool
+        For each patch whether the key takes the pose out of it; empty while it does so for all.
+    in_betweens : InBetweens or None
+        The keys between pose and form, if there are any.
+    """
+
+    report: FormReport
+    active_before: ActiveItems
+    basis: str | None = None
+    basis_fingerprint: str | None = None
+    keys: Fingerprints = field(default_factory=dict)
+    groups: Fingerprints = field(default_factory=dict)
+    colours: Fingerprints = field(default_factory=dict)
+    hidden: Fingerprints = field(default_factory=dict)
+    palette: list[list[float]] = field(default_factory=list)
+    limbs: list[bool] = field(default_factory=list)
+    in_betweens: InBetweens | None = None
+
+    @property
+    def has_form(self) -> bool:
+        """Whether the run wrote a form, not only patches or feature points."""
+        return bool(self.keys)
+
+    @property
+    def has_patches(self) -> bool:
+        """Whether the run wrote patches, not only feature points."""
+        return bool(self.palette)
+
+    @property
+    def patch_count(self) -> int:
+        """Number of patches that were written."""
+        return len(self.palette)
+
+    @property
+    def patch_names(self) -> list[str]:
+        """Names of the patches' vertex groups, in order; empty without patches."""
+        return list(self.groups)[1:]
+
+    @property
+    def straightened(self) -> list[bool]:
+        """For each patch whether the key takes the pose out of it; empty without a form."""
+        return (self.limbs or [True] * self.patch_count) if self.has_form else []
+
+    @property
+    def in_between_keys(self) -> Fingerprints:
+        """Fingerprints by name of the keys between pose and form."""
+        return self.in_betweens.keys if self.in_betweens is not None else {}
+
+    def written_items(self) -> ItemNames:
+        """List the items that the run wrote.
+
+        Returns
+        -------
+        ItemNames
+            Their names; None among the shape keys if the run did not add the Basis.
+        """
+        return ItemNames(
+            shape_keys={*self.keys, *self.in_between_keys, self.basis},
+            groups=set(self.groups),
+            colours=set(self.colours),
+        )
+
+    @classmethod
+    def from_json(cls, data: dict[str, Any]) -> Record:
+        """Build a record from its JSON object, as this version or an earlier one wrote it.
+
+        Parameters
+        ----------
+        data : dict
+            As `as_json` returns it.
+
+        Returns
+        -------
+        Record
+            The record.
+
+        Raises
+        ------
+        ValueError
+            If the data are not those of a record.
+        """
+        try:
+            record = cls(
+                report=FormReport.from_json(data["report"]),
+                active_before=ActiveItems(**data["before"]),
+                basis=data["basis"],
+                basis_fingerprint=data.get("basis_print"),
+                keys=dict(data["key"]),
+                groups=dict(data["groups"]),
+                colours=dict(data["colours"]),
+                hidden=dict(data.get("hidden", {})),
+                palette=[list(colour) for colour in data.get("palette", [])],
+                limbs=list(data.get("limbs", [])),
+            )
+            if "between" in data:
+                record.in_betweens = InBetweens(dict(data["between"]), data["animated_before"], float(data["value"]))
+        except (AttributeError, KeyError, TypeError) as error:
+            raise ValueError("These are not the data of a record.") from error
+        return record
+
+    def as_json(self) -> dict[str, Any]:
+        """Convert the record to a JSON object.
+
+        Returns
+        -------
+        dict
+            The keys are those of version 0.1.
+        """
+        data: dict[str, Any] = {
+            "report": self.report.as_json(),
+            "before": asdict(self.active_before),
+            "basis": self.basis,
+            "key": self.keys,
+            "groups": self.groups,
+            "colours": self.colours,
+            "hidden": self.hidden,
+            "palette": self.palette,
+        }
+        if self.basis is not None:
+            data["basis_print"] = self.basis_fingerprint
+        if self.limbs:
+            data["limbs"] = self.limbs
+        if self.in_betweens is not None:
+            data["between"] = self.in_betweens.keys
+            data["animated_before"] = self.in_betweens.animated_before
+            data["value"] = self.in_betweens.value
+        return data
+
+
+def read_record(mesh: bpy.types.Mesh) -> Record | None:
+    """Read what the last run wrote to a mesh.
+
+    Parameters
+    ----------
+    mesh : bpy.types.Mesh
+        The mesh.
+
+    Returns
+    -------
+    Record or None
+        The record; None if there is no result.
+    """
+    text = mesh.get(RECORD_PROPERTY)
+    if not isinstance(text, str):
+        return None
+    try:
+        return Record.from_json(json.loads(text))
+    except ValueError:  # the user's own property of that name
+        return None
+
+
+def require_record(mesh: bpy.types.Mesh) -> Record:
+    """Read the record of a mesh that must have one.
+
+    Parameters
+    ----------
+    mesh : bpy.types.Mesh
+        The mesh.
+
+    Returns
+    -------
+    Record
+        The record.
+
+    Raises
+    ------
+    CanonicalFormError
+        If there is none.
+    """
+    record = read_record(mesh)
+    if record is None:
+        raise CanonicalFormError(f"{mesh.name} has no canonical form. Compute it first.")
+    return record
+
+
+def write_record(mesh: bpy.types.Mesh, record: Record) -> None:
+    """Write a record to a mesh.
+
+    Parameters
+    ----------
+    mesh : bpy.types.Mesh
+        The mesh.
+    record : Record
+        The record.
+    """
+    mesh[RECORD_PROPERTY] = json.dumps(record.as_json())

@@ -1,0 +1,107 @@
+"""The request for a run: what is computed and where the result goes."""
+
+from __future__ import annotations
+
+from dataclasses import KW_ONLY, dataclass, field, replace
+
+import bpy
+
+from ..core import CanonicalFormError, Settings
+from .chosen_features import MOST_FEATURES, members_of
+from .in_betweens import animated, has_in_betweens
+from .record import require_record
+
+
+@dataclass(frozen=True)
+class Request:
+    """What is computed and where the result goes.
+
+    Attributes
+    ----------
+    settings : Settings
+        Options of the method.
+    value : float
+        Value of the shape key.
+    step : {'FORM', 'PATCHES', 'FEATURES'}
+        Last step: the form, the patches, or the feature points.
+    feature_group : str
+        Vertex group whose vertices are the feature points; empty to detect them, or for those of the settings.
+    deformed : bool
+        Compute on the evaluated mesh, with modifiers, pose and shape keys at the current frame, not on the base mesh.
+    new_object : bool
+        Put the result on a new object.
+    hausdorff : bool
+        Measure the Hausdorff distance too.
+    """
+
+    settings: Settings = field(default_factory=Settings)
+    _: KW_ONLY
+    value: float = 1.0
+    step: str = "FORM"
+    feature_group: str = ""
+    deformed: bool = False
+    new_object: bool = False
+    hausdorff: bool = False
+
+    def settings_for(self, obj: bpy.types.Object) -> Settings:
+        """Return the settings for an object, with the feature points of the vertex group, if one is named.
+
+        Parameters
+        ----------
+        obj : bpy.types.Object
+            The object, in Object Mode.
+
+        Returns
+        -------
+        Settings
+            The settings.
+
+        Raises
+        ------
+        CanonicalFormError
+            If the group is missing, empty or too large, or the evaluated mesh is wanted.
+        """
+        if not self.feature_group:
+            return self.settings
+        group = obj.vertex_groups.get(self.feature_group)
+        if group is None:
+            raise CanonicalFormError(
+                f"{obj.name} has no vertex group {self.feature_group}. Choose one, or set Feature Points to Detected."
+            )
+        if self.deformed:
+            raise CanonicalFormError("Feature points from a group need the mesh itself. Set Mesh to Base Mesh.")
+        members = members_of(obj, group.name)
+        if not members:
+            raise CanonicalFormError(f"The vertex group {group.name} of {obj.name} is empty. Add feature points to it.")
+        if len(members) > MOST_FEATURES:
+            raise CanonicalFormError(
+                f"The vertex group {group.name} has {len(members):,} vertices. Choose one of {MOST_FEATURES} at most."
+            )
+        return replace(self.settings, feature_points=members)
+
+    def in_between_count(self, obj: bpy.types.Object) -> int:
+        """Return the number of keys between pose and form that the run has to compute again with the form.
+
+        Parameters
+        ----------
+        obj : bpy.types.Object
+            The object.
+
+        Returns
+        -------
+        int
+            Number of keys; 0 where the run leaves none on the mesh.
+
+        Raises
+        ------
+        CanonicalFormError
+            If the run would remove a form that is animated or has in-betweens.
+        """
+        mesh = obj.data
+        if self.step != "FORM" and not self.new_object and (animated(mesh) is not None or has_in_betweens(mesh)):
+            raise CanonicalFormError(
+                f"This step would take the form of {obj.name} away, and it is animated or has in-betweens. Clear first."
+            )
+        if self.new_object or self.deformed or self.step != "FORM" or not has_in_betweens(mesh):
+            return 0
+        return len(require_record(mesh).in_between_keys)

@@ -1,0 +1,126 @@
+"""Removes from a mesh exactly what the last run wrote to it."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+from .active_items import active_items, active_keys_elsewhere, restore_active_items, restore_active_keys
+from .fingerprints import colour_fingerprint, fingerprint, group_fingerprints, key_fingerprint
+from .in_betweens import remove_in_betweens
+from .object_states import object_mode
+from .record import RECORD_PROPERTY, Record, read_record
+from .shape_keys import remove_all_keys, remove_drivers
+
+
+def clear_from(obj: bpy.types.Object) -> list[str]:
+    """Remove the results of the last run from an object's mesh, in any mode.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        The object, accepted by `refusal`.
+
+    Returns
+    -------
+    list of str
+        Names of results that stay because they have been changed since they were written.
+
+    Raises
+    ------
+    CanonicalFormError
+        If Blender cannot leave the object's mode.
+    """
+    with object_mode(obj):
+        return clear_results(obj)
+
+
+def clear_results(obj: bpy.types.Object) -> list[str]:
+    """Remove the results of the last run from a mesh and activate what was active before it.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        The object, in Object Mode.
+
+    Returns
+    -------
+    list of str
+        Names of results that stay because they have been changed since they were written.
+    """
+    mesh = obj.data
+    record = read_record(mesh)
+    if record is None:
+        return []
+    active, elsewhere = active_items(obj), active_keys_elsewhere(obj)
+    left = remove_results(obj, record)
+    restore_active_items(obj, active.replaced(record.written_items().without(left), by=record.active_before))
+    restore_active_keys(elsewhere)
+    mesh.update()
+    return left
+
+
+def remove_results(obj: bpy.types.Object, record: Record, keep_key: bool = False) -> list[str]:
+    """Remove the items of a record that are unchanged, and the record.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        The object, in Object Mode.
+    record : Record
+        The record. Items whose fingerprint is None are removed as they are: the run that wrote them was interrupted.
+    keep_key : bool
+        Keep the form's shape key and the Basis.
+
+    Returns
+    -------
+    list of str
+        Names of items that stay because they have been changed since they were written.
+    """
+    mesh = obj.data
+    left = remove_in_betweens(obj)
+    if not keep_key:
+        left += _remove_keys(obj, record)
+    found = group_fingerprints(obj, record.groups)
+    for name, known in record.groups.items():
+        if name in found and known in (None, found[name]):
+            obj.vertex_groups.remove(obj.vertex_groups[name])
+        elif name in found:
+            left.append(name)
+    for name, known in record.colours.items():
+        attribute = mesh.color_attributes.get(name)
+        if attribute is not None and known in (None, colour_fingerprint(attribute)):
+            mesh.color_attributes.remove(attribute)
+        elif attribute is not None:
+            left.append(name)
+    for name in record.hidden:
+        if name in mesh.attributes:
+            mesh.attributes.remove(mesh.attributes[name])
+    del mesh[RECORD_PROPERTY]
+    return left
+
+
+def _remove_keys(obj: bpy.types.Object, record: Record) -> list[str]:
+    """Remove the form's key, and the Basis if the run added it and nothing else is left; list what stays."""
+    keys, left = obj.data.shape_keys, []
+    for name, known in record.keys.items():
+        key = keys.key_blocks.get(name) if keys is not None else None
+        if key is None:
+            continue
+        if key != keys.reference_key and known in (None, key_fingerprint(key)):
+            remove_drivers(key)
+            obj.shape_key_remove(key)
+        else:
+            left.append(name)
+    if keys is not None and len(keys.key_blocks) == 1 and _is_own_basis(obj.data, record):
+        remove_all_keys(obj)
+    return left
+
+
+def _is_own_basis(mesh: bpy.types.Mesh, record: Record) -> bool:
+    """Return whether the Basis is the one that the run added, unchanged, so that removing it loses nothing."""
+    basis = mesh.shape_keys.reference_key
+    points = np.empty(3 * len(mesh.vertices), dtype=np.float32)
+    mesh.vertices.foreach_get("co", points)
+    now = key_fingerprint(basis)
+    return basis.name == record.basis and now == fingerprint(points) and record.basis_fingerprint in (None, now)
