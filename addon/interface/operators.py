@@ -42,7 +42,7 @@ class OBJECT_OT_canonical_form(JobOperator, MethodProperties, FormerProperties, 
         if properties.step == "FORM":
             return cls.__doc__ or ""
         found = "feature points" if properties.step == "FEATURES" else "feature points and patches"
-        return f"Find the {found} and stop there. An earlier form of the mesh is taken away"
+        return f"Find the {found} and stop there. An earlier form of the mesh is removed"
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:

@@ -31,7 +31,7 @@ class OBJECT_OT_canonical_form_choose(bpy.types.Operator):
         items=(
             ("SET", "From Selection", "The selected vertices are the feature points"),
             ("ADD", "Add", "The selected vertices are feature points too"),
-            ("REMOVE", "Remove", "The selected vertices are feature points no more"),
+            ("REMOVE", "Remove", "The selected vertices are no longer feature points"),
         ),
     )
     group: StringProperty(  # type: ignore[valid-type]

@@ -1,4 +1,4 @@
-"""A fresh Blender with the add-on registered, and what its tests share."""
+"""Fixtures and helpers: a fresh Blender with the add-on registered, snapshots and drawn panels."""
 
 import numpy as np
 import pytest
@@ -52,7 +52,7 @@ def flat(collection, attribute, width):
 
 
 def snapshot(obj):
-    """All of an object's mesh that a user may care about, down to the bit."""
+    """Record everything of an object's mesh that may matter to a user, bit for bit."""
     mesh, keys = obj.data, obj.data.shape_keys
     colours = mesh.color_attributes
     return {
@@ -82,7 +82,7 @@ def snapshot(obj):
 
 
 class Layout:
-    """Stands in for Blender's layout and writes down what a panel draws."""
+    """A stand-in for Blender's layout that lists what a panel draws."""
 
     def __init__(self, lines):
         self.lines = lines
@@ -118,7 +118,7 @@ class Layout:
 
 
 def drawn(panel):
-    """What a panel draws, in words; nothing where it does not show."""
+    """List the texts that a panel draws; none where it is hidden."""
     lines = []
     if not hasattr(panel, "poll") or panel.poll(bpy.context):
         panel.draw(type("Self", (), {"layout": Layout(lines)})(), bpy.context)

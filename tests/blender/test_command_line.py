@@ -243,7 +243,7 @@ HOSTILE_OFF = {  # what it is: the text, and words of the answer
 }
 
 
-def test_hostile_files_are_told_in_sentences(tmp_path):
+def test_hostile_files_are_reported_in_sentences(tmp_path):
     where = tmp_path / "in"
     where.mkdir()
     wanted = {}
@@ -289,7 +289,7 @@ def test_odd_names_stay_in_the_output_folder(tmp_path, folder):
 
 
 @pytest.mark.skipif(os.name != "posix" or os.geteuid() == 0, reason="needs a user who may not do all")
-def test_a_file_without_permission_is_told(tmp_path, folder):
+def test_a_file_without_permission_is_reported(tmp_path, folder):
     source = tmp_path / "secret.off"
     source.write_bytes((folder / "off.off").read_bytes())
     source.chmod(0)
@@ -299,7 +299,7 @@ def test_a_file_without_permission_is_told(tmp_path, folder):
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a disk that is full")
-def test_a_full_disk_is_told_and_the_old_file_stays(tmp_path, folder):
+def test_a_full_disk_is_reported_and_the_old_file_stays(tmp_path, folder):
     _, [line], _ = run(folder / "off.off", "--output", tmp_path, "--format", "obj")
     old = Path(line["output"]).read_bytes()
     limited = "import resource, runpy, signal, sys; signal.signal(signal.SIGXFSZ, signal.SIG_IGN); "
@@ -329,8 +329,8 @@ def test_a_crash_costs_one_file(tmp_path, folder):
             children[0].kill()
             break
         time.sleep(0.05)
-    told, errors = process.communicate(timeout=300)
-    lines = [json.loads(line) for line in told.splitlines()]
+    output, errors = process.communicate(timeout=300)
+    lines = [json.loads(line) for line in output.splitlines()]
     assert process.returncode == 1
     assert [Path(line["input"]).name for line in lines] == ["slow.off", "off.off"]
     assert "crashed on this file" in lines[0]["error"]
@@ -370,10 +370,10 @@ def test_a_second_process_does_not_take_the_names_of_the_first(tmp_path, folder)
     output = io.StringIO()
     words = ["compute", str(folder / "off.off"), str(folder / "obj.obj"), "--output", str(tmp_path), "--format", "obj"]
     code = main([*words, *QUICK], output, {"files": 1, "written": ["obj"]})
-    told = [json.loads(line) for line in output.getvalue().splitlines()]
+    lines = [json.loads(line) for line in output.getvalue().splitlines()]
     assert code == 0
-    assert [next(iter(line)) for line in told] == ["begun", "input", "ended", "finished"]
-    assert Path(told[1]["output"]).name == "obj-2.obj"
+    assert [next(iter(line)) for line in lines] == ["begun", "input", "ended", "finished"]
+    assert Path(lines[1]["output"]).name == "obj-2.obj"
 
 
 @pytest.mark.skipif(os.name != "posix", reason="needs signals")
@@ -395,8 +395,8 @@ def test_the_keyboard_stops_both_processes(tmp_path):
             break
         time.sleep(0.05)
     process.send_signal(signal.SIGINT)
-    told, errors = process.communicate(timeout=60)
+    output, errors = process.communicate(timeout=60)
     assert process.returncode == 130
     assert "Traceback" not in errors
     assert not children[0].is_running()
-    assert told == ""
+    assert output == ""

@@ -171,7 +171,7 @@ def test_a_variant_of_a_changed_mesh_is_not_written(figure_object):
 
 
 def test_the_computation_touches_no_data_of_blender(figure_object, monkeypatch):
-    """Blender's data is not for threads: take it away while the work runs."""
+    """Blender's data must not be touched by threads: hide it from the modules while the work runs."""
     task = FormTask([figure_object], Request(Settings(**QUICK)))
     from addon.blender import form_item, form_task
 

@@ -192,7 +192,7 @@ def test_the_list_and_the_slider_are_drawn(formed):
     assert drawn(panels.VIEW3D_PT_canonical_form_result)[0] == "Pose to Form"
 
 
-def test_warnings_on_the_way_are_told(formed, monkeypatch, capfd):
+def test_warnings_of_variants_are_reported(formed, monkeypatch, capfd):
     from addon.core.posing import articulation
 
     real = articulation.intrinsic_delaunay

@@ -1,4 +1,4 @@
-"""What a hostile user did to the extension once, and must never lose by it again."""
+"""Regression tests: actions of a hostile user that once lost the user's data."""
 
 import bpy
 import numpy as np

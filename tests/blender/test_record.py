@@ -1,4 +1,4 @@
-"""The record on a mesh: what version 0.1 wrote is read, and whatever else stands there is not taken for one."""
+"""The record on a mesh: that of version 0.1 is read, and any other text is not taken for a record."""
 
 import json
 

@@ -80,7 +80,7 @@ def test_detect_only_and_patches_only(figure_object):
     assert "canonical_form_patches" in drawn(panels.VIEW3D_PT_canonical_form_patches)
     found = read_record(figure_object.data).report.feature_points
     bpy.ops.object.canonical_form(**QUICK)
-    bpy.ops.object.canonical_form(step="PATCHES")  # takes the form away again
+    bpy.ops.object.canonical_form(step="PATCHES")  # removes the form again
     assert figure_object.data.shape_keys is None
     assert read_record(figure_object.data).report.feature_points == found
     bpy.ops.object.canonical_form_clear()
@@ -254,7 +254,7 @@ def test_the_distance_tool_tells_what_was_mended(figure_object, capfd):
     assert "Warning: 1 face was left out" in capfd.readouterr().out
 
 
-def test_too_little_memory_is_told(figure_object, monkeypatch):
+def test_too_little_memory_is_reported(figure_object, monkeypatch):
     select(figure_object, {10})
     before = snapshot(figure_object)
 

@@ -1,7 +1,7 @@
-"""Random walks through the extension: whatever a user does, what is the user's stays the user's.
+"""Random walks through the extension: no sequence of steps changes data that belong to the user.
 
-A walk of many steps takes one at random each time; after every step of ours all that the user has is as it was, and no
-error is anything but a sentence. Works in the bpy module and, with `undo`, in a window.
+Each step is chosen at random; after every step of the extension the user's data are unchanged, and every error is a
+sentence. Works in the bpy module and, with `undo`, in a window.
 """
 
 import random
@@ -25,9 +25,9 @@ class Walk:
     package : str
         Name of the package `addon` that is registered: it differs between the bpy module and an installed extension.
     arrays : (vertices, faces)
-        The mesh to start from.
+        The mesh at the start.
     seed : int
-        What chance starts from.
+        Seed of the random choices.
     undo : bool
         Whether undo and redo are among the steps.
     """
@@ -44,7 +44,7 @@ class Walk:
         self.folder = Path(tempfile.mkdtemp())
 
     def run(self, steps):
-        """Take steps; raise an AssertionError at the first that breaks a promise."""
+        """Take steps; raise an AssertionError at the first that changes user data or fails without a sentence."""
         self._fresh()
         ours = [self.compute, self.compute, self.cancelled, self.clear, self.limb, self.in_betweens, self.distance,
                 self.choose, self.select_patch]  # fmt: skip
@@ -94,10 +94,10 @@ class Walk:
         """Run an operator as a button does: with a step to undo where there is a window."""
         return operator("EXEC_DEFAULT", self.undo, **options)
 
-    # what the user has
+    # the user's data
 
     def ours(self):
-        """Name all that still is as the last run wrote it, by kind."""
+        """Name the items that are unchanged since the last run wrote them, by kind."""
         obj, mesh = self.obj, self.obj.data
         record = self.read_record(mesh)
         if record is None:
@@ -118,7 +118,7 @@ class Walk:
         return found
 
     def view(self):
-        """Take down what is the user's, to the bit."""
+        """Record the user's data, bit for bit."""
         obj = self.obj
         mode = obj.mode
         self.op(bpy.ops.object.mode_set, mode="OBJECT")  # elsewhere not all can be read
@@ -151,7 +151,7 @@ class Walk:
             "objects": sorted(each.name for each in bpy.data.objects if "Canonical Form" not in each.name),
         }  # fmt: skip
 
-    # steps of ours
+    # steps of the extension
 
     def compute(self):
         options = self.chance.choice([{}, {}, {"step": "PATCHES"}, {"step": "FEATURES"}, {"mesh": "SHOWN"},
