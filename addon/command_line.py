@@ -13,9 +13,11 @@ from typing import Any, TextIO
 
 import bpy
 
-from .blender.computing import Request, compute_on
+from .blender.advice import explained
 from .blender.files import open_meshes, save_blend, save_form
+from .blender.form_task import compute_on
 from .blender.mesh_reading import refusal
+from .blender.request import Request
 from .core import CanonicalForm, CanonicalFormError, Settings
 from .core.unfolding.catalogue import methods
 from .core.unfolding.costs import memory_estimate
@@ -51,7 +53,7 @@ def main(arguments: list[str], output: TextIO | None = None, done: dict[str, Any
     except SystemExit as stop:
         return int(stop.code or 0)
     except (CanonicalFormError, OSError) as error:
-        print(f"canonical_form: {error}", file=sys.stderr)
+        print(f"canonical_form: {explained(error)}", file=sys.stderr)
         return 2
     failed = False
     first, written = (done["files"], set(done["written"])) if done else (0, set())
@@ -71,7 +73,7 @@ def main(arguments: list[str], output: TextIO | None = None, done: dict[str, Any
             if done:
                 tell(ended=number)
     except KeyboardInterrupt:
-        print("canonical_form: Stopped by the keyboard; what was written so far is whole.", file=sys.stderr)
+        print("canonical_form: Interrupted; files written so far are complete.", file=sys.stderr)
         return 130
     if done:
         tell(finished=int(failed))
@@ -162,15 +164,15 @@ def _compute_file(
                 bpy.context.view_layer.objects.active = obj
             memory = memory_estimate(len(obj.data.vertices), settings)
             with _progress_line(f"{path.name} {obj.name} (about {memory:.1f} GB)") as progress:
-                found, report = compute_on(obj, Request(settings, options.value, hausdorff=True), progress)
+                found, report = compute_on(obj, Request(settings, value=options.value, hausdorff=True), progress)
             if options.format != "blend" and isinstance(found, CanonicalForm):
                 stem = name if len(objects) == 1 else f"{name}-{bpy.path.clean_name(obj.name)}"
                 target = options.output / f"{_unused(stem, written)}.{options.format}"
                 _require_new(target, options.meshes)
                 save_form(target, found.vertices, obj.data)
-                yield {**line, "output": str(target), "memory_estimate": memory, **report}
+                yield {**line, "output": str(target), "memory_estimate": memory, **report.as_json()}
                 continue
-            lines.append({**line, "output": str(target), "memory_estimate": memory, **report})
+            lines.append({**line, "output": str(target), "memory_estimate": memory, **report.as_json()})
         except Exception as error:  # any: the meshes after it are still to be computed
             lines.append(_failure(line, error))
     if options.format == "blend" and any("error" not in line for line in lines):
@@ -201,12 +203,12 @@ def _require_new(target: Path, inputs: list[Path]) -> None:
 
 def _failure(line: dict[str, Any], error: Exception) -> dict[str, Any]:
     """Tell on standard error, and make the line; what nobody foresaw is told as a mistake of ours."""
-    sentence = str(error).strip()
-    if isinstance(error, MemoryError):
-        sentence = "The memory of this machine is not enough. Close other programs, or decimate the mesh."
-    elif not isinstance(error, CanonicalFormError | OSError | RuntimeError):  # RuntimeError: Blender itself refuses
+    sentence = explained(error).strip()
+    if not isinstance(
+        error, CanonicalFormError | OSError | RuntimeError | MemoryError
+    ):  # RuntimeError: Blender itself refuses
         sentence = (
-            f"This is a mistake of Canonical Form; please report it with the file. {type(error).__name__}: {sentence}"
+            f"This is a bug in Canonical Form; please report it with the file. {type(error).__name__}: {sentence}"
         )
     print(f"canonical_form: {line['input']}: {sentence}", file=sys.stderr)
     return {"input": line["input"], **({"object": line["object"]} if "object" in line else {}), "error": sentence}

@@ -6,64 +6,82 @@ import pkgutil
 import re
 import sys
 import textwrap
+from collections.abc import Iterator
 from pathlib import Path
+from types import ModuleType
+from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 TARGET = ROOT / "docs" / "api.md"
-MODULES = (  # in the order of the data
-    "canonical", "recognition", "local_features", "embedding", "settings", "errors", "surface", "mending", "parts",
-    "coarsening", "delaunay", "laplacian", "spectrum", "features", "heat", "patches", "distances", "struts", "pairs",
-    "scaling",
-    "arrangement", "stress", "products", "weight_inverse", "smacof", "pushing", "deformation", "detail", "articulation",
-    "limbs", "fast_marching", "fields", "alignment", "measures", "memory", "monitor", "rivals.choice",
-    "rivals.samples", "rivals.classical", "rivals.least_squares", "rivals.non_metric", "rivals.fast",
-    "rivals.euclidean", "rivals.one_form", "rivals.skeleton",
+DOORS = ("canonical", "features", "distance_fields", "limbs", "results")
+ROOMS = (
+    "run", "numerics", "mesh", "surface", "distances", "detection", "patching", "deformation", "embedding", "measures",
+    "unfolding", "methods", "posing", "assembly",
 )  # fmt: skip
 HEAD = """# API of the core
 
-`addon.core` needs numpy and scipy only, and no Blender. Arrays in, arrays out. The first two names and the errors are
-imported from `addon.core`; everything else from the module it is listed under. This page is made from the docstrings
-by `make docs`.
+`addon.core` needs numpy and scipy only, and no Blender. Arrays in, arrays out. The doors, what they give back,
+`Settings` and the errors are imported from `addon.core`; everything else from the module it is listed under. This page
+is made from the docstrings by `make docs`.
 """
 
 
 def reference() -> str:
-    """Assemble the page."""
-    core = str(ROOT / "addon" / "core")
-    found = {each.name for each in pkgutil.iter_modules([core]) if not each.ispkg}
-    found |= {f"rivals.{each.name}" for each in pkgutil.iter_modules([f"{core}/rivals"])}
-    missing = found - set(MODULES)
-    if missing:
-        raise SystemExit(f"not in the list of modules: {', '.join(sorted(missing))}")
-    parts = [HEAD]
-    for name in MODULES:
-        module = importlib.import_module(f"addon.core.{name}")
-        parts.append(f"## `addon.core.{name}`\n\n{module.__doc__.strip()}\n")
-        for each in vars(module).values():
-            public = getattr(each, "__module__", "") == module.__name__ and not each.__name__.startswith("_")
-            if inspect.isclass(each) and public:
-                parts.append(described(each.__name__, each))
-                for method_name, method in vars(each).items():
-                    documented = inspect.isfunction(method) and (method.__doc__ or "").strip()
-                    if documented and (method_name == "__call__" or not method_name.startswith("_")):
-                        parts.append(described(f"{each.__name__}.{method_name}", method))
-            elif inspect.isfunction(each) and public:
-                parts.append(described(each.__name__, each))
+    """Assemble the page: the doors, then the rooms, each from its first file to its last."""
+    parts = [HEAD, "## Doors\n\nWhat a script calls.\n"]
+    core = importlib.import_module("addon.core")
+    require_all(core, DOORS, packages=False)
+    require_all(core, ROOMS, packages=True)
+    for door in DOORS:
+        parts += module_reference(importlib.import_module(f"addon.core.{door}"))
+    for room in ROOMS:
+        package = importlib.import_module(f"addon.core.{room}")
+        parts.append(f"## Room `{room}`\n\n{(package.__doc__ or '').strip()}\n")
+        for name in names_in(package, packages=False):
+            parts += module_reference(importlib.import_module(f"{package.__name__}.{name}"))
     return "\n".join(parts)
 
 
-def described(name: str, thing: object) -> str:
+def names_in(package: ModuleType, *, packages: bool) -> list[str]:
+    """Names of the public modules or packages in a package."""
+    found = pkgutil.iter_modules(package.__path__)
+    return [each.name for each in found if each.ispkg == packages and not each.name.startswith("_")]
+
+
+def require_all(package: ModuleType, listed: tuple[str, ...], *, packages: bool) -> None:
+    """Stop where the list and what is there differ."""
+    odd = set(names_in(package, packages=packages)) ^ set(listed)
+    if odd:
+        raise SystemExit(
+            f"not in the list of {'rooms' if packages else 'doors'}, or not there: {', '.join(sorted(odd))}"
+        )
+
+
+def module_reference(module: ModuleType) -> Iterator[str]:
+    """Heading and docstring of a module, then everything public that is defined in it."""
+    yield f"### `{module.__name__}`\n\n{(module.__doc__ or '').strip()}\n"
+    for each in vars(module).values():
+        if not (inspect.isclass(each) or inspect.isfunction(each)):
+            continue
+        if each.__module__ != module.__name__ or each.__name__.startswith("_"):
+            continue
+        yield described(each.__name__, each)
+        for name, method in vars(each).items() if inspect.isclass(each) else ():
+            documented = inspect.isfunction(method) and (method.__doc__ or "").strip()
+            if documented and (name == "__call__" or not name.startswith("_")):
+                yield described(f"{each.__name__}.{name}", method)
+
+
+def described(name: str, thing: Any) -> str:
     """One heading, signature and docstring."""
-    text = inspect.getdoc(thing) or ""
-    is_function = inspect.isfunction(thing)
-    lines = [f"### `{name}`\n"]
-    if is_function:
+    lines = [f"#### `{name}`\n"]
+    if inspect.isfunction(thing):
         lines.append(f"```python\n{name}{signature(thing)}\n```\n")
-    return "\n".join(lines) + "\n" + markdown(text) + "\n"
+    return "\n".join(lines) + "\n" + markdown(inspect.getdoc(thing) or "") + "\n"
 
 
-def signature(function: object) -> str:
+def signature(function: Any) -> str:
     """Parameters and defaults; types are told in the text."""
     plain = [
         parameter.replace(annotation=inspect.Parameter.empty)
@@ -73,26 +91,36 @@ def signature(function: object) -> str:
 
 
 def markdown(docstring: str) -> str:
-    """Turn numpydoc sections into headings and lists."""
-    docstring = docstring.replace("``", "`")
+    """Turn numpydoc sections into headings, lists and, of examples, code."""
     pieces = re.split(r"^([A-Z][a-z]+)\n-+\n", docstring, flags=re.MULTILINE)
-    result = [pieces[0].strip() + "\n"]
+    result = [plain(pieces[0])]
     for title, body in zip(pieces[1::2], pieces[2::2], strict=True):
         result.append(f"**{title}**\n")
-        if title in ("References", "Notes"):
-            result.append(body.strip() + "\n")
-            continue
-        entries = re.split(r"^(?=\S)", body.strip(), flags=re.MULTILINE)
-        for entry in filter(None, entries):
-            first, _, rest = entry.partition("\n")
-            meaning = " ".join(textwrap.dedent(rest).split())
-            result.append(f"- `{first.strip()}`" + (f": {meaning}" if meaning else ""))
-        result.append("")
+        if title == "Examples":
+            result.append(f"```pycon\n{body.strip()}\n```\n")
+        elif title in ("References", "Notes"):
+            result.append(plain(body))
+        else:
+            result += [*entries(body), ""]
     return "\n".join(result)
+
+
+def plain(text: str) -> str:
+    """Text of a docstring as Markdown."""
+    return text.replace("``", "`").strip() + "\n"
+
+
+def entries(body: str) -> Iterator[str]:
+    """Lines of a list from a section of names and their meanings."""
+    for entry in filter(None, re.split(r"^(?=\S)", body.replace("``", "`").strip(), flags=re.MULTILINE)):
+        first, _, rest = entry.partition("\n")
+        meaning = " ".join(textwrap.dedent(rest).split())
+        yield f"- `{first.strip()}`" + (f": {meaning}" if meaning else "")
 
 
 if __name__ == "__main__":
     page = reference()
     if "--check" in sys.argv:
-        sys.exit(0 if TARGET.exists() and TARGET.read_text() == page else "docs/api.md is out of date: run make docs")
-    TARGET.write_text(page)
+        current = TARGET.exists() and TARGET.read_text(encoding="utf-8") == page
+        sys.exit(0 if current else "docs/api.md is out of date: run make docs")
+    TARGET.write_text(page, encoding="utf-8")

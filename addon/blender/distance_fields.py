@@ -8,6 +8,7 @@ import bpy
 import numpy as np
 
 from ..core import CanonicalFormError
+from .advice import advised
 from .colour_attributes import add_colours
 from .distance_record import WrittenField, read_distances, write_distances
 from .fingerprints import colour_fingerprint, group_fingerprints
@@ -78,7 +79,7 @@ class DistanceTask:
         CanonicalFormError
             If the mesh cannot be used, or the run was cancelled; the message names the remedy.
         """
-        from ..core.distance_field import distance_field
+        from ..core.distance_fields import distance_field
 
         reading = self._reading
         self._field = distance_field(
@@ -88,7 +89,7 @@ class DistanceTask:
             self.kind,
             progress=progress,
             cancelled=cancelled,
-            warned=self.warnings.append,
+            warned=lambda sentence: self.warnings.append(advised(sentence)),
             memory_limit=self.memory_limit,
         )
 

@@ -9,6 +9,7 @@ import bpy
 import numpy as np
 
 from ..core import Settings, TooLargeError
+from .advice import all_advised
 from .form_report import FormReport, StressReport
 from .in_betweens import fractions_between, write_in_betweens
 from .mesh_reading import Reading, find_object, read_object, require_unchanged
@@ -125,7 +126,7 @@ class FormItem:
             self.result = FormResult(found, _report(reading, found, request), colours, shapes)
         except MemoryError as error:
             raise TooLargeError(
-                f"The memory of this machine is not enough for {reading.name}. Close other files, or decimate the mesh."
+                f"Not enough memory for {reading.name}. Close other files, or decimate the mesh."
             ) from error
 
     def write(self, request: Request) -> None:
@@ -170,7 +171,7 @@ class FormItem:
         """Compute the shapes between pose and form; their warnings join those of the form."""
         if not self.in_between_count:
             return []
-        from ..core.limb_shapes import limb_shapes
+        from ..core.limbs import limb_shapes
         from ..core.run.monitor import Monitor
 
         reading, monitor = self.reading, Monitor(None, cancelled)
@@ -192,7 +193,7 @@ def _report(reading: Reading, found: CanonicalForm | FeaturePatches, request: Re
         feature_points=found.feature_points.tolist(),
         patch_sizes=np.bincount(found.patches[found.patches >= 0], minlength=len(found.feature_points)).tolist(),
         timings=found.timings,
-        warnings=list(found.warnings),
+        warnings=all_advised(found.warnings),
     )
     if isinstance(found, CanonicalForm):
         measures = summary(reading.vertices, found.vertices, found.faces, request.hausdorff)

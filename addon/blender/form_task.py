@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import bpy
 
 from ..core import CanonicalFormError
+from .advice import explained
 from .form_item import FormItem
 from .object_states import object_mode
 from .request import Request
@@ -55,7 +56,7 @@ class FormTask:
                 except CanonicalFormError as error:
                     if len(first) == 1:
                         raise
-                    self._unread.append(str(error))
+                    self._unread.append(explained(error))
 
     @property
     def errors(self) -> list[str]:
@@ -96,7 +97,7 @@ class FormTask:
             except CanonicalFormError as error:
                 if count == 1 or (cancelled is not None and cancelled()):
                     raise
-                item.error = f"{item.reading.name}: {error}"
+                item.error = f"{item.reading.name}: {explained(error)}"
 
     def write(self) -> list[str]:
         """Write the results, on the main thread.
@@ -115,7 +116,7 @@ class FormTask:
             try:
                 item.write(self.request)
             except CanonicalFormError as error:
-                item.error = str(error)
+                item.error = explained(error)
         if not self.written:
             raise CanonicalFormError(" ".join(self.errors))
         return list(self.written)

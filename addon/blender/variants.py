@@ -8,6 +8,7 @@ import bpy
 import numpy as np
 
 from ..core import CanonicalFormError
+from .advice import all_advised
 from .hidden_attributes import patches_of, whole_form_of
 from .in_betweens import (
     PROPERTY,
@@ -125,7 +126,7 @@ class VariantTask:
         CancelledError
             If `cancelled` returned True.
         """
-        from ..core.limb_shapes import limb_shapes
+        from ..core.limbs import limb_shapes
         from ..core.run.monitor import Monitor
 
         reading, monitor = self._reading, Monitor(progress, cancelled)
@@ -138,7 +139,7 @@ class VariantTask:
             ways=[*fractions_between(self.in_betweens), 1.0],
             monitor=monitor,
         )
-        self.warnings = list(monitor.warnings)
+        self.warnings = all_advised(monitor.warnings)
 
     def write(self) -> None:
         """Write the positions to the shape key and add the keys between, on the main thread.

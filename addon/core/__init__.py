@@ -11,7 +11,6 @@ from .run.errors import (
     SolverError,
     TooLargeError,
 )
-from .unfolding.settings import Settings
 
 if TYPE_CHECKING:
     from .canonical import canonical_form
@@ -19,6 +18,7 @@ if TYPE_CHECKING:
     from .features import feature_patches
     from .limbs import limb_shapes
     from .results import CanonicalForm, FeaturePatches
+    from .unfolding.settings import Settings
 
 __all__ = [
     "CancelledError",
@@ -38,6 +38,7 @@ __all__ = [
 ]
 
 _DOORS = {
+    "Settings": "unfolding.settings",
     "CanonicalForm": "results",
     "FeaturePatches": "results",
     "canonical_form": "canonical",
@@ -49,7 +50,7 @@ _DOORS = {
 
 
 def __getattr__(name: str) -> Any:
-    """Import a door when it is first asked for, so that enabling the extension stays instant."""
+    """Import a name when it is first asked for, so that enabling the extension stays instant."""
     if name in _DOORS:
         return getattr(import_module(f".{_DOORS[name]}", __name__), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

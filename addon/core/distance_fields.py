@@ -41,7 +41,7 @@ def distance_field(
     warned: Warned | None = None,
     memory_limit: float = 0.0,
 ) -> FloatArray:
-    """Measure how far every vertex of a mesh is from the nearest of some vertices.
+    """Measure the distance of every vertex of a mesh from the nearest of some vertices.
 
     Parameters
     ----------
@@ -79,6 +79,14 @@ def distance_field(
         If the surfaces with sources are too large for the memory limit.
     CancelledError
         If `cancelled` returned True.
+
+    Examples
+    --------
+    >>> points = np.array([[x, y, 0.0] for y in range(5) for x in range(5)])
+    >>> corners = [5 * y + x for y in range(4) for x in range(4)]
+    >>> faces = np.array([[i, i + a, i + b] for i in corners for a, b in ((1, 6), (6, 5))])
+    >>> distance_field(points, faces, [0], "fast_marching").round(6)[:5].tolist()
+    [0.0, 1.0, 2.0, 3.0, 4.0]
     """
     if kind not in KINDS:
         raise InvalidSettingsError("unknown_kind", names=", ".join(KINDS), value=kind)
@@ -131,6 +139,14 @@ def heat_geodesics(
         If the sources are not vertices of the mesh.
     TooLargeError
         If the surfaces with sources are too large for the memory limit.
+
+    Examples
+    --------
+    >>> angles = 2 * np.pi * np.arange(5) / 5
+    >>> points = [[0, 0, 0], *np.column_stack([np.cos(angles), np.sin(angles), 0 * angles])]
+    >>> faces = [[0, 1 + i, 1 + (i + 1) % 5] for i in range(5)]
+    >>> np.allclose(heat_geodesics(points, faces, [0])[1:, 0], 1, rtol=0.05)
+    True
     """
     from scipy.sparse.csgraph import dijkstra
     from scipy.spatial.distance import cdist

@@ -26,7 +26,7 @@ def limb_shapes(
     ways: Sequence[float] = (1.0,),
     monitor: Monitor | None = None,
 ) -> list[FloatArray]:
-    """Take the pose out of some limbs, all the way and in between.
+    """Take the pose out of some limbs, fully or in part.
 
     Where the limbs have less than half of the area, all else stays where it is and they hang on it. Where they have
     more, they are where the form has them and the rest, in its pose, hangs on them: one arm that keeps its pose does
@@ -58,6 +58,14 @@ def limb_shapes(
         If the mesh cannot be used, or the rest does not fit to it; the message says what to do.
     CancelledError
         If the run is cancelled.
+
+    Examples
+    --------
+    >>> points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
+    >>> faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
+    >>> pose, form = limb_shapes(points, faces, 2 * points, np.full(4, True), ways=(0.0, 1.0))
+    >>> np.allclose(pose, points), np.allclose(form, 2 * points)
+    (True, True)
     """
     monitor = monitor or Monitor()
     pieces = connected_pieces(points, faces, monitor)

@@ -84,7 +84,7 @@ def attempted(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
     except CanonicalFormError as error:
         return Failure(str(error))
     except MemoryError:
-        return Failure("The memory of this machine is not enough.")
+        return Failure("Not enough memory.")
     except Exception as error:  # any: it must not take the worker along
         return Failure(f"{type(error).__name__}: {error}")
     finally:

@@ -7,13 +7,13 @@ from typing import Any, ClassVar
 
 import bpy
 
+from ..blender.advice import explained
 from ..blender.jobs import Job
 from ..core import CancelledError, CanonicalFormError
 
 _TICK = 0.1  # seconds between two timer events
 _REDRAW = 0.25  # seconds between two redraws of the progress: a redraw of the sidebar redraws the view too
 _CANCEL_TIMEOUT = 0.4  # seconds to wait for a cancelled job before it is abandoned
-_NO_MEMORY = "The memory of this machine is not enough. Close other files, or decimate the mesh."
 _HOLDING_MESH = (
     "TRANSFORM_OT_",
     "SCULPT_OT_",
@@ -92,7 +92,7 @@ class JobOperator:
 
     def _failed(self, error: Exception) -> set[str]:
         """Report why there is no result."""
-        sentence = _NO_MEMORY if isinstance(error, MemoryError) else str(error)
+        sentence = explained(error)
         self.report({"ERROR"}, sentence)  # type: ignore[attr-defined]
         return {"CANCELLED"}
 

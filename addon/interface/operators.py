@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import bpy
 from bpy.props import EnumProperty
 
+from ..blender.advice import explained
 from ..blender.mesh_reading import refusal
 from ..blender.record import read_record
 from ..core import CanonicalFormError
@@ -99,7 +100,7 @@ class OBJECT_OT_canonical_form_clear(bpy.types.Operator):
             try:
                 left = clear_from(obj)
             except CanonicalFormError as error:
-                self.report({"ERROR"}, str(error))
+                self.report({"ERROR"}, explained(error))
                 return {"CANCELLED"}
             list_patches(obj.data)
             if left:

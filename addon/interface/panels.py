@@ -10,8 +10,8 @@ from ..blender.record import Record, read_record, require_record
 from ..blender.shape_keys import form_key
 from ..blender.variants import limbs_of
 from ..core import Settings
-from ..core.run.memory import memory_estimate, time_estimate
-from ..core.unfolding.settings import METHODS
+from ..core.unfolding.catalogue import FEATURE_OPTIONS, OURS, methods
+from ..core.unfolding.costs import memory_estimate, time_estimate
 from .job_operator import OBJECT_OT_canonical_form_cancel
 from .limb_operators import (
     OBJECT_OT_canonical_form_in_betweens,
@@ -23,13 +23,7 @@ from .properties import METHOD_NAMES, hand_over
 from .tool_operators import OBJECT_OT_canonical_form_choose, OBJECT_OT_canonical_form_distance
 
 _MAIN = ("quality", "preserve_detail")
-_LOCAL_FEATURES_ONLY = (  # options that the other methods do not use
-    "start",
-    "smoothing",
-    "arrangement_share",
-    "unbending",
-    "as_published",
-)
+_EVERY_METHOD = (*FEATURE_OPTIONS, "method", "value", "feature_points", "quality", "memory_limit")
 _BUTTON_SCALE = 1.4  # height of the main button relative to others
 _LINE_LENGTH = 42  # characters in a line of the sidebar
 
@@ -64,14 +58,13 @@ class VIEW3D_PT_canonical_form(_Tab, bpy.types.Panel):
             label = f"Compute {count} Objects" if count > 1 and context.mode == "OBJECT" else "Compute"
             button = row.operator(OBJECT_OT_canonical_form.bl_idname, text=label, icon="ARMATURE_DATA")
             hand_over(chosen, button)
-        if chosen.method != METHODS[0]:
+        if chosen.method != OURS:
             layout.prop(chosen, "method")
         for name in (*_MAIN, "mesh", "result"):
             layout.prop(chosen, name)
         if obj is not None and obj.type == "MESH":
             count = len(obj.data.vertices)
-            options = {"as_published": True} if chosen.as_published else {"method": chosen.method}
-            settings = Settings(quality=chosen.quality, landmarks=chosen.landmarks, **options)
+            settings = Settings(method=chosen.method, quality=chosen.quality, landmark_count=chosen.landmark_count)
             memory, seconds = memory_estimate(count, settings), time_estimate(count, settings)
             layout.label(text=f"{count:,} vertices, about {memory:.1f} GB, {max(seconds, 1.0):,.0f} s", icon="MEMORY")
 
@@ -222,10 +215,11 @@ class VIEW3D_PT_canonical_form_advanced(_Tab, bpy.types.Panel):
         self.layout.use_property_split = True
         self.layout.use_property_decorate = False
         column, chosen = self.layout.column(), context.scene.canonical_form
+        method = methods()[chosen.method]
         for name in ("value", *METHOD_NAMES):
             if name not in (*_MAIN, "prominence", "feature_count"):
                 row = column.row()
-                row.active = chosen.method == METHODS[0] or name not in _LOCAL_FEATURES_ONLY
+                row.active = name in (*_EVERY_METHOD, *method.uses) and name not in method.fixed
                 row.prop(chosen, name)
 
 
@@ -239,7 +233,7 @@ def _draw_report(column: bpy.types.UILayout, record: Record) -> None:
     found = "feature points and patches" if record.has_patches else "feature points"
     lines = [f"{len(report.feature_points)} {found}, {report.seconds:.1f} s"]
     if report.has_form:
-        if report.method != METHODS[0]:
+        if report.method != OURS:
             lines.insert(0, f"Method: {report.method.replace('_', ' ')}")
         lines.append(f"{report.pair_reduction:.1%} of {report.vertices**2 / 1e6:.3g} million pairs saved")
         if report.edge_distortion is not None:

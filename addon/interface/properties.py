@@ -2,7 +2,7 @@
 
 # no `from __future__ import annotations`: Blender reads the annotations below as properties
 
-from typing import Any
+from typing import Any, ClassVar
 
 import bpy
 from bpy.props import (
@@ -17,7 +17,7 @@ from bpy.props import (
 )
 
 from ..blender.chosen_features import CHOSEN_GROUP
-from ..blender.records import record_of
+from ..blender.record import read_record
 from ..blender.result_writing import recolour_patch
 from ..core import InvalidSettingsError, Settings
 from ..core.unfolding.catalogue import methods
@@ -33,12 +33,30 @@ DISTANCES = (
 )
 
 
+def method_items(_owner: Any, _context: bpy.types.Context | None) -> list[tuple[str, str, str, str, int]]:
+    """List the methods when Blender first asks for them: importing them all would slow down enabling.
+
+    Parameters
+    ----------
+    _owner, _context
+        As Blender hands them over; not used.
+
+    Returns
+    -------
+    list of tuple
+        Name, label, help, icon and number of each method. Blender needs the strings to stay alive.
+    """
+    if not MethodProperties.items:
+        found = methods().values()
+        MethodProperties.items = [(each.name, each.label, each.help, "NONE", each.rank) for each in found]
+    return MethodProperties.items
+
+
 def _property(name: str, about: Option, default: Any) -> Any:
     """Turn what is known about an option into a Blender property."""
     told = {"name": about.label, "description": about.help}
     if name == "method":
-        items = [(each.name, each.label, each.help) for each in methods().values()]
-        return EnumProperty(items=items, default=default, **told)
+        return EnumProperty(items=method_items, default=0, **told)  # 0: the number of our method
     if about.choices:
         items = [(choice.value, choice.label, choice.help) for choice in about.choices]
         return EnumProperty(items=items, default=default, **told)
@@ -65,6 +83,7 @@ class FormerProperties:
 class MethodProperties:
     """Properties that mirror `Settings`, made from what it knows about its options."""
 
+    items: ClassVar[list[tuple[str, str, str, str, int]]] = []  # of the property `method`, once they are known
     __annotations__ = {
         name: _property(name, about, getattr(_DEFAULT, name)) for name, about in options_of(Settings).items()
     }
@@ -173,11 +192,10 @@ def list_patches(mesh: bpy.types.Mesh) -> None:
     """
     mesh.property_unset("canonical_form_patches")
     mesh.property_unset("canonical_form_patch")
-    record = record_of(mesh)
-    if record is None or not record["palette"]:
+    record = read_record(mesh)
+    if record is None or not record.has_patches:
         return
-    names = list(record["groups"])[1:]
-    for name, colour, size in zip(names, record["palette"], record["report"]["patch_sizes"], strict=True):
+    for name, colour, size in zip(record.patch_names, record.palette, record.report.patch_sizes, strict=True):
         patch = mesh.canonical_form_patches.add()
         patch.name, patch.size, patch.colour = name, size, colour
 
@@ -201,7 +219,8 @@ def settings_of(owner: Any) -> Settings:
         If the feature points are not a list of whole numbers.
     """
     options = {name: getattr(owner, name) for name in METHOD_NAMES}
-    former = [name for name in FormerProperties.__annotations__ if owner.is_property_set(name)]
+    given = getattr(owner, "properties", owner)  # an operator's own, or the scene's
+    former = [name for name in FormerProperties.__annotations__ if given.is_property_set(name)]
     options |= current_options({name: getattr(owner, name) for name in former})
     try:
         options["feature_points"] = [int(word) for word in owner.feature_points.replace(",", " ").split()] or None

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import bpy
 from bpy.props import EnumProperty, IntProperty, StringProperty
 
+from ..blender.advice import explained
 from ..blender.chosen_features import CHOSEN_GROUP, choose_features
 from ..blender.mesh_reading import refusal
 from ..core import CanonicalFormError
@@ -58,7 +59,7 @@ class OBJECT_OT_canonical_form_choose(bpy.types.Operator):
         try:
             name, count = choose_features(context.object, self.how, self.group)
         except CanonicalFormError as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, explained(error))
             return {"CANCELLED"}
         context.scene.canonical_form.feature_source = "GROUP"
         context.scene.canonical_form.feature_group = name

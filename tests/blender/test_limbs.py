@@ -193,13 +193,13 @@ def test_the_list_and_the_slider_are_drawn(formed):
 
 
 def test_warnings_of_variants_are_reported(formed, monkeypatch, capfd):
-    from addon.core.posing import articulation
+    from addon.core.surface import working_surface
 
-    real = articulation.intrinsic_delaunay
-    monkeypatch.setattr(articulation, "intrinsic_delaunay", lambda surface, monitor: real(surface, monitor, 1))
+    real = working_surface.intrinsic_delaunay
+    monkeypatch.setattr(working_surface, "intrinsic_delaunay", lambda surface, monitor: real(surface, monitor, 1))
     bpy.ops.object.canonical_form_in_betweens(count=2)
-    assert "Warning: Some triangles are so long and thin" in capfd.readouterr().out
+    assert "Warning: Some long, thin triangles could not be improved" in capfd.readouterr().out
     bpy.ops.object.canonical_form_clear()
     bpy.ops.object.canonical_form(**QUICK)
     bpy.ops.object.canonical_form_limb(patch=1, only=True)
-    assert "Warning: Some triangles are so long and thin" in capfd.readouterr().out
+    assert "Warning: Some long, thin triangles could not be improved" in capfd.readouterr().out

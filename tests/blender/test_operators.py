@@ -349,7 +349,7 @@ def test_the_panel_shows_what_was_found(figure_object):
     lines = drawn(panels.VIEW3D_PT_canonical_form_result)
     assert lines[0] == "Pose to Form"
     assert any("feature points and patches" in line for line in lines)
-    assert any("still falling" in line for line in lines)
+    assert any("before it converged" in line for line in lines)
     assert lines[-1] == "Clear"
     assert drawn(panels.VIEW3D_PT_canonical_form_patches) == ["canonical_form_patches"]
     assert lines[-2] == "show_points"

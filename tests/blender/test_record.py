@@ -29,7 +29,7 @@ VERSION_0_1 = {  # as that version wrote it, with a limb in its pose and in-betw
             "edge_distortion_95": 0.14,
         },
         "timings": {"Surface": 0.25, "Detail": 0.5},
-        "warnings": ["The stress was still falling after 3 steps."],
+        "warnings": ["The minimisation stopped after 3 steps before it converged."],
     },
     "before": {"shape_key": None, "group": "Arm", "colour": None, "render_colour": None},
     "basis": "Basis",

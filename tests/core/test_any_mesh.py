@@ -119,7 +119,7 @@ def test_a_feature_point_on_a_seam_stays_the_one_that_was_given():
     np.testing.assert_array_equal(found.patches[given], [0, 1])
     twin = next(int(each) for each in copies if family.same[each] == family.same[given[0]] and each != given[0])
     assert found.patches[twin] == 0
-    with pytest.raises(InvalidSettingsError, match="two vertices at one place"):
+    with pytest.raises(InvalidSettingsError, match="two vertices at one position"):
         feature_patches(family.vertices, family.faces, Settings(feature_points=[given[0], twin]))
 
 
@@ -138,7 +138,7 @@ def test_too_large_a_part_is_refused_before_the_first_is_computed():
 @pytest.mark.parametrize("sources", [[-1], [99], [1.9], ["a"], []])
 @pytest.mark.parametrize("measure", [heat_geodesics, distance_field])
 def test_what_is_no_vertex_is_refused(measure, sources):
-    with pytest.raises(InvalidSettingsError, match="Vertices to start from"):
+    with pytest.raises(InvalidSettingsError, match="Source vertices"):
         measure(*shapes.grid(5, 5), sources)
 
 

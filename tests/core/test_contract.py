@@ -21,6 +21,7 @@ from addon.core.mesh.geometry import surface_area
 from addon.core.surface.triangulation import corner_lengths
 from tests.meshes import shapes
 from tests.meshes.families import families, klein_bottle, moebius_band, torus
+from tests.meshes.shapes import Mesh
 
 MANY = int(os.environ.get("CANONICAL_FORM_EXAMPLES", "0"))
 QUICK = Settings(quality="draft", max_iterations=30, landmark_count=20)
@@ -180,7 +181,7 @@ DAMAGES = [
 ]  # fmt: skip
 
 
-def form_or_reason(mesh):
+def form_or_reason(mesh: Mesh):
     """Give the form, or None where the mesh is refused in words."""
     with suppress(InvalidMeshError):  # the only error that is allowed
         return canonical_form(*mesh, QUICK)

@@ -6,6 +6,7 @@ from functools import cache
 import numpy as np
 
 from tests.meshes import shapes
+from tests.meshes.shapes import Mesh
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,7 +28,7 @@ class Family:
 
 
 @cache
-def families():
+def families() -> dict[str, Family]:
     """Make all of them, by name."""
     rng = np.random.default_rng(0)
     vertices, faces = shapes.figure()
@@ -65,19 +66,19 @@ def families():
     half = vertices[faces].mean(axis=1)[:, 2] > np.median(vertices[:, 2])
     cut, corners = np.unique(np.where(half[:, None], faces + count, faces), return_inverse=True)
     found["duplicate vertices"] = Family(
-        vertices[cut % count], corners.reshape(-1, 3), "taken as one", like="closed", same=cut % count
+        vertices[cut % count], corners.reshape(-1, 3), "treated as one", like="closed", same=cut % count
     )
-    soup = Family(vertices[faces.ravel()], np.arange(faces.size).reshape(-1, 3), "taken as one", like="closed",
+    soup = Family(vertices[faces.ravel()], np.arange(faces.size).reshape(-1, 3), "treated as one", like="closed",
                   same=faces.ravel())  # fmt: skip
     found["face soup"] = soup
     found["face soup, apart"] = Family(
         rng.normal(size=(1800, 3)), np.arange(1800).reshape(-1, 3), refused="600 loose parts"
     )
     found["duplicate faces"] = Family(
-        vertices, np.vstack([faces, faces[::3]]), "another has the same vertices", like="closed", same=every
+        vertices, np.vstack([faces, faces[::3]]), "duplicate", like="closed", same=every
     )
     turned = np.where((rng.uniform(size=len(faces)) < 0.3)[:, None], faces[:, ::-1], faces)
-    found["flipped faces"] = Family(vertices, turned, "turned over", like="closed", same=every)
+    found["flipped faces"] = Family(vertices, turned, "flipped to match", like="closed", same=every)
     found["inside out"] = Family(vertices, faces[:, ::-1], like="closed", same=every, within=1e-3)
     found["one-sided, a border"] = Family(*moebius_band())
     found["one-sided, closed"] = Family(*klein_bottle())
@@ -88,7 +89,7 @@ def families():
     other[other == len(ball) + nearest[1]] = nearest[0]
     found["non-manifold vertices"] = Family(*used(touching, np.vstack([its, other])))
     twice = np.vstack([faces, faces[:30, [0, 1, 1]]])
-    found["faces of two vertices"] = Family(vertices, twice, "same vertex twice", like="closed", same=every)
+    found["faces of two vertices"] = Family(vertices, twice, "repeat", like="closed", same=every)
     flat = vertices.copy()
     for face in faces[rng.choice(len(faces), 30, replace=False)]:
         flat[face[0]] = flat[face[1]]
@@ -122,7 +123,7 @@ def families():
     return found
 
 
-def used(vertices, faces):
+def used(vertices, faces) -> Mesh:
     """Drop the vertices of no face."""
     kept, corners = np.unique(faces, return_inverse=True)
     return vertices[kept], corners.reshape(-1, 3)
@@ -151,7 +152,7 @@ def quads(a, b, c, d):
     return np.vstack([first, second])
 
 
-def torus(around, across):
+def torus(around, across) -> Mesh:
     """A torus, stretched so that nothing is symmetric."""
     u = np.linspace(0, 2 * np.pi, around, endpoint=False)[:, None]
     v = np.linspace(0, 2 * np.pi, across, endpoint=False)[None]
@@ -162,7 +163,7 @@ def torus(around, across):
     return points, quads(number, after, np.roll(after, -1, axis=1), right)
 
 
-def plate_with_holes():
+def plate_with_holes() -> Mesh:
     """A bent slab with five holes through it."""
     axes = [np.linspace(-3.2, 3.2, 49), np.linspace(-1.2, 1.2, 19), np.linspace(-0.6, 0.6, 10)]
     points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
@@ -175,7 +176,7 @@ def plate_with_holes():
     return np.column_stack([radius * np.sin(angle), vertices[:, 1], 2.5 - radius * np.cos(angle)]), faces
 
 
-def moebius_band(around=60, across=7):
+def moebius_band(around=60, across=7) -> Mesh:
     """A band with one turn."""
     turn = np.linspace(0, 2 * np.pi, around, endpoint=False)[:, None]
     side = np.linspace(-0.3, 0.3, across)[None]
@@ -186,7 +187,7 @@ def moebius_band(around=60, across=7):
     return points.reshape(-1, 3), quads(number[:, :-1], number[:, 1:], after[:, 1:], after[:, :-1])
 
 
-def klein_bottle(around=60, across=24):
+def klein_bottle(around=60, across=24) -> Mesh:
     """A figure-eight tube closed with half a turn; it goes through itself."""
     u = np.linspace(0, 2 * np.pi, around, endpoint=False)[:, None]
     v = np.linspace(0, 2 * np.pi, across, endpoint=False)[None]
@@ -199,7 +200,7 @@ def klein_bottle(around=60, across=24):
     return points.reshape(-1, 3), quads(number, np.roll(number, -1, axis=1), np.roll(after, -1, axis=1), after)
 
 
-def with_fins(vertices, faces):
+def with_fins(vertices, faces) -> Mesh:
     """The figure with a fin along edges of its surface."""
     pairs = np.unique(np.sort(np.vstack([faces[:, [0, 1]], faces[:, [1, 2]]]), axis=1), axis=0)
     middle = vertices[pairs].mean(axis=1)
@@ -209,7 +210,7 @@ def with_fins(vertices, faces):
     return np.vstack([vertices, tips]), np.vstack([faces, np.column_stack([chosen, number])])
 
 
-def spindle(sides):
+def spindle(sides) -> Mesh:
     """Two apexes over a ring with a dent."""
     turn = np.linspace(0, 2 * np.pi, sides, endpoint=False)
     radius = 1 + 0.3 * np.cos(3 * turn)
@@ -220,7 +221,7 @@ def spindle(sides):
     return np.vstack([ring, [[0, 0, 1.5], [0, 0, -1]]]), faces
 
 
-def crossing():
+def crossing() -> Mesh:
     """A limb bent so far that it goes through itself."""
     vertices, faces = shapes.joint(320, 80, 20, 6.0, 0.45)
     return vertices, faces

@@ -1,12 +1,21 @@
 """Shapes made by formulas, for tests: arrays of vertices and triangles."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+if TYPE_CHECKING:
+    from addon.core.surface.triangulation import Triangulation
 
-def sphere(subdivisions: int):
+Mesh = tuple[np.ndarray, np.ndarray]  # vertices and triangles
+
+
+def sphere(subdivisions: int) -> Mesh:
     """An icosahedron subdivided and blown up to radius 1: 10·4^s + 2 vertices."""
     golden = (1 + 5**0.5) / 2
     vertices = np.array([(s * a, t * b, 0) for a, b in [(1, golden)] for s in (1, -1) for t in (1, -1)], dtype=float)
@@ -29,7 +38,7 @@ def sphere(subdivisions: int):
     return vertices / np.linalg.norm(vertices, axis=1, keepdims=True), faces
 
 
-def midpoints(vertices, faces):
+def midpoints(vertices: np.ndarray, faces: np.ndarray) -> Mesh:
     """Split every triangle in four."""
     sides = np.sort(np.stack([faces[:, [1, 2]], faces[:, [2, 0]], faces[:, [0, 1]]], axis=1), axis=2)  # (m, 3, 2)
     unique, number = np.unique(sides.reshape(-1, 2), axis=0, return_inverse=True)
@@ -39,7 +48,7 @@ def midpoints(vertices, faces):
     return vertices, np.concatenate([*corner, middle])
 
 
-def grid(columns: int, rows: int, width: float = 1.0, height: float = 1.0):
+def grid(columns: int, rows: int, width: float = 1.0, height: float = 1.0) -> Mesh:
     """A flat rectangle with a border, diagonals alternating."""
     x, y = np.meshgrid(np.linspace(0, width, columns), np.linspace(0, height, rows))
     vertices = np.column_stack([x.ravel(), y.ravel(), np.zeros(columns * rows)])
@@ -51,7 +60,7 @@ def grid(columns: int, rows: int, width: float = 1.0, height: float = 1.0):
     return vertices, np.concatenate([first, second])
 
 
-def cylinder(around: int, along: int, radius: float = 1.0, height: float = 4.0):
+def cylinder(around: int, along: int, radius: float = 1.0, height: float = 4.0) -> Mesh:
     """An open tube."""
     flat, faces = grid(around + 1, along, 2 * np.pi, height)
     seam = np.arange(len(flat))
@@ -71,7 +80,7 @@ LIMBS = (  # bent limbs of different lengths and widths: (points of the middle l
 )
 
 
-def joint(degrees: float, along: int = 60, around: int = 24, length: float = 4.0, radius: float = 0.4):
+def joint(degrees: float, along: int = 60, around: int = 24, length: float = 4.0, radius: float = 0.4) -> Mesh:
     """A closed limb with one joint in the middle, bent by an angle: a tube about straight, arc, straight."""
     arc = 1.0  # length of the bent part
     way = np.linspace(0, length, 20 * along)
@@ -102,7 +111,7 @@ def joint(degrees: float, along: int = 60, around: int = 24, length: float = 4.0
     return np.vstack([vertices, [[x[0], y[0], 0], [x[-1], y[-1], 0]]]), faces
 
 
-def figure(cells: int = 24):
+def figure(cells: int = 24) -> Mesh:
     """A closed figure of five bent limbs: the level set of a sum of falling distances, on a grid of tetrahedra."""
     low, high = np.array([-2.8, -2.8, -1.0]), np.array([2.3, 2.1, 2.8])
     count = np.ceil((high - low) / (high - low).max() * cells).astype(int)
@@ -119,7 +128,7 @@ def figure(cells: int = 24):
     return level_set(points, field - 0.37, count + 1)
 
 
-def level_set(points, field, shape):
+def level_set(points: np.ndarray, field: np.ndarray, shape: Sequence[int]) -> Mesh:
     """Triangulate field = 0 over a box grid, each box cut into six tetrahedra; the inside has field > 0."""
     _, ny, nz = shape
     start = np.stack(np.meshgrid(*(np.arange(s - 1) for s in shape), indexing="ij"), axis=-1).reshape(-1, 3)
@@ -163,7 +172,25 @@ def level_set(points, field, shape):
     return vertices, faces
 
 
-def permuted(vertices, faces, seed: int = 0):
+def bent_tube() -> Mesh:
+    """A closed tube bent by half a turn."""
+    rings, around = 60, 12
+    angle = np.linspace(0, np.pi, rings)
+    turn = np.arange(around) * 2 * np.pi / around
+    wide = 0.15 * np.sqrt(np.sin(np.linspace(0.05, np.pi - 0.05, rings)))
+    out = 1 + wide[:, None] * np.cos(turn)
+    vertices = np.stack(
+        [out * np.cos(angle)[:, None], out * np.sin(angle)[:, None], wide[:, None] * np.sin(turn)], axis=2
+    ).reshape(-1, 3)
+    place = np.arange(rings * around).reshape(rings, around)
+    right = np.roll(place, -1, axis=1)
+    quads = np.stack([place[:-1], right[:-1], right[1:], place[1:]], axis=2).reshape(-1, 4)
+    caps = [[place[0, 0], place[0, k + 1], place[0, k]] for k in range(1, around - 1)]
+    caps += [[place[-1, 0], place[-1, k], place[-1, k + 1]] for k in range(1, around - 1)]
+    return vertices, np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]], np.array(caps)])
+
+
+def permuted(vertices: np.ndarray, faces: np.ndarray, seed: int = 0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The same mesh under other numbers; also the old number of every new vertex."""
     rng = np.random.default_rng(seed)
     old = rng.permutation(len(vertices))
@@ -171,7 +198,7 @@ def permuted(vertices, faces, seed: int = 0):
     return vertices[old], new[faces][rng.permutation(len(faces))], old
 
 
-def prepared(vertices, faces):
+def prepared(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, Triangulation]:
     """Scale a mesh to unit area; also its Delaunay triangulation."""
     from addon.core.mesh.geometry import surface_area
     from addon.core.surface.delaunay import intrinsic_delaunay
@@ -181,7 +208,7 @@ def prepared(vertices, faces):
     return points, intrinsic_delaunay(triangulated(points, faces))
 
 
-def read_obj(path: Path):
+def read_obj(path: Path) -> Mesh:
     """Positions and triangles of a Wavefront file."""
     vertices, faces = [], []
     for line in path.read_text().splitlines():
@@ -193,7 +220,7 @@ def read_obj(path: Path):
     return np.array(vertices), np.array(faces)
 
 
-def write_off(path: Path, vertices, faces):
+def write_off(path: Path, vertices: np.ndarray, faces: np.ndarray) -> None:
     """Write an .off file, and the folders it is in."""
     path.parent.mkdir(parents=True, exist_ok=True)
     lines = ["OFF", f"{len(vertices)} {len(faces)} 0"]
@@ -202,13 +229,13 @@ def write_off(path: Path, vertices, faces):
     path.write_text("\n".join(lines) + "\n")
 
 
-def poses_of(folder: Path):
+def poses_of(folder: Path) -> list[tuple[str, np.ndarray, np.ndarray]]:
     """Names, positions and triangles of the .obj files of a folder, the rest pose first."""
     paths = sorted(folder.glob("*.obj"), key=lambda path: (path.stem not in ("rest", "bind"), path.stem))
     return [(path.stem, *read_obj(path)) for path in paths]
 
 
-def unit(vertices, faces):
+def unit(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     """Positions centred and scaled to unit area."""
     from addon.core.mesh.geometry import surface_area
 

@@ -4,7 +4,6 @@ Run by Blender itself, as `session.py` is; ``CANONICAL_FORM_WALK=seed:steps`` se
 and how far to go.
 """
 
-import importlib
 import os
 import sys
 import traceback
@@ -30,16 +29,12 @@ def walk():
     )
     bpy.data.batch_remove([*bpy.data.objects])
     bpy.context.view_layer.update()
-    parts = [
-        importlib.import_module(f"bl_ext.user_default.canonical_form.addon.{name}")
-        for name in ("blender.records", "blender.computing", "core.errors")
-    ]
     with bpy.context.temp_override(window=hand.window, area=hand.area(), region=hand.region("WINDOW")):
-        found = Walk(*parts, shapes.figure(12), SEED, undo=True)
+        taken = Walk("bl_ext.user_default.canonical_form.addon", shapes.figure(12), SEED, undo=True)
         try:
-            found.run(STEPS)
+            taken.run(STEPS)
         finally:
-            print(len(found.told), "steps:", found.done, "the last:", found.told[-8:], flush=True)
+            print(len(taken.steps), "steps:", taken.counts, "the last:", taken.steps[-8:], flush=True)
 
 
 def begin():

@@ -102,10 +102,10 @@ def eigenvalues_judged(vertices, faces):
     import robust_laplacian
     from scipy.sparse.linalg import eigsh
 
-    from addon.core.mesh.connectivity import component_labels
+    from addon.core.mesh.connectivity import component_labels, vertex_pairs
 
     L, M = robust_laplacian.mesh_laplacian(vertices, faces)
-    parts = int(component_labels(len(vertices), faces).max()) + 1
+    parts = int(component_labels(len(vertices), vertex_pairs(faces)).max()) + 1
     if len(vertices) < 12:
         return "right" if np.isfinite(L.data).all() else "wrong: not finite"
     values = eigsh(L, k=min(parts + 5, len(vertices) - 2), M=M, sigma=-1e-8 * abs(L).max() / M.max(), which="LM")[0]

@@ -4,9 +4,9 @@ from unittest import mock
 
 import numpy as np
 
-import addon.core.canonical as pipeline
 from addon.core import Settings, canonical_form
 from addon.core.mesh.geometry import surface_area
+from addon.core.methods import local_features
 
 
 def stress_ratios(vertices, faces):
@@ -17,15 +17,16 @@ def stress_ratios(vertices, faces):
     """
     caught = []
 
-    def catching(*arguments):
-        caught.append((arguments, original(*arguments)))
-        return caught[-1][1]
+    def catching(*arguments, **options):
+        caught.append((arguments, options, original(*arguments, **options)))
+        return caught[-1][-1]
 
-    original = pipeline.minimise_stress
-    with mock.patch.object(pipeline, "minimise_stress", catching):
+    original = local_features.minimise_stress
+    with mock.patch.object(local_features, "minimise_stress", catching):
         canonical_form(vertices, faces, Settings(quality="full"))
-    (stress, inverse, start, _, _, _, monitor), (_, history) = caught[0]
-    least = original(stress, inverse, start, 2000, 1e-8, 12, monitor)[1][-1]
+    (stress, inverse, start), options, (_, history) = caught[0]
+    options |= {"max_iterations": 2000, "tolerance": 1e-8, "extrapolation": 12}
+    least = original(stress, inverse, start, **options)[1][-1]
     form = canonical_form(vertices, faces).vertices
     form /= np.sqrt(surface_area(form, faces))
     return len(history) - 1, history[-1] / least, stress.value(form) / least

@@ -87,7 +87,7 @@ def damaged(data, text, rng):
 def run(files, output):
     """Run the command line on some files; give its exit code, errors, and the seconds between its lines."""
     words = [sys.executable, "-m", "addon", "compute", *map(str, files), "--output", str(output), "--quality", "draft",
-             "--iterations", "5", "--landmarks", "10", "--format", "obj"]  # fmt: skip
+             "--max-iterations", "5", "--landmark-count", "10", "--format", "obj"]  # fmt: skip
     errors = tempfile.TemporaryFile("w+", errors="replace")  # noqa: SIM115 - closed below
     process = subprocess.Popen(words, cwd=ROOT, stdout=subprocess.PIPE, stderr=errors, text=True,
                                start_new_session=True)  # fmt: skip

@@ -24,7 +24,7 @@ from tests.meshes import shapes  # noqa: E402
 
 def command(mesh, output, kind, value):
     return [sys.executable, "-m", "addon", "compute", mesh, "--output", output, "--format", kind, "--value", value,
-            "--preserve-detail", value, "--quality", "draft", "--iterations", "5"]  # fmt: skip
+            "--preserve-detail", value, "--quality", "draft", "--max-iterations", "5"]  # fmt: skip
 
 
 def told(path, kind):

@@ -52,7 +52,7 @@ def measured(vertices, faces):
     form = canonical_form(
         vertices,
         faces,
-        Settings(iterations=STEPS, tolerance=0.0),
+        Settings(max_iterations=STEPS, tolerance=0.0),
         cancelled=lambda: asked.append(time.perf_counter()) is not None,
     )
     return {

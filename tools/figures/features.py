@@ -34,7 +34,7 @@ def occluded(vertices, faces, shape):
     turned = vertices @ facing(shape)
     normal = np.cross(*(turned[faces[:, k]] - turned[faces[:, 0]] for k in (1, 2)))
     seen = faces[normal[:, 2] > -0.3 * np.linalg.norm(normal, axis=1)]
-    label = component_labels(len(vertices), seen)
+    label = component_labels(len(vertices), vertex_pairs(seen))
     largest = np.argmax(np.bincount(label[seen[:, 0]]))
     kept = seen[label[seen[:, 0]] == largest]
     used, corners = np.unique(kept, return_inverse=True)

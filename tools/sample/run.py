@@ -14,7 +14,7 @@ sys.path.insert(0, str(ROOT))
 import addon  # noqa: E402
 from addon.blender.files import save_form  # noqa: E402
 from addon.blender.mesh_reading import read_mesh  # noqa: E402
-from addon.blender.records import record_of  # noqa: E402
+from addon.blender.record import require_record  # noqa: E402
 from tools.sample.picture import render  # noqa: E402
 from tools.sample.posed_figure import build  # noqa: E402
 
@@ -29,14 +29,14 @@ def main(levels: int) -> None:
     save_form(OUTPUT / "figure-posed.obj", read_mesh(figure.data)[0], figure.data)  # for any Blender
     print(f"Built a posed figure of {len(figure.data.vertices):,} vertices. Taking its pose out …", flush=True)
     bpy.ops.object.canonical_form()
-    report = record_of(figure.data)["report"]
-    stress, seconds = report["stress"], sum(report["timings"].values())
+    report = require_record(figure.data).report
+    stress = report.stress
     print(
-        f"{len(report['feature_points'])} feature points; stress {stress['first']:.4g} to {stress['last']:.4g} in "
-        f"{stress['steps']} steps; {report['pair_count'] / 1e6:.1f} million pair distances, "
-        f"{report['pair_reduction']:.0%} less than all; {seconds:.1f} s"
+        f"{len(report.feature_points)} feature points; stress {stress.first:.4g} to {stress.last:.4g} in "
+        f"{stress.steps} steps; {report.pair_count / 1e6:.1f} million pair distances, "
+        f"{report.pair_reduction:.0%} less than all; {report.seconds:.1f} s"
     )
-    for warning in report["warnings"]:
+    for warning in report.warnings:
         print(f"Warning: {warning}")
     blend, picture = OUTPUT / "figure.blend", OUTPUT / "figure.png"
     bpy.ops.wm.save_as_mainfile(filepath=str(blend))

@@ -1,1 +1,1 @@
-"""TODO."""
+"""A mesh as pieces; many pieces as one body will live here."""

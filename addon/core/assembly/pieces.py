@@ -137,7 +137,7 @@ class Pieces:
         return results
 
     def gathered(self, values: Sequence[np.ndarray], others: np.ndarray) -> np.ndarray:
-        """Put values of the pieces together.
+        """Gather values of the pieces on all vertices of the mesh.
 
         Parameters
         ----------
@@ -159,7 +159,7 @@ class Pieces:
         return whole
 
     def sources(self, given: ArrayLike) -> list[Chosen]:
-        """Find vertices to start from in the pieces.
+        """Locate the vertices to start from in the pieces.
 
         Parameters
         ----------
@@ -189,7 +189,7 @@ class Pieces:
     def gathered_features(
         self, found: Sequence[tuple[IntArray, IntArray, FloatArray]]
     ) -> tuple[IntArray, IntArray, FloatArray]:
-        """Put the features of the pieces together.
+        """Gather the features of the pieces on the whole mesh.
 
         Parameters
         ----------

@@ -1,1 +1,1 @@
-"""TODO."""
+"""The mesh as an elastic body: rotations, struts through the interior, the detail pass."""

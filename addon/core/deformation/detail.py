@@ -15,7 +15,7 @@ _FIRST_BENDING_WEIGHT = 0.6
 
 
 def detailed(body: ElasticBody, form: FloatArray, preserve: float, monitor: Monitor) -> FloatArray:
-    """Deform the input towards the form, so that the detail of its surface is kept.
+    """Deform the input towards the form and keep the detail of its surface.
 
     Parameters
     ----------
@@ -37,6 +37,16 @@ def detailed(body: ElasticBody, form: FloatArray, preserve: float, monitor: Moni
     ------
     CancelledError
         If the run is cancelled.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from addon.core.surface.triangulation import triangulated
+    >>> points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
+    >>> faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
+    >>> body = ElasticBody(triangulated(points, faces), points, faces)
+    >>> np.allclose(detailed(body, points, 0.5, Monitor()), points)
+    True
     """
     pull = max(_PULL * ((1 - preserve) / preserve) ** 2, _LEAST_PULL)
     bending_weight = preserve**5

@@ -23,7 +23,7 @@ _NEAR = 0.0015  # diffusion time of the frames that carry detail, as a share of 
 
 
 class ElasticBody:
-    """The input as a body to be deformed: its surface is a shell, with struts through the interior.
+    """The input as an elastic body: its surface is a shell, with struts through the interior.
 
     Parameters
     ----------
@@ -42,6 +42,16 @@ class ElasticBody:
         As given.
     mass : (n,) ndarray of float
         Areas of the vertices.
+
+    Examples
+    --------
+    >>> from addon.core.surface.triangulation import triangulated
+    >>> points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
+    >>> faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
+    >>> body = ElasticBody(triangulated(points, faces), points, faces)
+    >>> quarter = np.array([[0.0, 1, 0], [-1, 0, 0], [0, 0, 1]])
+    >>> np.allclose(body.turns(points @ quarter), quarter)
+    True
     """
 
     def __init__(
@@ -71,7 +81,7 @@ class ElasticBody:
         self._smoothers: dict[float, Callable[[FloatArray], FloatArray]] = {}
 
     def smoothed(self, integrals: FloatArray, share: float) -> FloatArray:
-        """Let what lies on the surface diffuse by one step of the heat flow.
+        """Smooth values on the surface by one step of the heat flow.
 
         Parameters
         ----------
@@ -93,7 +103,7 @@ class ElasticBody:
         return self._smoothers[share](integrals)
 
     def covariances(self, after: FloatArray, share: float = _WIDE) -> FloatArray:
-        """Compare the surroundings of every vertex before and after, over an area as wide as a limb.
+        """Compute the covariances of edge vectors before and after, over an area as wide as a limb.
 
         Parameters
         ----------
@@ -110,7 +120,7 @@ class ElasticBody:
         return self.smoothed(self._covariances(after).reshape(-1, 9), share).reshape(-1, 3, 3)
 
     def turns(self, after: FloatArray) -> FloatArray:
-        """Find how the surroundings of every vertex have turned: the edges near it.
+        """Find the rotation of the surroundings of every vertex: of the edges near it.
 
         Parameters
         ----------

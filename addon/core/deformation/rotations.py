@@ -23,6 +23,12 @@ def nearest_rotations(covariances: FloatArray) -> FloatArray:
     (n, 3, 3) ndarray of float
         Rotations, applied from the right: ``x ↦ x R``.
 
+    Examples
+    --------
+    >>> quarter = np.array([[0.0, 1, 0], [-1, 0, 0], [0, 0, 1]])
+    >>> np.allclose(nearest_rotations(np.stack([quarter, 3 * quarter])), quarter)
+    True
+
     References
     ----------
     Markley, "Attitude determination using vector observations: a fast optimal matrix algorithm", 1993. Where two

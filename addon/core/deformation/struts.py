@@ -51,6 +51,14 @@ def struts_through(
     CancelledError
         If the run is cancelled.
 
+    Examples
+    --------
+    >>> rim = [[0.5, 0, 0], [0, 0.5, 0], [-0.5, 0, 0], [0, -0.5, 0]]
+    >>> lens = np.array([*rim, [0, 0, 0.05], [0, 0, -0.05]])
+    >>> faces = np.array([[i, (i + 1) % 4, 4] for i in range(4)] + [[(i + 1) % 4, i, 5] for i in range(4)])
+    >>> struts_through(lens, faces, np.zeros((6, 1))).tolist()
+    [[4, 5]]
+
     References
     ----------
     The balls: Ma, Bae and Choi, "3D medial axis point approximation using nearest neighbors and the normal field",

@@ -1,1 +1,1 @@
-"""TODO."""
+"""The Auto Diffusion Function and its prominent maxima."""

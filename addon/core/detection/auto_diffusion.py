@@ -31,6 +31,12 @@ def auto_diffusion(spectrum: Spectrum, time: float = 0.15) -> FloatArray:
     InvalidSettingsError
         If `time` is not positive.
 
+    Examples
+    --------
+    >>> spectrum = Spectrum(np.array([2.0, 4.0]), np.eye(2))
+    >>> auto_diffusion(spectrum, np.log(2)).round(6).tolist()
+    [0.5, 0.25]
+
     References
     ----------
     Gebal, Baerentzen, Aanaes and Larsen, "Shape Analysis Using the Auto Diffusion Function", 2009.

@@ -11,7 +11,7 @@ _TIE = 1e-7  # relative difference below which two values count as equal: symmet
 
 
 def prominent_maxima(values: FloatArray, faces: IntArray, threshold: float = 0.5) -> tuple[IntArray, FloatArray]:
-    """Find the local maxima of a positive function and how far each stands above its surroundings.
+    """Find the local maxima of a positive function and their prominence above their surroundings.
 
     The prominence of a maximum is the logarithm of its height over the height of the highest pass that leads to a
     higher one (0-dimensional persistence of the super-level sets); for the highest maximum, over the minimum. Ratios
@@ -33,6 +33,13 @@ def prominent_maxima(values: FloatArray, faces: IntArray, threshold: float = 0.5
         Vertices, most prominent first; at least one.
     prominence : (k,) ndarray of float
         Their prominence, without unit.
+
+    Examples
+    --------
+    >>> strip = np.array([[0, 1, 2], [1, 3, 2], [2, 3, 4]])
+    >>> maxima, prominence = prominent_maxima(np.array([8.0, 1, 2, 1, 4]), strip)
+    >>> maxima.tolist(), np.exp(prominence).round(6).tolist()
+    ([0, 4], [8.0, 2.0])
     """
     values = np.log(values)
     height = _rank(values, _TIE)  # (n,) a strict order, the same for equal values on any machine
@@ -84,6 +91,12 @@ def merged(points: IntArray, distances: FloatArray, radius: float) -> IntArray:
     -------
     (k',) ndarray of int
         Positions in `points` of those that stay, in order.
+
+    Examples
+    --------
+    >>> distances = np.array([[0.0, 1, 9], [1, 0, 8], [9, 8, 0]])
+    >>> merged(np.array([7, 3, 5]), distances, 2.0).tolist()
+    [0, 2]
     """
     kept: list[int] = []
     for candidate in range(len(points)):

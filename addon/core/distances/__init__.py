@@ -1,1 +1,1 @@
-"""TODO."""
+"""Heat method, fast marching, spectral distances, paths along edges; what they cost."""

@@ -41,7 +41,7 @@ def distance_memory(vertex_count: int, kind: str) -> float:
 
 
 def require_distance_memory(vertex_count: int, kind: str, *, limit: float = 0.0) -> None:
-    """Refuse to measure distances on a surface that is too large for the memory.
+    """Raise an error if a surface is too large to measure distances within the memory limit.
 
     Parameters
     ----------
@@ -56,6 +56,15 @@ def require_distance_memory(vertex_count: int, kind: str, *, limit: float = 0.0)
     ------
     TooLargeError
         With the memory needed and what to do.
+
+    Examples
+    --------
+    >>> require_distance_memory(1_000, "heat", limit=1.0)
+    >>> try:
+    ...     require_distance_memory(10_000_000, "heat", limit=1.0)
+    ... except TooLargeError as error:
+    ...     print(error.kind)
+    distance_memory
     """
     needed = distance_memory(vertex_count, kind)
     if needed > memory_limit(limit):

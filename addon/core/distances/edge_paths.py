@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def edge_graph(surface: Triangulation) -> csr_matrix:
-    """Join the ends of every edge by its length.
+    """Build the graph of the edges, weighted by their lengths.
 
     Parameters
     ----------
@@ -25,6 +25,14 @@ def edge_graph(surface: Triangulation) -> csr_matrix:
     -------
     (n, n) scipy.sparse.csr_matrix
         One entry an edge.
+
+    Examples
+    --------
+    >>> from addon.core.surface.triangulation import triangulated
+    >>> square = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]])
+    >>> graph = edge_graph(triangulated(square, np.array([[0, 1, 2], [1, 3, 2]])))
+    >>> sorted(graph.data.round(6).tolist())
+    [1.0, 1.0, 1.0, 1.0, 1.414214]
     """
     from scipy.sparse import coo_matrix
 

@@ -12,7 +12,7 @@ from .heat import HeatMethod
 def farthest_points(
     heat: HeatMethod, first: IntArray, distances: FloatArray, count: int, *, monitor: Monitor
 ) -> tuple[IntArray, FloatArray]:
-    """Choose points that lie far from each other, one after the other.
+    """Choose points that lie far from each other, one by one.
 
     Parameters
     ----------
@@ -38,6 +38,16 @@ def farthest_points(
     ------
     CancelledError
         If the run is cancelled.
+
+    Examples
+    --------
+    >>> from addon.core.surface.triangulation import triangulated
+    >>> points = np.array([[x, y, 0.0] for y in range(5) for x in range(5)])
+    >>> corners = [5 * y + x for y in range(4) for x in range(4)]
+    >>> faces = np.array([[i, i + a, i + b] for i in corners for a, b in ((1, 6), (6, 5))])
+    >>> heat = HeatMethod(triangulated(points, faces), refine=False)
+    >>> farthest_points(heat, np.array([0]), heat.distances([0]), 2, monitor=Monitor())[0].tolist()
+    [0, 24]
     """
     count = max(min(count, len(distances)), len(first))
     points = [int(point) for point in first]

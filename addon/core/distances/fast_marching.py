@@ -37,6 +37,15 @@ def fast_marching(surface: Triangulation, sources: IntArray, monitor: Monitor | 
     CancelledError
         If the run is cancelled.
 
+    Examples
+    --------
+    >>> from addon.core.surface.triangulation import triangulated
+    >>> points = np.array([[x, y, 0.0] for y in range(5) for x in range(5)])
+    >>> corners = [5 * y + x for y in range(4) for x in range(4)]
+    >>> faces = np.array([[i, i + a, i + b] for i in corners for a, b in ((1, 6), (6, 5))])
+    >>> fast_marching(triangulated(points, faces), np.array([0])).round(6)[:5].tolist()
+    [0.0, 1.0, 2.0, 3.0, 4.0]
+
     References
     ----------
     Kimmel and Sethian, "Computing Geodesic Paths on Manifolds", 1998. The triangles are made intrinsically Delaunay

@@ -41,6 +41,14 @@ def all_geodesics(
     ------
     CancelledError
         If the run is cancelled.
+
+    Examples
+    --------
+    >>> from addon.core.surface.triangulation import triangulated
+    >>> square = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]])
+    >>> distance = all_geodesics(triangulated(square, np.array([[0, 1, 2], [1, 3, 2]])))
+    >>> np.array_equal(distance, distance.T), np.allclose(distance[0, 3], np.sqrt(2), rtol=0.05)
+    (True, True)
     """
     monitor, count = monitor or Monitor(), surface.vertex_count
     heat = HeatMethod(surface, smooth, refine=smooth is None, monitor=monitor)

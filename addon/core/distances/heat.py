@@ -57,6 +57,14 @@ class HeatMethod:
     SolverError
         If the surface is not connected.
 
+    Examples
+    --------
+    >>> from addon.core.surface.triangulation import triangulated
+    >>> square = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]])
+    >>> heat = HeatMethod(triangulated(square, np.array([[0, 1, 2], [1, 3, 2]])))
+    >>> np.allclose(heat.distances([0])[:, 0], [0, 1, 1, np.sqrt(2)], rtol=0.05)
+    True
+
     References
     ----------
     Crane, Weischedel and Wardetzky, "Geodesics in Heat", 2013, doi:10.1145/2516971.2516977; Sharp and Crane, 2020

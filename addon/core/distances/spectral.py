@@ -1,4 +1,4 @@
-"""The distances that the stress is made of: commute time, biharmonic distance and in-patch geodesics."""
+"""Spectral distances: commute time [8] and biharmonic distance [9]."""
 
 from __future__ import annotations
 
@@ -25,6 +25,17 @@ class GreensFunction:
         L of a connected surface.
     mass : (n,) ndarray of float
         Diagonal of M.
+
+    Examples
+    --------
+    >>> from scipy.sparse import csr_matrix
+    >>> chain = csr_matrix([[1.0, -1, 0], [-1, 2, -1], [0, -1, 1]])
+    >>> green = GreensFunction(chain, np.ones(3))
+    >>> green.commute_time_squared(np.arange(3)).round(6).tolist()  # resistances in a chain of unit resistors
+    [[0.0, 1.0, 2.0], [1.0, 0.0, 1.0], [2.0, 1.0, 0.0]]
+    >>> biharmonic = green.biharmonic_distances(np.arange(3))
+    >>> np.array_equal(biharmonic, biharmonic.T)
+    True
     """
 
     def __init__(self, stiffness: csr_matrix, mass: FloatArray) -> None:
@@ -130,6 +141,12 @@ def commute_time_squared(spectrum: Spectrum, first: IntArray, second: IntArray) 
     -------
     (p, q) ndarray of float
         c²; it has no unit.
+
+    Examples
+    --------
+    >>> spectrum = Spectrum(np.array([2.0]), np.array([[1.0], [-1.0]]))
+    >>> commute_time_squared(spectrum, np.array([0]), np.array([0, 1])).round(6).tolist()
+    [[0.0, 2.0]]
     """
     return _spectral_squared(spectrum, first, second, 1)
 
@@ -149,6 +166,12 @@ def biharmonic_squared(spectrum: Spectrum, first: IntArray, second: IntArray) ->
     -------
     (p, q) ndarray of float
         dB², in squared units of length.
+
+    Examples
+    --------
+    >>> spectrum = Spectrum(np.array([2.0]), np.array([[1.0], [-1.0]]))
+    >>> biharmonic_squared(spectrum, np.array([0]), np.array([0, 1])).round(6).tolist()
+    [[0.0, 1.0]]
     """
     return _spectral_squared(spectrum, first, second, 2)
 

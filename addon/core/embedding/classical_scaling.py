@@ -31,6 +31,12 @@ def classical_scaling(distances: ArrayLike, dimensions: int = 3) -> tuple[FloatA
     eigenvalues : (n,) ndarray of float
         All eigenvalues of G, largest first. Negative ones show how far the distances are from Euclidean.
 
+    Examples
+    --------
+    >>> embedding, _ = classical_scaling([[0, 3, 4], [3, 0, 5], [4, 5, 0]], 2)
+    >>> [round(float(np.linalg.norm(embedding[i] - embedding[j])), 6) for i, j in ((0, 1), (0, 2), (1, 2))]
+    [3.0, 4.0, 5.0]
+
     References
     ----------
     Torgerson, "Multidimensional scaling: I. Theory and method", 1952, doi:10.1007/BF02288916.
@@ -65,6 +71,13 @@ def landmark_scaling(distances: FloatArray, landmarks: IntArray, dimensions: int
     (n, d) ndarray of float
         The points.
 
+    Examples
+    --------
+    >>> places = np.array([0.0, 1, 2, 5])
+    >>> line = landmark_scaling(np.abs(places[:, None] - places[[0, 3]]), np.array([0, 3]), 1)
+    >>> np.abs(line - line[0]).ravel().round(6).tolist()
+    [0.0, 1.0, 2.0, 5.0]
+
     References
     ----------
     De Silva and Tenenbaum, "Sparse multidimensional scaling using landmark points", 2004.
@@ -81,7 +94,7 @@ def landmark_scaling(distances: FloatArray, landmarks: IntArray, dimensions: int
 def least_squares_scaling(
     distances: FloatArray, landmarks: IntArray, start: FloatArray, *, depth: float = 1.0, steps: int = 60
 ) -> FloatArray:
-    """Move points until their straight distances from the landmarks come as close to the given ones as they can.
+    """Fit the straight distances of points from landmarks to the given distances by least squares.
 
     Classical scaling only projects: every distance comes out too short, and limbs close up. This is SMACOF with unit
     weights on the landmarks, and then on each other point against all landmarks.
@@ -103,6 +116,14 @@ def least_squares_scaling(
     -------
     (n, 3) ndarray of float
         The points, centred.
+
+    Examples
+    --------
+    >>> from scipy.spatial.distance import cdist
+    >>> corners = np.array([[-1.0, -1, 0], [2, -1, 0], [-1, 2, 0]])
+    >>> found = least_squares_scaling(cdist(corners, corners), np.arange(3), corners / 2)
+    >>> np.allclose(found, corners)
+    True
 
     References
     ----------
@@ -126,7 +147,7 @@ def placed_around(
     depth: float = 1.0,
     steps: int = 20,
 ) -> FloatArray:
-    """Place every point by its distances from landmarks whose places are known: SMACOF, each point for itself.
+    """Place every point by its distances from landmarks in known places: SMACOF, point by point.
 
     Parameters
     ----------
@@ -147,6 +168,15 @@ def placed_around(
     -------
     (n, 3) ndarray of float
         The points.
+
+    Examples
+    --------
+    >>> from scipy.spatial.distance import cdist
+    >>> cross = np.array([[1.0, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0], [0, 0, 0]])
+    >>> start = np.vstack([cross[:4], [0.3, 0.2, 0]])
+    >>> found = placed_around(cdist(cross, cross[:4]), np.arange(4), cross[:4], start)
+    >>> np.allclose(found, cross, atol=1e-4)
+    True
 
     References
     ----------
@@ -169,7 +199,7 @@ def _nearer(points: FloatArray, fixed: FloatArray, distances: FloatArray) -> Flo
 
 
 def leading_scaling(distances: FloatArray, dimensions: int = 3) -> FloatArray:
-    """Embed a full matrix of distances by classical scaling, with no more eigenvectors than are needed.
+    """Embed a full matrix of distances by classical scaling, with only the eigenvectors needed.
 
     Parameters
     ----------
@@ -187,6 +217,12 @@ def leading_scaling(distances: FloatArray, dimensions: int = 3) -> FloatArray:
     ------
     SolverError
         If the axes cannot be found.
+
+    Examples
+    --------
+    >>> embedding = leading_scaling(np.array([[0.0, 3, 4], [3, 0, 5], [4, 5, 0]]))
+    >>> round(raw_stress(embedding, np.array([[0.0, 3, 4], [3, 0, 5], [4, 5, 0]])), 6)
+    0.0
 
     References
     ----------
@@ -225,6 +261,11 @@ def raw_stress(points: FloatArray, distances: FloatArray) -> float:
     -------
     float
         ``Σ_{i<j} (δ_ij - d_ij)²``.
+
+    Examples
+    --------
+    >>> raw_stress(np.array([[0.0], [1.0]]), np.array([[0.0, 3.0], [3.0, 0.0]]))
+    4.0
     """
     from scipy.spatial.distance import pdist, squareform
 

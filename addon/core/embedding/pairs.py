@@ -53,6 +53,14 @@ def patch_pairs(
     CancelledError
         If the run is cancelled.
 
+    Examples
+    --------
+    >>> square = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]])
+    >>> patch = Patch(np.array([[0, 1, 2], [1, 3, 2]]), np.arange(4))
+    >>> (pairs,) = patch_pairs(square, [patch], lambda vertices: np.ones((4, 4)), monitor=Monitor())
+    >>> np.allclose(pairs.weights[0] * pairs.targets[0] ** 2, np.triu(np.ones((4, 4)), 1))
+    True
+
     References
     ----------
     The paper, equation 10.
@@ -104,13 +112,19 @@ def feature_pairs(features: IntArray, biharmonic: FloatArray, adf: FloatArray) -
     -------
     PairSet
         The pairs.
+
+    Examples
+    --------
+    >>> pairs = feature_pairs(np.array([0, 2]), np.array([[0.0, 3], [3, 0]]), np.array([1.0, 9, 7]))
+    >>> pairs.targets[0].tolist(), pairs.weights[0].tolist()
+    ([[0.0, 3.0], [3.0, 0.0]], [[0.0, 4.0], [0.0, 0.0]])
     """
     heat = adf[features]
     return pair_set(features, biharmonic, lambda rows, columns, _: (heat[rows, None] + heat[None, columns]) / 2)
 
 
 def arrangement_pairs(landmarks: IntArray, start: FloatArray) -> PairSet:
-    """Pair all landmarks, among them the feature points, evenly: the second sum of equation 10, made wider.
+    """Pair all landmarks, feature points included, with equal weights: equation 10's second sum, extended.
 
     Parameters
     ----------
@@ -123,6 +137,12 @@ def arrangement_pairs(landmarks: IntArray, start: FloatArray) -> PairSet:
     -------
     PairSet
         The pairs.
+
+    Examples
+    --------
+    >>> pairs = arrangement_pairs(np.array([0, 1]), np.array([[0.0, 0, 0], [3, 4, 0]]))
+    >>> pairs.targets[0].tolist()
+    [[0.0, 5.0], [5.0, 0.0]]
     """
     from scipy.spatial.distance import pdist, squareform
 
@@ -131,7 +151,7 @@ def arrangement_pairs(landmarks: IntArray, start: FloatArray) -> PairSet:
 
 
 def balanced(pairs: PairSet, patches: list[PairSet], vertex_count: int, share: float) -> PairSet:
-    """Scale the pairs between patches to a share of the weight with which the patches hold the same vertices.
+    """Scale the weights between patches to a share of the weights that the patches put on the same vertices.
 
     Parameters
     ----------
@@ -148,6 +168,12 @@ def balanced(pairs: PairSet, patches: list[PairSet], vertex_count: int, share: f
     -------
     PairSet
         The same pairs under new weights.
+
+    Examples
+    --------
+    >>> pairs = arrangement_pairs(np.arange(3), np.eye(3))
+    >>> balanced(pairs, [pairs], 3, 0.5).total_weights().tolist()
+    [1.0, 1.0, 1.0]
     """
     total = np.zeros(vertex_count)
     for patch in patches:
@@ -157,7 +183,7 @@ def balanced(pairs: PairSet, patches: list[PairSet], vertex_count: int, share: f
 
 
 def braced(patch: PairSet, points: FloatArray, struts: IntArray, monitor: Monitor | None = None) -> PairSet:
-    """Ask the stress for the lengths of struts instead of the way round on the surface.
+    """Replace the wanted distances along the surface by the lengths of struts through it.
 
     Geodesics alone would rather have a mouth outside its head, where straight distances come nearer to the way over
     the lips.
@@ -178,6 +204,13 @@ def braced(patch: PairSet, points: FloatArray, struts: IntArray, monitor: Monito
     PairSet
         The pairs, those of the struts at their lengths. The struts of a vertex weigh half of all else there together;
         a strut takes the mean of its ends.
+
+    Examples
+    --------
+    >>> points = np.array([[0.0, 0, 0], [3, 4, 0], [0, 1, 0]])
+    >>> around = arrangement_pairs(np.arange(3), 2 * points)
+    >>> braced(around, points, np.array([[0, 1]])).targets[0][0].tolist()
+    [0.0, 5.0, 2.0]
     """
     place = np.full(len(points), -1)
     place[patch.vertices] = np.arange(len(patch.vertices))

@@ -30,6 +30,13 @@ class LinkStress:
         Weights.
     count : int
         Number n of points.
+
+    Examples
+    --------
+    >>> stress = LinkStress(np.array([[0, 1]]), np.array([3.0]), np.array([1.0]), 2)
+    >>> value, descent = stress.value_and_descent(np.array([[0.0, 0, 0], [1, 0, 0]]))
+    >>> value, descent[:, 0].tolist()
+    (4.0, [-2.0, 2.0])
     """
 
     def __init__(self, links: IntArray, targets: FloatArray, weights: FloatArray, count: int) -> None:
@@ -79,7 +86,7 @@ class LinkStress:
 
 
 class Pushing:
-    """Edges that ask for their lengths, and pairs that ask for a distance no body reaches: a nearly constant push.
+    """Edges that keep their lengths, and pairs that want a distance no body reaches: a nearly constant push.
 
     Parameters
     ----------
@@ -97,6 +104,14 @@ class Pushing:
     normalised : bool
         Push each pair by as much more as it lies nearer to each other, so that near pairs, which a bent joint brings
         together, have as much say as far ones.
+
+    Examples
+    --------
+    >>> folded = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0.3, 0.3, 0.9]])
+    >>> pushing = Pushing(folded, np.array([[0, 1, 2], [1, 3, 2]]), np.array([0, 3]), strength=0.5)
+    >>> form, _ = pushing.lowered(folded)
+    >>> bool(np.linalg.norm(form[3] - form[0]) > 1.2 * np.linalg.norm(folded[3] - folded[0]))
+    True
     """
 
     def __init__(

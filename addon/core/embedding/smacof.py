@@ -82,6 +82,14 @@ def minimise_stress(
     CancelledError
         If the run is cancelled.
 
+    Examples
+    --------
+    >>> pairs = [pair_set(np.arange(2), 3.0 - 3.0 * np.eye(2), lambda rows, columns, wanted: np.ones_like(wanted))]
+    >>> stress, inverse = Stress(2, pairs), WeightInverse(2, pairs)
+    >>> form, history = minimise_stress(stress, inverse, np.array([[0.0], [1.0]]), max_iterations=50)
+    >>> round(float(abs(form[1, 0] - form[0, 0])), 6), round(float(history[0]), 6)
+    (3.0, 4.0)
+
     References
     ----------
     De Leeuw and Heiser, "Multidimensional Scaling with Restrictions on the Configuration", 1980 (doubled steps);
@@ -158,6 +166,12 @@ def smacof(
     history : (s + 1,) ndarray of float
         Stress ``Σ_{i<j} w_ij (δ_ij - d_ij)²`` before each step and after the last.
 
+    Examples
+    --------
+    >>> embedding, history = smacof([[0, 3, 4], [3, 0, 5], [4, 5, 0]], [[0, 0], [1, 0], [0, 1]], max_iterations=50)
+    >>> round(float(np.linalg.norm(embedding[2] - embedding[1])), 2), bool(history[-1] < 1e-3 * history[0])
+    (5.0, True)
+
     References
     ----------
     De Leeuw, "Applications of Convex Analysis to Multidimensional Scaling", 1977.
@@ -208,6 +222,14 @@ def unit_smacof(
     ------
     CancelledError
         If the run is cancelled.
+
+    Examples
+    --------
+    >>> from scipy.spatial.distance import cdist
+    >>> corners = np.array([[-1.0, -1, 0], [2, -1, 0], [-1, 2, 0]])
+    >>> embedding, history = unit_smacof(cdist(corners, corners), corners / 2, max_iterations=10)
+    >>> np.allclose(embedding, corners), round(float(history[-1]), 6)
+    (True, 0.0)
     """
     count = len(distances)
     pairs = pair_set(np.arange(count), distances, lambda _rows, _columns, wanted: np.ones_like(wanted))

@@ -66,7 +66,7 @@ def intrinsic_start(
     share: float = 10.0,
     monitor: Monitor,
 ) -> Start:
-    """Find the arrangement of the limbs from the surface alone, and put the surface into it.
+    """Arrange the limbs from the surface alone, and deform the input into that arrangement.
 
     Landmarks are spread over the surface, the feature points first. Classical scaling of the distances between them,
     followed by least squares, lays them out; the input is deformed towards that layout.
@@ -104,6 +104,17 @@ def intrinsic_start(
     ------
     CancelledError
         If the run is cancelled.
+
+    Examples
+    --------
+    >>> from addon.core.surface.triangulation import triangulated
+    >>> points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]) / 192**0.25
+    >>> faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
+    >>> surface, spectrum = triangulated(points, faces), Spectrum(np.full(3, 9.2), points)
+    >>> body, first = ElasticBody(surface, points, faces), np.array([0])
+    >>> start = intrinsic_start(surface, spectrum, body, faces, first, np.ones((4, 1)), monitor=Monitor())
+    >>> sorted(start.landmarks.tolist())
+    [0, 1, 2, 3]
 
     References
     ----------
@@ -146,6 +157,15 @@ def input_start(
     Start
         The input; between the feature points biharmonic distances are wanted, in the measure of geodesic ones.
 
+    Examples
+    --------
+    >>> from scipy.sparse import csr_matrix
+    >>> green = GreensFunction(csr_matrix([[1.0, -1], [-1, 1]]), np.ones(2))
+    >>> apart = np.array([[0.0, 3], [3, 0]])
+    >>> start = input_start(np.eye(2, 3), np.arange(2), apart, green, np.ones(2))
+    >>> start.between.targets[0].round(6).tolist()
+    [[0.0, 3.0], [3.0, 0.0]]
+
     References
     ----------
     The paper, equation 10.
@@ -177,6 +197,12 @@ def landmark_distances(geodesic: FloatArray, landmarks: IntArray, spectrum: Spec
     -------
     (n, l) ndarray of float
         Distances, lengths.
+
+    Examples
+    --------
+    >>> line = np.array([[0.0], [1.0], [3.0]])
+    >>> landmark_distances(2 * line, np.array([0]), Spectrum(np.ones(1), line)).ravel().round(6).tolist()
+    [0.0, 2.0, 6.0]
     """
     squared = geodesic**2
     biharmonic = biharmonic_squared(spectrum, np.arange(len(geodesic)), landmarks)
@@ -211,6 +237,15 @@ def laid_out(
         The layout, along its principal axes.
     depth : float
         What the third axis is worth, from 0 where mirror images are a tie to 1 where they are none.
+
+    Examples
+    --------
+    >>> from scipy.spatial.distance import cdist
+    >>> points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
+    >>> faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
+    >>> layout, depth = laid_out(cdist(points, points), np.arange(4), points, faces)
+    >>> depth, np.allclose(cdist(layout, layout), cdist(points, points))
+    (1.0, True)
     """
     projected = landmark_scaling(distances, landmarks)
     projected -= projected.mean(axis=0)
@@ -237,13 +272,20 @@ def handedness(layout: FloatArray, faces: IntArray) -> float:
     float
         Signed volume over the product of the deviations along the three axes; 0 for a flat layout. 4.2 for a solid
         ball (4π/3), near 0 for a body with thin limbs whose arrangement is a tie.
+
+    Examples
+    --------
+    >>> points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
+    >>> faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
+    >>> round(handedness(points, faces), 6), round(handedness(points * [1, 1, -1], faces), 6)
+    (2.666667, -2.666667)
     """
     spread = float(np.prod(layout.std(axis=0)))
     return signed_volume(layout, faces) / spread if spread > 0 else 0.0
 
 
 def inflated(body: ElasticBody, layout: FloatArray, monitor: Monitor) -> FloatArray:
-    """Give the limbs of a layout, which classical scaling squashes, the roundness they have on the surface.
+    """Restore the roundness of the limbs, which classical scaling flattens in a layout.
 
     Parameters
     ----------
@@ -263,5 +305,14 @@ def inflated(body: ElasticBody, layout: FloatArray, monitor: Monitor) -> FloatAr
     ------
     CancelledError
         If the run is cancelled.
+
+    Examples
+    --------
+    >>> from addon.core.surface.triangulation import triangulated
+    >>> points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
+    >>> faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
+    >>> body = ElasticBody(triangulated(points, faces), points, faces)
+    >>> np.allclose(inflated(body, points, Monitor()), points)
+    True
     """
     return body.deformed_towards(layout, pull=_PULL, steps=_STEPS, bending_weight=_BENDING_WEIGHT, monitor=monitor)

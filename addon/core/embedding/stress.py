@@ -70,7 +70,7 @@ class PairSet:
     def replaced(
         self, pairs: IntArray, targets: FloatArray, weights: FloatArray, monitor: Monitor | None = None
     ) -> PairSet:
-        """Ask for other distances between some of the vertices, and weight them otherwise.
+        """Replace the wanted distances and the weights of some pairs.
 
         Parameters
         ----------
@@ -127,7 +127,7 @@ class PairSet:
 def pair_set(
     vertices: IntArray, distances: FloatArray, weights: Callable[[slice, slice, FloatArray], FloatArray]
 ) -> PairSet:
-    """Store all pairs among some vertices.
+    """Store all pairs among some vertices in tiles.
 
     Parameters
     ----------
@@ -142,6 +142,12 @@ def pair_set(
     -------
     PairSet
         The pairs.
+
+    Examples
+    --------
+    >>> pairs = pair_set(np.arange(3), np.ones((3, 3)), lambda rows, columns, target: np.full_like(target, 2.0))
+    >>> pairs.total_weights().tolist()
+    [4.0, 4.0, 4.0]
     """
     targets, heavy = [], []
     tiles = _tiles(len(vertices))
@@ -164,6 +170,14 @@ class Stress:
         Patches and feature points.
     monitor : Monitor, optional
         Polled for cancellation between tiles.
+
+    Examples
+    --------
+    >>> line = np.array([[0.0], [1.0], [3.0]])
+    >>> pairs = pair_set(np.arange(3), np.abs(line - line.T), lambda rows, columns, target: np.ones_like(target))
+    >>> stress = Stress(3, [pairs])
+    >>> round(stress.value(line), 6), round(stress.value(2 * line), 6)
+    (0.0, 14.0)
     """
 
     def __init__(self, vertex_count: int, pair_sets: list[PairSet], monitor: Monitor | None = None) -> None:

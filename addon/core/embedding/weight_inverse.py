@@ -26,6 +26,14 @@ class WeightInverse:
         The sets; together they must connect all vertices.
     monitor : Monitor, optional
         Polled for cancellation between blocks.
+
+    Examples
+    --------
+    >>> from addon.core.embedding.stress import pair_set
+    >>> pairs = pair_set(np.arange(3), np.ones((3, 3)), lambda rows, columns, target: np.ones_like(target))
+    >>> right = np.array([[1.0], [1.0], [-2.0]])
+    >>> np.allclose(pairs.laplacian() @ WeightInverse(3, [pairs])(right), right)
+    True
     """
 
     def __init__(self, vertex_count: int, pair_sets: list[PairSet], monitor: Monitor | None = None) -> None:

@@ -1,1 +1,1 @@
-"""TODO."""
+"""Rigid alignment, mirror images, what is measured on a form."""

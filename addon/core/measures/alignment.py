@@ -18,7 +18,7 @@ _SCOUTS = 2000  # points of a cloud that are tried from every start
 def rigid_fit(
     source: FloatArray, target: FloatArray, weights: FloatArray | None = None, *, mirror: bool = False
 ) -> tuple[FloatArray, FloatArray]:
-    """Find the rigid motion that takes matching points onto each other best.
+    """Find the rigid motion that best takes matching points onto each other.
 
     Parameters
     ----------
@@ -35,6 +35,13 @@ def rigid_fit(
         R, with determinant 1 unless `mirror`.
     shift : (3,) ndarray of float
         t; the motion is ``x ↦ x R + t``.
+
+    Examples
+    --------
+    >>> points, quarter = np.diag([1.0, 2, 3]), np.array([[0.0, 1, 0], [-1, 0, 0], [0, 0, 1]])
+    >>> rotation, shift = rigid_fit(points, points @ quarter + 5)
+    >>> np.allclose(rotation, quarter), np.allclose(shift, 5)
+    (True, True)
 
     References
     ----------
@@ -75,6 +82,14 @@ def closest_point_fit(
         R.
     shift : (3,) ndarray of float
         t; the motion is ``x ↦ x R + t``.
+
+    Examples
+    --------
+    >>> points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 4], [1, 1, 5]])
+    >>> target = (points @ np.array([[0.0, 1, 0], [-1, 0, 0], [0, 0, 1]]) + 7)[::-1]
+    >>> rotation, shift = closest_point_fit(points, target)
+    >>> np.allclose((points @ rotation + shift)[::-1], target)
+    True
 
     References
     ----------
@@ -137,6 +152,15 @@ def outside_out(body: ElasticBody, after: FloatArray) -> FloatArray:
     -------
     (n, 3) ndarray of float
         The embedding, or its mirror image along the third axis.
+
+    Examples
+    --------
+    >>> from addon.core.surface.triangulation import triangulated
+    >>> points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
+    >>> faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
+    >>> body = ElasticBody(triangulated(points, faces), points, faces)
+    >>> np.allclose(outside_out(body, points * [1, 1, -1]), points)
+    True
     """
     covariance = body.covariances(after)
     thinnest = np.linalg.svd(covariance, compute_uv=False)[:, -1]

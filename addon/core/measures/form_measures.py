@@ -24,6 +24,12 @@ def enclosed_volume(vertices: FloatArray, faces: IntArray) -> float:
     -------
     float
         Volume; nan if the mesh is not closed, every edge between exactly two triangles.
+
+    Examples
+    --------
+    >>> points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    >>> round(6 * enclosed_volume(points, np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])), 6)
+    1.0
     """
     return signed_volume(vertices, faces) if is_closed(faces) else float("nan")
 
@@ -42,6 +48,13 @@ def compactness(vertices: FloatArray, faces: IntArray) -> float:
     -------
     float
         C, without unit; nan if the mesh is not closed.
+
+    Examples
+    --------
+    >>> points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
+    >>> faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
+    >>> round(1e4 * compactness(points, faces), 2), round(1e4 * compactness(5 * points, faces), 2)
+    (26.73, 26.73)
     """
     return enclosed_volume(vertices, faces) ** 2 / surface_area(vertices, faces) ** 3
 
@@ -60,12 +73,19 @@ def compactness_error(before: FloatArray, after: FloatArray, faces: IntArray) ->
     -------
     float
         The error; nan if the mesh is not closed. Returning the input scores 0: never quote it alone.
+
+    Examples
+    --------
+    >>> points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
+    >>> faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
+    >>> round(compactness_error(points, 2 * points + 1, faces), 6)
+    0.0
     """
     return abs(compactness(after, faces) - compactness(before, faces))
 
 
 def edge_stretch(before: FloatArray, after: FloatArray, faces: IntArray) -> FloatArray:
-    """Compute how much longer every edge has become.
+    """Compute the stretch of every edge.
 
     Parameters
     ----------
@@ -78,6 +98,12 @@ def edge_stretch(before: FloatArray, after: FloatArray, faces: IntArray) -> Floa
     -------
     (e,) ndarray of float
         Length after over length before, in the order of `vertex_pairs`; edges of no length before are left out.
+
+    Examples
+    --------
+    >>> points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
+    >>> edge_stretch(points, 2 * points, np.array([[0, 1, 2]])).round(6).tolist()
+    [2.0, 2.0, 2.0]
     """
     i, j = vertex_pairs(faces).T
     old = np.linalg.norm(before[i] - before[j], axis=1)
@@ -99,6 +125,12 @@ def hausdorff(first: FloatArray, second: FloatArray, mirror: bool = False) -> fl
     -------
     float
         The largest distance from a vertex of one to the nearest vertex of the other, in the unit of the vertices.
+
+    Examples
+    --------
+    >>> points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 4]])
+    >>> round(hausdorff(points, points + 5), 6)
+    0.0
     """
     from scipy.spatial import KDTree
 
@@ -108,7 +140,7 @@ def hausdorff(first: FloatArray, second: FloatArray, mirror: bool = False) -> fl
 
 
 def summary(before: FloatArray, after: FloatArray, faces: IntArray, with_hausdorff: bool = True) -> dict[str, float]:
-    """Collect the measures of a form in one table, in units that do not depend on the mesh's scale.
+    """Collect the measures of a form, in units independent of the mesh's scale.
 
     Parameters
     ----------
@@ -124,6 +156,14 @@ def summary(before: FloatArray, after: FloatArray, faces: IntArray, with_hausdor
     dict of str to float
         ``compactness`` of the input, ``compactness_error`` (both nan for an open mesh), ``hausdorff`` in units of
         sqrt(area), and the median and 95th percentile of the edge distortion ``|stretch - 1|``.
+
+    Examples
+    --------
+    >>> points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
+    >>> faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
+    >>> measured = summary(points, 1.25 * points, faces, with_hausdorff=False)
+    >>> round(measured["compactness_error"], 6), round(measured["edge_distortion_median"], 6)
+    (0.0, 0.25)
     """
     distortion = np.abs(edge_stretch(before, after, faces) - 1)
     measured = {"compactness": compactness(before, faces), "compactness_error": compactness_error(before, after, faces)}

@@ -1,1 +1,1 @@
-"""TODO."""
+"""A mesh in space: geometry, connectivity, repair, coarsening."""

@@ -101,6 +101,17 @@ def coarsened(
     CancelledError
         If the run is cancelled.
 
+    Examples
+    --------
+    >>> points = np.array([[x, y, 0.0] for y in range(5) for x in range(5)])
+    >>> corners = [5 * y + x for y in range(4) for x in range(4)]
+    >>> faces = np.array([[i, i + a, i + b] for i in corners for a, b in ((1, 6), (6, 5))])
+    >>> coarse = coarsened(points, faces, 12, fixed=np.array([0, 4, 20, 24]))
+    >>> len(coarse.kept) < 25, bool(np.isin([0, 4, 20, 24], coarse.kept).all())
+    (True, True)
+    >>> np.allclose(coarse.prolong(np.ones(len(coarse.kept))), 1)
+    True
+
     References
     ----------
     Garland and Heckbert, "Surface Simplification Using Quadric Error Metrics", 1997, doi:10.1145/258734.258849; Hoppe,

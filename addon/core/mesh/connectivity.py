@@ -10,7 +10,7 @@ from ..numerics.arrays import FloatArray, IntArray
 
 
 def undirected_keys(tail: IntArray, head: IntArray, vertex_count: int) -> IntArray:
-    """Give each undirected edge between vertices one number for both directions.
+    """Assign each undirected edge between vertices one number, alike in both directions.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def half_edges(faces: IntArray) -> tuple[IntArray, IntArray]:
 
 
 def is_closed(faces: IntArray) -> bool:
-    """Tell whether every edge lies between exactly two triangles.
+    """Check whether every edge lies between exactly two triangles.
 
     Parameters
     ----------
@@ -231,7 +231,7 @@ def without_duplicates(faces: IntArray) -> IntArray:
 
 
 def joined_at_seams(points: FloatArray, faces: IntArray, edges: EdgeTable) -> IntArray:
-    """Find for every vertex the first that it is one with: where border edges lie exactly on each other.
+    """Join vertices along border edges that coincide: map every vertex to the first at its place.
 
     Sheets that lie on each other all over are not joined: there the third corners lie on each other too.
 
@@ -285,7 +285,7 @@ def joined_at_seams(points: FloatArray, faces: IntArray, edges: EdgeTable) -> In
 
 
 def consistently_oriented(faces: IntArray, edges: EdgeTable) -> IntArray:
-    """Turn triangles over so that neighbours across an edge agree, as few as possible; one-sided pieces stay.
+    """Flip as few triangles as possible so that neighbours across an edge agree; one-sided pieces stay.
 
     Parameters
     ----------

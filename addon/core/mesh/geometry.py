@@ -1,8 +1,4 @@
-"""The mesh as a metric surface: checks, triangles with edge lengths, areas and connectivity.
-
-Everything behind this file sees the surface through its triangles and the lengths of their edges only, so no later
-step can depend on how the mesh lies in space.
-"""
+"""A mesh in space: checks, areas, normals, volume, scale."""
 
 from __future__ import annotations
 
@@ -14,7 +10,7 @@ from ..run.errors import InvalidMeshError
 
 
 def checked_arrays(vertices: ArrayLike, faces: ArrayLike) -> tuple[FloatArray, IntArray]:
-    """Return a mesh as arrays of the core's types, or say why they are no mesh.
+    """Convert a mesh to arrays of the core's types, or raise an error that says what is wrong.
 
     Parameters
     ----------
@@ -34,6 +30,12 @@ def checked_arrays(vertices: ArrayLike, faces: ArrayLike) -> tuple[FloatArray, I
     ------
     InvalidMeshError
         If a shape is wrong, a coordinate is not finite, an index is out of range, or there is no triangle.
+
+    Examples
+    --------
+    >>> vertices, faces = checked_arrays([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    >>> str(vertices.dtype), str(faces.dtype)
+    ('float64', 'int64')
     """
     try:
         points, corners = np.asarray(vertices), np.asarray(faces)
@@ -58,7 +60,7 @@ def checked_arrays(vertices: ArrayLike, faces: ArrayLike) -> tuple[FloatArray, I
 
 
 def area_vectors(vertices: FloatArray, faces: IntArray) -> FloatArray:
-    """Give every triangle its normal, as long as its area is large.
+    """Compute the area vector of every triangle: its normal, with the area as length.
 
     Parameters
     ----------
@@ -71,13 +73,18 @@ def area_vectors(vertices: FloatArray, faces: IntArray) -> FloatArray:
     -------
     (m, 3) ndarray of float
         Vectors on the side from which a triangle is counter-clockwise.
+
+    Examples
+    --------
+    >>> area_vectors(np.array([[0.0, 0, 0], [2, 0, 0], [0, 3, 0]]), np.array([[0, 1, 2]])).tolist()
+    [[0.0, 0.0, 3.0]]
     """
     a, b, c = vertices[faces].transpose(1, 0, 2)
     return np.asarray(np.cross(b - a, c - a) / 2)
 
 
 def vertex_area_vectors(vertices: FloatArray, faces: IntArray) -> FloatArray:
-    """Sum the area vectors of the triangles around every vertex: its normal, as long as their area is large.
+    """Sum the area vectors of the triangles around every vertex: its normal, with their area as length.
 
     Parameters
     ----------
@@ -90,6 +97,12 @@ def vertex_area_vectors(vertices: FloatArray, faces: IntArray) -> FloatArray:
     -------
     (n, 3) ndarray of float
         The sums; a third of one is how fast the volume grows as the vertex moves.
+
+    Examples
+    --------
+    >>> square = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]])
+    >>> vertex_area_vectors(square, np.array([[0, 1, 2], [1, 3, 2]]))[:, 2].tolist()
+    [0.5, 1.0, 1.0, 0.5]
     """
     each = np.repeat(area_vectors(vertices, faces), 3, axis=0)
     corners = faces.ravel()
@@ -110,12 +123,18 @@ def surface_area(vertices: FloatArray, faces: IntArray) -> float:
     -------
     float
         Area, in squared units of length.
+
+    Examples
+    --------
+    >>> square = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]])
+    >>> surface_area(square, np.array([[0, 1, 2], [1, 3, 2]]))
+    1.0
     """
     return float(np.linalg.norm(area_vectors(vertices, faces), axis=1).sum())
 
 
 def of_unit_area(vertices: FloatArray, faces: IntArray) -> tuple[FloatArray, FloatArray, float]:
-    """Move a mesh to its centre and scale it to unit area, whatever its size is.
+    """Centre a mesh and scale it to unit area, whatever its size.
 
     Parameters
     ----------
@@ -132,6 +151,13 @@ def of_unit_area(vertices: FloatArray, faces: IntArray) -> tuple[FloatArray, Flo
         Where the centre was.
     unit : float
         Root of the area: ``vertices = points * unit + centre``.
+
+    Examples
+    --------
+    >>> triangle, faces = np.array([[0.0, 0, 0], [2, 0, 0], [0, 9, 0]]), np.array([[0, 1, 2]])
+    >>> points, centre, unit = of_unit_area(triangle, faces)
+    >>> round(surface_area(points, faces), 6), round(float(unit), 6), np.allclose(points * unit + centre, triangle)
+    (1.0, 3.0, True)
     """
     scale = 2.0 ** np.floor(np.log2(np.abs(vertices).max()))  # exact, and squares of what is left do not overflow
     points = vertices / scale
@@ -142,7 +168,7 @@ def of_unit_area(vertices: FloatArray, faces: IntArray) -> tuple[FloatArray, Flo
 
 
 def vertex_areas(vertices: FloatArray, faces: IntArray) -> FloatArray:
-    """Give every vertex a third of the area of its triangles in space.
+    """Compute the area of every vertex: a third of that of its triangles in space.
 
     Parameters
     ----------
@@ -155,13 +181,18 @@ def vertex_areas(vertices: FloatArray, faces: IntArray) -> FloatArray:
     -------
     (n,) ndarray of float
         Areas.
+
+    Examples
+    --------
+    >>> vertex_areas(np.array([[0.0, 0, 0], [2, 0, 0], [0, 3, 0]]), np.array([[0, 1, 2]])).round(6).tolist()
+    [1.0, 1.0, 1.0]
     """
     thirds = np.linalg.norm(area_vectors(vertices, faces), axis=1) / 3
     return np.bincount(faces.ravel(), weights=np.repeat(thirds, 3), minlength=len(vertices)).astype(np.float64)
 
 
 def signed_volume(vertices: FloatArray, faces: IntArray) -> float:
-    """Sum the signed volumes between the triangles and the centre.
+    """Sum the signed volumes of the tetrahedra between the triangles and the centre.
 
     Parameters
     ----------
@@ -174,13 +205,19 @@ def signed_volume(vertices: FloatArray, faces: IntArray) -> float:
     -------
     float
         The volume inside a closed mesh, positive if its triangles are counter-clockwise seen from outside.
+
+    Examples
+    --------
+    >>> points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 6]])
+    >>> round(signed_volume(points, np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])), 6)
+    1.0
     """
     a, b, c = (vertices[faces] - vertices.mean(axis=0)).transpose(1, 0, 2)
     return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
 
 
 def moved_by_frames(vertices: FloatArray, rotation: FloatArray, shift: FloatArray) -> FloatArray:
-    """Move every vertex by a frame of its own.
+    """Move every vertex by its own frame.
 
     Parameters
     ----------
@@ -206,7 +243,7 @@ def moved_by_frames(vertices: FloatArray, rotation: FloatArray, shift: FloatArra
 
 
 def relative_rounding(points: FloatArray) -> float:
-    """Tell how coarsely positions are rounded, which they are far from the origin.
+    """Estimate how coarsely positions are rounded, as they are far from the origin.
 
     Parameters
     ----------
@@ -254,8 +291,9 @@ def component_areas(points: FloatArray, faces: IntArray, start: IntArray) -> tup
     Examples
     --------
     >>> triangle = np.array([[0.0, 0, 0], [2, 0, 0], [0, 2, 0]])
-    >>> component_areas(triangle, np.array([[0, 1, 2]]), np.array([0]))
-    (array([2.]), array([1.]))
+    >>> area, size = component_areas(triangle, np.array([[0, 1, 2]]), np.array([0]))
+    >>> area.tolist(), size.tolist()
+    ([2.0], [1.0])
     """
     corners = points[faces]  # (m, 3 corners, 3)
     low = np.minimum.reduceat(corners.min(axis=1), start)  # (k, 3)

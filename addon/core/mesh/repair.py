@@ -58,7 +58,7 @@ class RepairedMesh:
 
 
 def repaired(vertices: ArrayLike, faces: ArrayLike, monitor: Monitor | None = None) -> RepairedMesh:
-    """Find the surface in a mesh.
+    """Repair a mesh: find the surface in it.
 
     Faces that use a vertex twice and copies of faces are left out. Where borders lie exactly on each other, as along
     the seams that many file formats cut, their vertices are taken as one. Faces that look the other way than their

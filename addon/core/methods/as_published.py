@@ -26,7 +26,7 @@ _LETTER = {"quality": "full", "diffusion_time": 0.1, "eigenpairs": 80, "extrapol
 
 
 def as_published_form(found: SurfaceFeatures, settings: Settings, monitor: Monitor, *, closed: bool) -> Embedding:
-    """Unfold a surface as the paper says.
+    """Unfold a surface exactly as the paper describes.
 
     Parameters
     ----------
@@ -50,6 +50,17 @@ def as_published_form(found: SurfaceFeatures, settings: Settings, monitor: Monit
         If all pairs inside the patches do not fit into the memory limit.
     CancelledError
         If the run is cancelled.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from addon.core.unfolding.surface_features import detected
+    >>> points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
+    >>> faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
+    >>> settings = Settings(max_iterations=10)
+    >>> found = detected(points, faces, None, settings, Monitor())
+    >>> as_published_form(found, settings, Monitor(), closed=True).points.shape
+    (4, 3)
 
     References
     ----------
@@ -99,7 +110,7 @@ METHODS = (
         "The paper to the letter, on all vertices; the patches are not connected",
         "the paper to the letter, open cells",
         False,
-        1,
+        9,
     ),
     _method(
         "as_published_closed",
@@ -107,6 +118,6 @@ METHODS = (
         "The paper to the letter but with closed patches; the surface stays connected",
         "the paper with closed cells",
         True,
-        2,
+        10,
     ),
 )

@@ -36,6 +36,6 @@ METHODS = (
         stages={"Distances": 50, "Embedding": 9},
         uses=("landmark_count",),
         pairs="all",
-        rank=10,
+        rank=1,
     ),
 )

@@ -39,7 +39,7 @@ METHODS = (
         unfold=partial(_form, normalised=False),
         stages={"Embedding": 59},
         uses=("landmark_count", *MINIMISATION_OPTIONS),
-        rank=14,
+        rank=5,
     ),
     Method(
         name="euclidean_normalised",
@@ -49,6 +49,6 @@ METHODS = (
         unfold=partial(_form, normalised=True),
         stages={"Embedding": 59},
         uses=("landmark_count", *MINIMISATION_OPTIONS),
-        rank=15,
+        rank=6,
     ),
 )

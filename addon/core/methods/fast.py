@@ -25,7 +25,7 @@ _ROUNDS = 5  # of the search for two points that lie far apart, as the authors a
 def fast_map(
     distances_from: Callable[[int], FloatArray], first: int, dimensions: int = 3
 ) -> tuple[FloatArray, list[int]]:
-    """Embed points by their distances from two pivots an axis.
+    """Embed points by their distances from two pivots per axis.
 
     Parameters
     ----------
@@ -42,6 +42,13 @@ def fast_map(
         The points.
     pivots : list of int
         Two an axis; fewer axes where nothing is left to embed.
+
+    Examples
+    --------
+    >>> places = np.array([0.0, 1, 5])
+    >>> embedding, pivots = fast_map(lambda point: np.abs(places - places[point]), 0, 1)
+    >>> embedding.ravel().round(6).tolist(), pivots
+    ([0.0, 1.0, 5.0], [0, 2])
 
     References
     ----------
@@ -97,6 +104,6 @@ METHODS = (
         source="FastMap, Faloutsos and Lin 1995",
         unfold=_form,
         stages={"Embedding": 59},
-        rank=13,
+        rank=4,
     ),
 )

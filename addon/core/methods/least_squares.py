@@ -39,6 +39,16 @@ def fitted(samples: Samples, settings: Settings, monitor: Monitor) -> tuple[Floa
     ------
     CancelledError
         If the run is cancelled.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scipy.spatial.distance import cdist
+    >>> corners = np.array([[-1.0, -1, 0], [2, -1, 0], [-1, 2, 0]])
+    >>> samples = Samples(np.arange(3), cdist(corners, corners))
+    >>> form, history = fitted(samples, Settings(max_iterations=10), Monitor())
+    >>> np.allclose(cdist(form, form), cdist(corners, corners))
+    True
     """
     start = samples.classical_embedding()
     placed, history = unit_smacof(samples.between, start[samples.vertices], **settings.minimisation, monitor=monitor)
@@ -66,6 +76,6 @@ METHODS = (
         stages={"Distances": 25, "Embedding": 34},
         uses=("landmark_count", *MINIMISATION_OPTIONS),
         pairs="all",
-        rank=11,
+        rank=2,
     ),
 )

@@ -48,6 +48,17 @@ def local_feature_form(found: SurfaceFeatures, settings: Settings, monitor: Moni
     CancelledError
         If the run is cancelled.
 
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from addon.core.unfolding.surface_features import detected
+    >>> points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
+    >>> faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
+    >>> settings = Settings(max_iterations=5, preserve_detail=0)
+    >>> found = detected(points, faces, None, settings, Monitor())
+    >>> local_feature_form(found, settings, Monitor()).points.shape
+    (4, 3)
+
     References
     ----------
     The paper, section 3.4 and equation 10; docs/method.md says where this departs from it.

@@ -84,6 +84,14 @@ def curve_skeleton(points: FloatArray, triangles: IntArray, from_root: FloatArra
     CurveSkeleton
         The skeleton.
 
+    Examples
+    --------
+    >>> points = np.array([[x, y, 0.0] for x in range(9) for y in (0, 1)])
+    >>> faces = np.array([[i + a, i + 2, i + b] for i in range(0, 16, 2) for a, b in ((0, 1), (1, 3))])
+    >>> skeleton = curve_skeleton(points, faces, points[:, 0])
+    >>> len(skeleton.bones) == len(skeleton.nodes) - 1
+    True
+
     References
     ----------
     Verroust and Lazarus, "Extracting skeletal curves from 3D scattered data", 2000.
@@ -111,7 +119,7 @@ def curve_skeleton(points: FloatArray, triangles: IntArray, from_root: FloatArra
 
 
 def driven(body: ElasticBody, skeleton: CurveSkeleton, places: FloatArray, monitor: Monitor) -> FloatArray:
-    """Deform a mesh as rigidly as possible so that its skeleton goes where it is wanted.
+    """Deform a mesh as rigidly as possible so that its skeleton moves to given places.
 
     Parameters
     ----------
@@ -133,6 +141,16 @@ def driven(body: ElasticBody, skeleton: CurveSkeleton, places: FloatArray, monit
     ------
     CancelledError
         If the run is cancelled.
+
+    Examples
+    --------
+    >>> from addon.core.surface.triangulation import triangulated
+    >>> points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
+    >>> faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
+    >>> body = ElasticBody(triangulated(points, faces), points, faces)
+    >>> point = CurveSkeleton(np.zeros((1, 3)), np.empty((0, 2), int), np.zeros(4, int), np.ones(1))
+    >>> np.allclose(driven(body, point, np.ones((1, 3)), Monitor()), points + 1)
+    True
     """
     form = body.points
     for number in range(_ROUNDS):
@@ -174,6 +192,6 @@ METHODS = (
         unfold=_form,
         stages={"Skeleton": 10, "Embedding": 10, "Detail": 39},
         uses=MINIMISATION_OPTIONS,
-        rank=17,
+        rank=8,
     ),
 )

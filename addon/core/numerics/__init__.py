@@ -1,1 +1,1 @@
-"""TODO."""
+"""Array types, sparse factorisation, matrix products in blocks."""

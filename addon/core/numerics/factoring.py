@@ -28,6 +28,12 @@ def factored(matrix: object) -> SuperLU:
     ------
     SolverError
         If rounding makes the matrix singular.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> factored(np.array([[2.0, 1], [1, 3]])).solve(np.array([3.0, 4])).round(6).tolist()
+    [1.0, 1.0]
     """
     from scipy.sparse import csc_matrix
     from scipy.sparse.linalg import splu

@@ -15,7 +15,7 @@ _SIDE = 64
 
 
 def product(left: FloatArray, right: FloatArray) -> FloatArray:
-    """Multiply two matrices.
+    """Multiply two matrices block by block.
 
     Parameters
     ----------
@@ -28,6 +28,13 @@ def product(left: FloatArray, right: FloatArray) -> FloatArray:
     -------
     (r, c) ndarray of float
         Their product.
+
+    Examples
+    --------
+    >>> product(np.array([[1.0, 2]]), np.array([[3.0], [4]])).tolist()
+    [[11.0]]
+    >>> product(np.ones((100, 80)), np.ones((80, 90))).sum().item()
+    720000.0
     """
     (rows, inner), columns = left.shape, right.shape[1]
     if rows * inner * columns <= _LIMIT:
@@ -45,7 +52,7 @@ def product(left: FloatArray, right: FloatArray) -> FloatArray:
 
 
 def inverse_of_lower(lower: FloatArray) -> FloatArray:
-    """Invert a small lower triangular matrix, row by row; a library's inverse would wake its threads.
+    """Invert a small lower triangular matrix row by row, without waking a library's threads.
 
     Parameters
     ----------
@@ -56,6 +63,11 @@ def inverse_of_lower(lower: FloatArray) -> FloatArray:
     -------
     (n, n) ndarray of float
         Its inverse, lower triangular.
+
+    Examples
+    --------
+    >>> inverse_of_lower(np.array([[2.0, 0], [1, 1]])).tolist()
+    [[0.5, 0.0], [-0.5, 1.0]]
     """
     result = np.zeros_like(lower)
     for row, scale in enumerate(1 / np.diag(lower)):

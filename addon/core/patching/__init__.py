@@ -1,1 +1,1 @@
-"""TODO."""
+"""Geodesic Voronoi cells, open and closed."""

@@ -31,6 +31,12 @@ def voronoi_cells(distances: FloatArray, feature_points: IntArray, faces: IntArr
     -------
     (n,) ndarray of int
         Index into `feature_points`.
+
+    Examples
+    --------
+    >>> distances = np.array([[0.0, 4], [1, 3], [2, 2], [3, 1], [4, 0]])
+    >>> voronoi_cells(distances, np.array([0, 4]), np.array([[0, 1, 2], [1, 3, 2], [2, 3, 4]])).tolist()
+    [0, 0, 0, 1, 1]
     """
     nearest = distances.min(axis=1, keepdims=True)
     cell = np.argmax(distances <= nearest + _TIE * distances.max(), axis=1).astype(np.int64)
@@ -65,7 +71,7 @@ class Patch:
 
 
 def patches_of(cells: IntArray, faces: IntArray, count: int, *, closed: bool = True) -> list[Patch]:
-    """Turn the cells into patches.
+    """Build the patches from the cells.
 
     Neighbouring closed patches share a band of vertices, which is what keeps the form in one piece. Open ones, as
     published, share none.

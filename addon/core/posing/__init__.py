@@ -1,1 +1,1 @@
-"""TODO."""
+"""Shapes between pose and form, everywhere or by limb."""

@@ -46,6 +46,16 @@ class Articulation:
     CancelledError
         If the run is cancelled.
 
+    Examples
+    --------
+    >>> from scipy.spatial.distance import cdist
+    >>> points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
+    >>> faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
+    >>> path = Articulation(points, faces, points @ np.array([[0.0, 1, 0], [-1, 0, 0], [0, 0, 1]]))
+    >>> half = path.at(0.5)
+    >>> np.allclose(half[0], [0, 2**0.5, 1]), np.allclose(cdist(half, half), cdist(points, points))
+    (True, True)
+
     References
     ----------
     Lipman, Sorkine, Levin and Cohen-Or, "Linear Rotation-Invariant Coordinates for Meshes", 2005,

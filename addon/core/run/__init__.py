@@ -1,1 +1,1 @@
-"""TODO."""
+"""Errors, messages (kinds with numbers), progress and cancellation, the memory limit."""

@@ -16,7 +16,7 @@ _UNKNOWN = 8.0  # gigabytes, where the system does not say how much is free
 
 
 def memory_limit(limit: float = 0.0) -> float:
-    """Give the most memory that a run may take.
+    """Return the most memory that a run may take.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ def memory_limit(limit: float = 0.0) -> float:
 
 
 def limit_in_words(limit: float = 0.0) -> str:
-    """Name the limit in a sentence.
+    """Describe the memory limit in words.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ def pair_memory(sizes: list[float]) -> float:
 
 
 def require_pair_memory(vertex_count: int, sizes: list[int], *, limit: float = 0.0, whole: bool = False) -> None:
-    """Refuse all pairs inside patches before the memory is spent.
+    """Raise an error if all pairs inside patches would exceed the memory limit.
 
     Parameters
     ----------
@@ -98,6 +98,15 @@ def require_pair_memory(vertex_count: int, sizes: list[int], *, limit: float = 0
     ------
     TooLargeError
         With the memory needed and what to do.
+
+    Examples
+    --------
+    >>> require_pair_memory(1_000, [1_000], limit=1.0)
+    >>> try:
+    ...     require_pair_memory(100_000, [100_000], limit=1.0)
+    ... except TooLargeError as error:
+    ...     print(error.kind)
+    pair_memory
     """
     needed, most = pair_memory([float(size) for size in sizes]), memory_limit(limit)
     if needed > most:
@@ -119,6 +128,11 @@ def free_memory() -> float:
     float
         Gigabytes: what is free on the machine, in the container and below the limit of the process, whichever is less;
         8 where nothing is known.
+
+    Examples
+    --------
+    >>> free_memory() >= 0
+    True
     """
     reader = {"linux": _free_on_linux, "win32": _free_on_windows}.get(sys.platform, _free_elsewhere)
     known = [amount for amount in (*reader(), _free_address_space()) if amount is not None]

@@ -18,27 +18,27 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
         "1 vertex has coordinates that are not numbers. Delete or repair it.",
         "{count:,} vertices have coordinates that are not numbers. Delete or repair them.",
     ),
-    "face_range": "Faces name vertices outside 0 to {last}.",
+    "face_range": "Faces refer to vertices outside 0 to {last}.",
     "no_area": "The surface has no area. Choose a mesh with a surface.",
     "form_shape": "The form must be a ({count}, 3) array of numbers.",
     # its repair
     "repeated_corners": (
-        "1 face was left out: the same vertex twice.",
-        "{count:,} faces were left out: the same vertex twice.",
+        "1 face was left out: it repeats a vertex.",
+        "{count:,} faces were left out: they repeat a vertex.",
     ),
-    "coincident_borders": "Borders lie on each other: {count:,} vertices were taken as one with others at their place.",
+    "coincident_borders": "Borders coincide: {count:,} vertices were treated as one with others at their position.",
     "duplicate_faces": (
-        "1 face was left out: another has the same vertices.",
-        "{count:,} faces were left out: another has the same vertices.",
+        "1 face was left out: it is a duplicate.",
+        "{count:,} faces were left out: they are duplicates.",
     ),
     "inconsistent_faces": (
-        "1 face was turned over to face the same way as its neighbours.",
-        "{count:,} faces were turned over to face the same way as their neighbours.",
+        "1 face was flipped to match the orientation of its neighbours.",
+        "{count:,} faces were flipped to match the orientation of their neighbours.",
     ),
     "rounded_positions": "The mesh lies so far from its origin that its positions are rounded to {share:.1%} of its "
-    "size. Bring it nearer before detail is modelled or scanned.",
+    "size. Move it to the origin before modelling or scanning detail.",
     # its pieces
-    "too_many_pieces": "The mesh falls into {count:,} loose parts, more than {most}. Merge what belongs together, or "
+    "too_many_pieces": "The mesh has {count:,} loose parts, more than {most}. Merge what belongs together, or "
     "delete or separate the small parts, and run again.",
     "pieces_without_area": "Loose parts without any area ({count}) stay where they are.",
     "several_pieces": "The mesh has {count} loose parts. Each got feature points and a form of its own and stays in "
@@ -54,15 +54,15 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
     "unknown_kind": "kind must be one of {names}; got {value!r}.",
     "feature_list": "feature_points must be a list of at least one vertex index.",
     "feature_range": "feature_points must lie between 0 and {last}.",
-    "feature_twice": "feature_points names a vertex twice.",
-    "feature_off_surface": "feature_points names vertices that belong to no face with area.",
-    "feature_coincident": "feature_points names two vertices at one place, where borders lie on each other.",
+    "feature_twice": "feature_points contains a vertex twice.",
+    "feature_off_surface": "feature_points contains vertices that belong to no face with area.",
+    "feature_coincident": "feature_points contains two vertices at one position, where borders coincide.",
     "features_detected_elsewhere": "{count} loose parts have none of the given feature points; theirs were detected.",
-    "source_list": "Vertices to start from must be a list of at least one whole number.",
-    "source_range": "Vertices to start from must lie between 0 and {last}.",
-    "too_many_sources": "Select at most {most:,} vertices to measure from; {count:,} are.",
-    "limb_mask": "chosen must be an array of {count} times True or False.",
-    "limb_ways": "ways must be from 0 to 1.",
+    "source_list": "Source vertices must be a list of at least one whole number.",
+    "source_range": "Source vertices must lie between 0 and {last}.",
+    "too_many_sources": "Select at most {most:,} source vertices; {count:,} are selected.",
+    "limb_mask": "chosen must be a boolean array of length {count}.",
+    "limb_ways": "ways must lie between 0 and 1.",
     "diffusion_time": "The diffusion time must be positive; got {value}.",
     # memory
     "mesh_memory": "A mesh of {vertices:,} vertices needs about {needed:.1f} GB, more than {limit}. Reduce the mesh, "
@@ -73,38 +73,41 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
     "the mesh, or raise the memory limit.",
     # the working surface
     "coarse_mesh_stuck": "The mesh could only be reduced to {count:,} vertices, because of its many borders or edges "
-    "of more than two faces; the computation takes longer and more memory than announced. Merge vertices by distance "
-    "for a faster one.",
-    "flips_exhausted": "Some triangles are so long and thin that better ones could not be found for them; distances "
-    "there are less exact. Remesh for a better form.",
-    "flat_triangles": "Triangles without any width upset the spectrum; it was computed with every edge lengthened a "
-    "little (at most {share:.0%} of the mean edge).",
-    "few_eigenpairs": "The mesh is small: it has fewer eigenpairs than asked for, and all were used.",
-    "few_features": "The surface has {count} feature points, fewer than the number asked for.",
+    "with more than two faces; the run needs more time and memory than estimated. Merge vertices by distance to speed "
+    "it up.",
+    "flips_exhausted": "Some long, thin triangles could not be improved; distances there are less accurate. Remesh "
+    "for a better form.",
+    "flat_triangles": "Degenerate triangles disturb the spectrum; all edges were lengthened by at most "
+    "{share:.0%} of the "
+    "mean edge to compute it.",
+    "few_eigenpairs": "The mesh is small: it has fewer eigenpairs than requested, and all were used.",
+    "few_features": "The surface has {count} feature points, fewer than requested.",
     # solvers
-    "singular": "The triangles are too thin, or of too different sizes, to compute with. Clean the mesh up or remesh "
-    "it.",
-    "disconnected": "The surface falls into parts, or nearly so: its lowest eigenvalue is 0.",
+    "singular": "The triangles are too thin, or differ too much in size, for the solver. Clean the mesh up or "
+    "remesh it.",
+    "disconnected": "The surface is disconnected, or nearly so: its second eigenvalue is 0.",
     "inaccurate_spectrum": "The spectrum of the surface is only accurate to {residual:.1e}. Clean the mesh up or ask "
     "for fewer eigenpairs.",
     "spectrum_diverged": "The spectrum of the surface did not converge ({reason}). Ask for fewer eigenpairs or clean "
     "the mesh up.",
-    "heat_disconnected": "Heat does not reach all of the surface: it falls into loose parts. Separate or merge them.",
+    "heat_disconnected": "Heat does not reach all of the surface: it has loose parts. Separate or merge them.",
     "no_axes": "Classical scaling found no axes: the distances are too alike or too irregular. Clean the mesh up.",
     # distances
-    "heat_fallback": "Some triangles are so long and thin that heat runs astray on them; distances there were measured "
-    "along edges. Remesh for a better form.",
+    "heat_fallback": "The heat method fails on some long, thin triangles; distances there were measured along edges. "
+    "Remesh for a better form.",
     "heat_bounded": (
-        "Heat runs astray beside spikes: the distances of 1 vertex were put between the straight way and that along "
-        "edges. Compare fast marching, or smooth the spikes.",
-        "Heat runs astray beside spikes: the distances of {count:,} vertices were put between the straight way and "
-        "that along edges. Compare fast marching, or smooth the spikes.",
+        "The heat method is inaccurate beside spikes: the distance of 1 vertex was clamped between the straight "
+        "line and "
+        "the path along edges. Compare fast marching, or smooth the spikes.",
+        "The heat method is inaccurate beside spikes: the distances of {count:,} vertices were clamped between the "
+        "straight line and the path along edges. Compare fast marching, or smooth the spikes.",
     ),
-    "zero_distances": "{count} pairs of points came out with no distance between them, because of very thin "
-    "triangles, and were given a small one. Merge vertices by distance, or remesh, for a better form.",
+    "zero_distances": "{count} pairs of points had zero distance, because of very thin triangles, and were given "
+    "a small one. Merge vertices by distance, or remesh, for a better form.",
     # the embedding
-    "still_falling": "The stress was still falling after {steps} steps. More iterations will change the form a little "
-    "further.",
+    "still_falling": "The minimisation stopped after {steps} steps before it converged. More iterations will "
+    "change the form "
+    "slightly.",
     "cancelled": "Cancelled; nothing was changed.",
 }
 
@@ -137,7 +140,7 @@ class Message(str):
 
 
 def message(kind: str, **numbers: Any) -> Message:
-    """Put a kind and its numbers into words.
+    """Make the sentence for a kind and its numbers.
 
     Parameters
     ----------
@@ -159,7 +162,7 @@ def message(kind: str, **numbers: Any) -> Message:
     Examples
     --------
     >>> str(message("duplicate_faces", count=1))
-    '1 face was left out: another has the same vertices.'
+    '1 face was left out: it is a duplicate.'
     """
     sentence = _SENTENCES[kind]
     if isinstance(sentence, tuple):

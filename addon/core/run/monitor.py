@@ -165,7 +165,7 @@ class Monitor:
         self.warnings += [each for each in found if each not in self.warnings]
 
     def deliver(self, warned: Warned | None) -> None:
-        """Hand the warnings to the caller where the result has no place for them.
+        """Deliver the warnings to the caller where the result has no place for them.
 
         Parameters
         ----------

@@ -1,1 +1,1 @@
-"""TODO."""
+"""Triangles with edge lengths, without a place in space: Delaunay, Laplacian, spectrum; the working surface."""

@@ -41,6 +41,14 @@ def intrinsic_delaunay(
     CancelledError
         If the run is cancelled.
 
+    Examples
+    --------
+    >>> from addon.core.surface.triangulation import triangulated
+    >>> kite = np.array([[-2.0, 0, 0], [2, 0, 0], [0, -1, 0], [0, 1, 0]])
+    >>> surface = triangulated(kite, np.array([[0, 2, 1], [0, 1, 3]]))
+    >>> float(surface.lengths.max()), round(float(intrinsic_delaunay(surface).lengths.max()), 6)
+    (4.0, 2.236068)
+
     References
     ----------
     Fisher, Springborn, Bobenko and Schroeder, "An Algorithm for the Construction of Intrinsic Delaunay
@@ -73,6 +81,14 @@ def midpoint_refined(surface: Triangulation) -> Triangulation:
     -------
     Triangulation
         The same surface; vertex ``n + e`` is the midpoint of edge ``e``, the first n vertices keep their numbers.
+
+    Examples
+    --------
+    >>> from addon.core.surface.triangulation import triangulated
+    >>> triangle = triangulated(np.array([[0.0, 0, 0], [2, 0, 0], [0, 1, 0]]), np.array([[0, 1, 2]]))
+    >>> fine = midpoint_refined(triangle)
+    >>> fine.vertex_count, face_areas(fine.lengths).round(6).tolist()
+    (6, [0.25, 0.25, 0.25, 0.25])
     """
     n, edge_count = surface.vertex_count, int(surface.edges.max()) + 1
     corner, opposite = surface.faces, surface.edges  # (m, 3)

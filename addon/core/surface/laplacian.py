@@ -1,4 +1,4 @@
-"""Stiffness L and lumped mass M of a triangulation, and the factors of matrices made of them."""
+"""Stiffness L and lumped mass M of a triangulation."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def stiffness(surface: Triangulation) -> csr_matrix:
-    """Assemble the cotangent stiffness L, positive semi-definite, rows summing to 0.
+    """Assemble the cotangent stiffness matrix L, positive semi-definite, with rows summing to 0.
 
     Parameters
     ----------
@@ -25,6 +25,14 @@ def stiffness(surface: Triangulation) -> csr_matrix:
     -------
     (n, n) scipy.sparse.csr_matrix
         L; it has no unit. Borders carry the natural (Neumann) condition.
+
+    Examples
+    --------
+    >>> from addon.core.surface.triangulation import triangulated
+    >>> square = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]])
+    >>> L = stiffness(triangulated(square, np.array([[0, 1, 2], [1, 3, 2]])))
+    >>> L.diagonal().round(6).tolist(), np.allclose(L.sum(axis=1), 0)
+    ([1.0, 1.0, 1.0, 1.0], True)
 
     References
     ----------
@@ -41,7 +49,7 @@ def stiffness(surface: Triangulation) -> csr_matrix:
 
 
 def mass(surface: Triangulation) -> FloatArray:
-    """Give every vertex a third of the area of its triangles: the diagonal of the lumped mass M.
+    """Compute the diagonal of the lumped mass matrix M: a third of the area of the triangles at each vertex.
 
     Parameters
     ----------
@@ -52,6 +60,13 @@ def mass(surface: Triangulation) -> FloatArray:
     -------
     (n,) ndarray of float
         Vertex areas; they sum to the area of the surface.
+
+    Examples
+    --------
+    >>> from addon.core.surface.triangulation import triangulated
+    >>> square = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]])
+    >>> mass(triangulated(square, np.array([[0, 1, 2], [1, 3, 2]]))).round(6).tolist()
+    [0.166667, 0.333333, 0.333333, 0.166667]
     """
     thirds = np.repeat(face_areas(surface.lengths) / 3, 3)
     return np.bincount(surface.faces.ravel(), weights=thirds, minlength=surface.vertex_count).astype(np.float64)

@@ -1,4 +1,4 @@
-"""Eigenpairs of the Laplace-Beltrami operator, and the Auto Diffusion Function (paper section 3.1)."""
+"""Eigenpairs of the Laplace-Beltrami operator (paper section 3.1)."""
 
 from __future__ import annotations
 
@@ -63,6 +63,13 @@ def compute_spectrum(stiffness: csr_matrix, mass: FloatArray, count: int, monito
         If the solver does not converge to that residual.
     CancelledError
         If the run is cancelled.
+
+    Examples
+    --------
+    >>> from scipy.sparse import csr_matrix
+    >>> chain = csr_matrix([[1.0, -1, 0], [-1, 2, -1], [0, -1, 1]])
+    >>> compute_spectrum(chain, np.ones(3), 2).eigenvalues.round(6).tolist()
+    [1.0, 3.0]
     """
     from scipy.sparse import diags, identity
 

@@ -1,4 +1,8 @@
-"""A surface as triangles with edge lengths, without a place in space."""
+"""A surface as triangles with edge lengths, without a place in space.
+
+What takes a `Triangulation` sees the surface through its triangles and the lengths of their edges only, so it cannot
+depend on how the mesh lies in space.
+"""
 
 from __future__ import annotations
 
@@ -33,7 +37,7 @@ class Triangulation:
 
 
 def triangulated(vertices: FloatArray, faces: IntArray, slack: float = 1e-5) -> Triangulation:
-    """Read the triangulation off a mesh in space, mollified so that every triangle has some area.
+    """Build the triangulation of a mesh in space, mollified so that every triangle has some area.
 
     Parameters
     ----------
@@ -48,6 +52,12 @@ def triangulated(vertices: FloatArray, faces: IntArray, slack: float = 1e-5) -> 
     -------
     Triangulation
         The same triangles with their edge lengths.
+
+    Examples
+    --------
+    >>> triangle = triangulated(np.array([[0.0, 0, 0], [3, 0, 0], [0, 4, 0]]), np.array([[0, 1, 2]]))
+    >>> triangle.vertex_count, triangle.lengths.round(6).tolist()
+    (3, [[5.0, 4.0, 3.0]])
     """
     tail, head = np.roll(faces, -1, axis=1), np.roll(faces, -2, axis=1)
     _, number = np.unique(undirected_keys(tail, head, len(vertices)), return_inverse=True)
@@ -70,6 +80,11 @@ def corner_lengths(vertices: FloatArray, faces: IntArray) -> FloatArray:
     -------
     (m, 3) ndarray of float
         Column i holds the length of the edge opposite to corner i.
+
+    Examples
+    --------
+    >>> corner_lengths(np.array([[0.0, 0, 0], [3, 0, 0], [0, 4, 0]]), np.array([[0, 1, 2]])).tolist()
+    [[5.0, 4.0, 3.0]]
     """
     corners = vertices[faces]  # (m, 3 corners, 3)
     opposite = np.roll(corners, -1, axis=1) - np.roll(corners, -2, axis=1)
@@ -93,6 +108,13 @@ def mollified(lengths: FloatArray, factor: float = 1e-5) -> FloatArray:
     (m, 3) ndarray of float
         Lengths with ``l_j + l_k - l_i >= factor * mean`` in every triangle.
 
+    Examples
+    --------
+    >>> mollified(np.array([[3.0, 4.0, 5.0]])).tolist()
+    [[3.0, 4.0, 5.0]]
+    >>> mollified(np.array([[1.0, 2.0, 3.0]]), 0.1).round(6).tolist()
+    [[1.2, 2.2, 3.2]]
+
     References
     ----------
     Sharp and Crane, "A Laplacian for Nonmanifold Triangle Meshes", 2020, doi:10.1111/cgf.14069, section 4.5.
@@ -113,6 +135,11 @@ def face_areas(lengths: FloatArray) -> FloatArray:
     -------
     (m,) ndarray of float
         Areas; 0 where a triangle inequality is violated.
+
+    Examples
+    --------
+    >>> face_areas(np.array([[3.0, 4.0, 5.0]])).round(6).tolist()
+    [6.0]
     """
     c, b, a = np.sort(lengths, axis=1).T  # a >= b >= c
     squared = (a + (b + c)) * (c - (a - b)) * (c + (a - b)) * (a + (b - c))
@@ -131,6 +158,11 @@ def corner_cotangents(lengths: FloatArray) -> FloatArray:
     -------
     (m, 3) ndarray of float
         Cotangents of the angle at each corner.
+
+    Examples
+    --------
+    >>> corner_cotangents(np.array([[5.0, 3.0, 4.0]])).round(6).tolist()
+    [[0.0, 1.333333, 0.75]]
     """
     squared = lengths**2
     area = np.maximum(face_areas(lengths), np.finfo(np.float64).tiny)

@@ -47,7 +47,7 @@ class WorkingSurface:
         return self._coarsening is not None
 
     def numbers_of(self, vertices: IntArray) -> IntArray:
-        """Find vertices of the whole mesh among those that are worked on.
+        """Map vertices of the whole mesh to their numbers among those that are worked on.
 
         Parameters
         ----------
@@ -101,7 +101,7 @@ class WorkingSurface:
         return motion[:, :9].reshape(-1, 3, 3), motion[:, 9:]
 
     def with_slack(self, slack: float, monitor: Monitor) -> WorkingSurface:
-        """Lengthen every edge a little further, where triangles without width upset a solver.
+        """Lengthen every edge a little further, for solvers that fail on triangles without width.
 
         Parameters
         ----------
@@ -126,7 +126,7 @@ def working_surface(
     fixed: IntArray | None = None,
     monitor: Monitor | None = None,
 ) -> WorkingSurface:
-    """Reduce a mesh to about so many vertices and find its intrinsic Delaunay triangulation.
+    """Reduce a mesh to about `target` vertices and find its intrinsic Delaunay triangulation.
 
     Parameters
     ----------

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from importlib import import_module
-from pkgutil import iter_modules
 from typing import TYPE_CHECKING, Any, Literal
 
 from ..run.errors import InvalidSettingsError
@@ -45,7 +44,7 @@ class Method:
         Between which vertices it keeps distances at quality 'full': those of each patch, all, or all and landmarks.
         Tells the memory and time that it takes.
     rank : int
-        Its place in lists.
+        Its place in lists, and its number in saved files: no other method has it.
     fixed : mapping of str to object
         Options that are part of the method: whatever the settings say, these hold.
     """
@@ -62,7 +61,7 @@ class Method:
     fixed: Mapping[str, Any] = field(default_factory=dict)
 
     def settings(self, wanted: Settings) -> Settings:
-        """Put the options that are part of the method into settings.
+        """Replace the settings that the method itself fixes.
 
         Parameters
         ----------
@@ -83,13 +82,15 @@ def methods() -> dict[str, Method]:
     Returns
     -------
     dict of str to Method
-        By name: ours first, then the paper to the letter, then the rivals.
+        By name, by rising rank: ours, the rivals, the paper to the letter.
 
     Examples
     --------
     >>> list(methods())[:3]
-    ['local_features', 'as_published', 'as_published_closed']
+    ['local_features', 'classical', 'least_squares']
     """
+    from pkgutil import iter_modules
+
     room = import_module("..methods", __package__)
     found = [
         each for file in iter_modules(room.__path__) for each in import_module(f"{room.__name__}.{file.name}").METHODS
@@ -98,7 +99,7 @@ def methods() -> dict[str, Method]:
 
 
 def method_named(name: str) -> Method:
-    """Find a method.
+    """Look up a method by its name.
 
     Parameters
     ----------

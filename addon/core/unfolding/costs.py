@@ -71,7 +71,7 @@ def time_estimate(vertex_count: int, settings: Settings) -> float:
 
 
 def require_memory(vertex_count: int, settings: Settings) -> None:
-    """Refuse a mesh that is too large for the memory limit.
+    """Raise an error if a mesh is too large for the memory limit.
 
     Parameters
     ----------
@@ -84,6 +84,15 @@ def require_memory(vertex_count: int, settings: Settings) -> None:
     ------
     TooLargeError
         With the memory needed and what to do. Where all pairs are kept, their number is known later, and refused then.
+
+    Examples
+    --------
+    >>> require_memory(10_000, Settings(memory_limit=1.0))
+    >>> try:
+    ...     require_memory(10_000_000, Settings(memory_limit=1.0))
+    ... except TooLargeError as error:
+    ...     print(error.kind)
+    mesh_memory
     """
     needed = memory_estimate(vertex_count, settings)
     if not _grows_squared(settings) and needed > memory_limit(settings.memory_limit):

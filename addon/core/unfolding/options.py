@@ -74,7 +74,7 @@ class Option:
         return f"at least {self.low:g}" if self.high is None else f"from {self.low:g} to {self.high:g}"
 
     def allows(self, value: Any) -> bool:
-        """Tell whether a value is allowed.
+        """Check whether a value is allowed.
 
         Parameters
         ----------
@@ -137,12 +137,18 @@ def options_of(owner: Any) -> dict[str, Option]:
     -------
     dict of str to Option
         By name, in order.
+
+    Examples
+    --------
+    >>> from addon.core import Settings
+    >>> list(options_of(Settings))[:2]
+    ['method', 'quality']
     """
     return {each.name: each.metadata["option"] for each in fields(owner) if "option" in each.metadata}
 
 
 def require_allowed(owner: Any) -> None:
-    """Refuse values of a wrong type or outside their range.
+    """Raise an error for a value of a wrong type or outside its range.
 
     Parameters
     ----------
@@ -153,6 +159,18 @@ def require_allowed(owner: Any) -> None:
     ------
     InvalidSettingsError
         With the name of the option, its range and the value.
+
+    Examples
+    --------
+    >>> @dataclass
+    ... class Brush:
+    ...     size: int = option(3, "Size", "Width of a stroke, in pixels", low=1)
+    >>> require_allowed(Brush(5))
+    >>> try:
+    ...     require_allowed(Brush(0))
+    ... except InvalidSettingsError as error:
+    ...     print(error)
+    size must be at least 1; got 0.
     """
     for each in fields(owner):
         about, value = each.metadata.get("option"), getattr(owner, each.name)

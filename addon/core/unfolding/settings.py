@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import wraps
 from typing import Any
 
+from ..run.errors import InvalidSettingsError
 from .catalogue import OURS, method_named
 from .options import Choice, option, options_of, require_allowed
 
@@ -86,8 +87,12 @@ class Settings:
         "Number of vertices that the form is computed on",
         choices=(
             Choice("draft", "Draft", "Computed on 700 vertices: a quick preview"),
-            Choice("normal", "Normal", "Computed on 1,600 vertices and interpolated to all: a second or two, more on large meshes"),
-            Choice("full", "Full", "All vertices and all pairs in a patch: minutes above 20,000 vertices; for reference"),
+            Choice(
+                "normal",
+                "Normal",
+                "Computed on 1,600 vertices, interpolated to all: a second or two, more on large meshes",
+            ),
+            Choice("full", "Full", "All vertices, all pairs in a patch: minutes above 20,000 vertices; for reference"),
         ),
     )
     preserve_detail: float = option(
@@ -142,8 +147,8 @@ class Settings:
     smoothing: float = option(
         0.1,
         "Smoothing",
-        "Diffusion time for averaging geodesics, as a fraction of the area; at 0 they are exact and shorten where joints "
-        "bend",
+        "Diffusion time for averaging geodesics, as a fraction of the area; at 0 they are exact and shorten where "
+        "joints bend",
         low=0,
         high=10,
         soft_high=1.0,
@@ -232,6 +237,11 @@ def current_options(given: dict[str, Any]) -> dict[str, Any]:
     dict
         The same under today's names.
 
+    Raises
+    ------
+    InvalidSettingsError
+        If a former option has a value of the wrong type.
+
     Examples
     --------
     >>> with warnings.catch_warnings():
@@ -240,22 +250,24 @@ def current_options(given: dict[str, Any]) -> dict[str, Any]:
     {'landmark_count': 50, 'method': 'as_published'}
     """
     today = {about.former: name for name, about in options_of(Settings).items() if about.former}
-    result: dict[str, Any] = {}
+    # `dataclasses.replace` gives all of today's names beside the former one, which is the one that is meant
+    result = {name: value for name, value in given.items() if name != "as_published" and name not in today}
     for name, value in given.items():
         if name == "as_published":
             _warn_former(name, 'method="as_published"')
+            if not isinstance(value, bool):
+                raise InvalidSettingsError("setting_range", name=name, range="True or False", value=value)
             if value:
                 result["method"] = "as_published"
         elif name in today:
             _warn_former(name, today[name])
             result[today[name]] = value
-        else:
-            result[name] = value
     return result
 
 
 def _warn_former(name: str, today: str) -> None:
-    warnings.warn(f"The setting {name} is deprecated and will be removed in version 0.3; use {today}.", FutureWarning, stacklevel=4)
+    sentence = f"The setting {name} is deprecated and will be removed in version 0.3; use {today}."
+    warnings.warn(sentence, FutureWarning, stacklevel=4)
 
 
 def _accepting_former_names(initialise: Callable[..., None]) -> Callable[..., None]:

@@ -136,6 +136,15 @@ def detected(
     CancelledError
         If the run is cancelled.
 
+    Examples
+    --------
+    >>> import numpy as np
+    >>> points = np.array([[x, y, 0.0] for x in range(4) for y in (0, 1)])
+    >>> faces = np.array([[i + a, i + 2, i + b] for i in range(0, 6, 2) for a, b in ((0, 1), (1, 3))])
+    >>> found = detected(points, faces, np.array([0, 7]), Settings(), Monitor())
+    >>> found.cells.tolist()
+    [0, 0, 0, 0, 1, 1, 1, 1]
+
     References
     ----------
     The paper, sections 3.1 and 3.2.

@@ -53,7 +53,7 @@ class Samples:
         return (square + square.T) / 2
 
     def classical_embedding(self) -> FloatArray:
-        """Embed all vertices by classical scaling: from all pairs where there are all, otherwise by the landmarks.
+        """Embed all vertices by classical scaling: from all pairs if they are known, otherwise by the landmarks.
 
         Returns
         -------
@@ -107,6 +107,16 @@ class WholeSurface:
         Triangles.
     features : (k,) ndarray of int
         Feature points.
+
+    Examples
+    --------
+    >>> from addon.core.unfolding.surface_features import detected
+    >>> points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
+    >>> faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
+    >>> found = detected(points, faces, None, Settings(), Monitor())
+    >>> samples = WholeSurface(found, Settings(), Monitor()).samples()
+    >>> samples.complete, samples.distances.shape
+    (True, (4, 4))
     """
 
     def __init__(self, found: SurfaceFeatures, settings: Settings, monitor: Monitor) -> None:

@@ -6,8 +6,13 @@ import pytest
 from addon.core import Settings, canonical_form
 from addon.core.deformation.elastic_body import ElasticBody
 from addon.core.deformation.rotations import nearest_rotations
-from addon.core.measures.form_measures import compactness_error, edge_stretch
+from addon.core.measures.form_measures import (
+    compactness_error,
+    edge_stretch,
+)
 from addon.core.mesh.geometry import moved_by_frames
+from addon.core.surface.delaunay import intrinsic_delaunay
+from addon.core.surface.triangulation import triangulated
 from addon.core.surface.working_surface import working_surface
 from tests.meshes.shapes import prepared
 
@@ -83,3 +88,17 @@ def test_frames_carry_a_rigid_motion_exactly(figure, rotation):
     body = ElasticBody(surface.triangulation, surface.points, surface.faces)
     frames = surface.prolong_frames(*body.frames(surface.points @ rotation + 1.0))
     np.testing.assert_allclose(moved_by_frames(points, *frames), points @ rotation + 1.0, atol=1e-9)
+
+
+def test_deformation_follows_rigid_targets_and_rounds_squashed_ones(figure, rotation):
+    vertices, faces = figure
+    surface = intrinsic_delaunay(triangulated(vertices, faces))
+    body = ElasticBody(surface, vertices, faces)
+    moved = body.deformed_towards(vertices @ rotation, pull=1.0, steps=3)
+    np.testing.assert_allclose(moved, vertices @ rotation, atol=1e-9)
+    squashed = vertices.copy()
+    thin = vertices[:, 1] > 0.7
+    squashed[thin, 0] *= 0.3
+    rounded = body.deformed_towards(squashed, pull=0.05, steps=30)
+    before, after = (np.abs(edge_stretch(vertices, x, faces) - 1).mean() for x in (squashed, rounded))
+    assert after < 0.5 * before

@@ -115,7 +115,9 @@ def test_struts_bring_a_pouch_back_inside():
     target[pouch, 2] = 2 * top - target[pouch, 2]  # distances on the surface don't know inside from outside
     left_out = {}
     for struts in (None, struts_through(points, faces, np.zeros((len(points), 1)))):
-        moved = ElasticBody(surface, points, faces, struts).deformed_towards(target, pull=10.0, steps=20, bending_weight=0.1)
+        moved = ElasticBody(surface, points, faces, struts).deformed_towards(
+            target, pull=10.0, steps=20, bending_weight=0.1
+        )
         left_out[struts is not None] = (moved[deep, 2] > top).mean()
     assert left_out == {False: 1.0, True: 0.0}
 

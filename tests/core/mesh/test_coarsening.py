@@ -10,10 +10,11 @@ from addon.core.mesh.connectivity import component_labels, is_closed, vertex_pai
 from addon.core.mesh.geometry import surface_area
 from addon.core.run.monitor import Monitor
 from tests.meshes import shapes
+from tests.meshes.shapes import Mesh
 
 
 @pytest.fixture(scope="module")
-def coarse(figure):
+def coarse(figure: Mesh):
     return coarsened(*figure, 600)
 
 
@@ -51,7 +52,7 @@ def test_on_a_plane_a_linear_function_comes_back_exactly():
     assert surface_area(vertices[coarse.kept], coarse.faces) == pytest.approx(1.0, abs=0.02)  # the border stays
 
 
-def test_fixed_vertices_stay(figure):
+def test_fixed_vertices_stay(figure: Mesh):
     fixed = np.array([5, 77, 901])
     coarse = coarsened(*figure, 300, fixed=fixed)
     assert np.isin(fixed, coarse.kept).all()
@@ -74,7 +75,7 @@ def test_what_hangs_on_an_edge_of_ten_triangles_is_prolonged():
     np.testing.assert_allclose(coarse.prolong(np.ones(len(coarse.kept))), 1.0)
 
 
-def test_numbers_of_vertices_do_not_matter(figure):
+def test_numbers_of_vertices_do_not_matter(figure: Mesh):
     vertices, faces, old = shapes.permuted(*figure)
     one, two = coarsened(*figure, 600), coarsened(vertices, faces, 600)
     share = len(np.intersect1d(one.kept, old[two.kept])) / 600
@@ -89,7 +90,7 @@ def test_rounding_decides_nothing_on_a_symmetric_mesh(rotation, scale):
     np.testing.assert_array_equal(coarsened(scale * (vertices @ rotation), faces, 600).kept, kept)
 
 
-def test_it_stops_when_asked(figure):
+def test_it_stops_when_asked(figure: Mesh):
     with pytest.raises(CancelledError):
         coarsened(*figure, 600, monitor=Monitor(None, lambda: True))
 

@@ -23,7 +23,7 @@ def test_the_number_of_feature_points_can_be_asked_for(figure):
     np.testing.assert_array_equal(three.feature_points, five[:3])
     assert len(feature_patches(vertices, faces, Settings(feature_count=7)).feature_points) == 7
     many = feature_patches(vertices, faces, Settings(feature_count=400))
-    assert "fewer than the number asked for" in many.warnings[-1]
+    assert "fewer than requested" in many.warnings[-1]
 
 
 def test_it_can_be_cancelled(figure):
