@@ -95,6 +95,13 @@ def test_the_root_of_the_core_stays_short():
     assert len(list(CORE.glob("*.py"))) <= 12
 
 
+def test_no_two_methods_have_one_rank():
+    from addon.core.unfolding.catalogue import methods
+
+    ranks = [each.rank for each in methods().values()]
+    assert len(set(ranks)) == len(ranks)
+
+
 NEW_METHOD = '''
 """Every vertex as far from the centre as on a ball: a method of 30 lines."""
 

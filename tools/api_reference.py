@@ -23,7 +23,7 @@ HEAD = """# API of the core
 
 `addon.core` needs numpy and scipy only, and no Blender. Arrays in, arrays out. The doors, what they give back,
 `Settings` and the errors are imported from `addon.core`; everything else from the module it is listed under. This page
-is made from the docstrings by `make docs`.
+is made from the docstrings by `make docs`; [notation](notation.md) lists symbols, shapes and names of maps.
 """
 
 

@@ -28,13 +28,7 @@ def feature_patches(
 
     Parameters
     ----------
-    vertices : (n, 3) array_like of float
-        Vertex positions, any unit of length.
-    faces : (m, 3) array_like of int
-        Triangles of one or several surfaces.
-    settings : Settings, optional
-        Options.
-    progress, cancelled : callable, optional
+    vertices, faces, settings, progress, cancelled
         As in `canonical_form`.
 
     Returns

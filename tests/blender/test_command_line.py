@@ -398,4 +398,4 @@ def test_the_keyboard_stops_both_processes(tmp_path):
     output, errors = process.communicate(timeout=60)
     assert process.returncode == 130
     assert "Traceback" not in errors
-    assert not children[0].is_running() and output == ""
+    assert (children[0].is_running(), output) == (False, "")

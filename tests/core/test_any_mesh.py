@@ -1,5 +1,7 @@
 """One test a row of docs/any-mesh.md: what is promised for every family of meshes."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -170,7 +172,7 @@ def test_limbs_of_any_mesh(name, forms):
 )  # fmt: skip
 def test_limbs_of_what_does_not_fit_are_refused(wrong, error):
     vertices, faces = shapes.grid(6, 6)
-    fitting = {"form": vertices, "chosen": vertices[:, 0] > 0.5, "ways": [1.0]}
+    fitting: dict[str, Any] = {"form": vertices, "chosen": vertices[:, 0] > 0.5, "ways": [1.0]}
     limb_shapes(vertices, faces, **fitting)
     with pytest.raises(error):
         limb_shapes(vertices, faces, **(fitting | wrong))

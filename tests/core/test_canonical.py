@@ -4,6 +4,7 @@ import subprocess
 import sys
 from collections import Counter
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -166,7 +167,8 @@ def test_progress_rises_to_one_through_named_stages(figure: Mesh):
 
 
 def test_every_long_stage_asks_often_whether_to_stop(figure: Mesh):
-    asked, stage = Counter(), [""]
+    asked: Counter[str] = Counter()
+    stage = [""]
 
     def cancelled():
         asked[stage[0]] += 1
@@ -191,7 +193,8 @@ def test_features_by_hand(figure):
     form = canonical_form(vertices, faces, Settings(feature_points=[7, 900, 1500], max_iterations=3))
     np.testing.assert_array_equal(form.feature_points, [7, 900, 1500])
     assert set(form.patches) == {0, 1, 2}
-    for wrong in ([], [1, 1], [-1], [len(vertices)], [0.5]):
+    refused: list[Any] = [[], [1, 1], [-1], [len(vertices)], [0.5]]
+    for wrong in refused:
         with pytest.raises(InvalidSettingsError):
             canonical_form(vertices, faces, Settings(feature_points=wrong))
 
@@ -271,9 +274,9 @@ def test_every_public_function_is_documented():
         module = __import__(f"addon.core.{found.name}", fromlist=["_"])
         for name, thing in vars(module).items():
             if name[0] != "_" and inspect.isfunction(thing) and thing.__module__ == module.__name__:
-                assert "Returns" in thing.__doc__ or "None" in str(thing.__annotations__.get("return")), name
+                assert "Returns" in (thing.__doc__ or "") or "None" in str(thing.__annotations__.get("return")), name
                 if inspect.signature(thing).parameters:
-                    assert "Parameters" in thing.__doc__, name
+                    assert "Parameters" in (thing.__doc__ or ""), name
 
 
 def test_a_mesh_that_stays_too_large_is_refused_before_its_pairs_are_made():

@@ -74,7 +74,7 @@ def test_what_makes_no_sense_is_refused(figure):
 def test_what_was_repaired_is_told(figure):
     vertices, faces = figure
     faces = np.vstack([faces, faces[:1]])
-    said = []
+    said: list[str] = []
     distance_field(vertices, faces, [0], warned=said.append)
     assert len(said) == 1
     assert said[0].startswith("1 face was left out")
@@ -86,7 +86,7 @@ def test_what_was_repaired_is_told(figure):
 
 def test_a_fallback_on_a_piece_is_told(monkeypatch):
     monkeypatch.setattr(HeatMethod, "_from_sparks", lambda self, source, column: np.full((9, len(source)), np.nan))
-    said = []
+    said: list[str] = []
     heat_geodesics(*shapes.grid(3, 3), [0], warned=said.append)
     assert "were measured along edges" in " ".join(said)
 
@@ -96,7 +96,7 @@ def test_distances_beside_spikes_stay_possible_and_it_is_told():
     vertices = vertices.copy()
     vertices[7, 2] += 3
     exact_ones = exact(vertices, faces, [0])
-    said = []
+    said: list[str] = []
     field = distance_field(vertices, faces, [0], warned=said.append)
     assert "The heat method is inaccurate beside spikes" in said[0]
     np.testing.assert_array_equal(heat_geodesics(vertices, faces, [0], warned=lambda _: None)[:, 0], field)
@@ -134,7 +134,7 @@ def test_small_meshes_are_refined_until_distances_are_right(monkeypatch):
 def test_a_mesh_that_cannot_be_made_coarse_is_told_or_refused(kind, monkeypatch):
     monkeypatch.setattr("addon.core.distance_fields._WORKED_ON", 300)
     vertices, faces = fans(850)
-    said = []
+    said: list[str] = []
     assert np.isfinite(distance_field(vertices, faces, [0], kind, warned=said.append)).all()
     assert "could only be reduced to" in said[0]
     with pytest.raises(TooLargeError, match="All pairs of points need"):

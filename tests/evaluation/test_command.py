@@ -4,6 +4,8 @@ import os
 import shutil
 import subprocess
 import sys
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -227,8 +229,10 @@ def raising():
 
 def test_work_that_kills_its_worker_is_given_up_and_harms_no_other():
     crew = LocalCrew(2)
-    pieces = [("good", (len, ([1, 2],))), ("bad", (died, ())), ("worse", (len, (3,))), ("odd", (raising, ())),
-              ("fine", (len, ([],)))]  # fmt: skip
+    pieces: list[tuple[object, tuple[Callable[..., Any], tuple[Any, ...]]]] = [
+        ("good", (len, ([1, 2],))), ("bad", (died, ())), ("worse", (len, (3,))), ("odd", (raising, ())),
+        ("fine", (len, ([],))),
+    ]  # fmt: skip
     results = dict(crew.results(iter(pieces)))
     crew.close()
     assert results["good"] == 2
@@ -242,9 +246,13 @@ def test_work_that_kills_its_worker_is_given_up_and_harms_no_other():
 def test_forms_measured_by_a_worker_are_on_one_thread_and_named():
     vertices, faces = shapes.figure(11)
     outcome = measured(vertices, faces, KNOWN["fast"])
+    assert outcome.form is not None
     assert outcome.form.shape == vertices.shape
-    assert outcome.cost["seconds"] <= outcome.cost["all_seconds"]
-    assert outcome.cost["memory"] is None or outcome.cost["memory"] >= 0
+    seconds, all_seconds, memory = (outcome.cost[name] for name in ("seconds", "all_seconds", "memory"))
+    assert seconds is not None
+    assert all_seconds is not None
+    assert seconds <= all_seconds
+    assert memory is None or memory >= 0
     broken = measured(vertices, faces[:0], KNOWN["fast"])
     assert broken.form is None
     assert broken.row["error"]
@@ -253,11 +261,12 @@ def test_forms_measured_by_a_worker_are_on_one_thread_and_named():
 def test_hausdorff_rows_do_not_know_size_place_or_side(rotation):
     vertices, faces = shapes.figure(11)
     moved = 3 * vertices @ rotation + 2.0
-    distances, _ = hausdorff_row([(vertices, faces), (moved, faces), (vertices * [-1, 1, 1], faces[:, ::-1])])
+    distances, _ = hausdorff_row([(vertices, faces), (moved, faces), (vertices * [-1.0, 1.0, 1.0], faces[:, ::-1])])
     np.testing.assert_allclose(distances, 0, atol=1e-6)
 
 
 def test_some_are_chosen_evenly():
-    assert evenly("abcdefghij", 4) == ["a", "d", "g", "j"]
-    assert evenly("abc", 9) == ["a", "b", "c"]
-    assert evenly("abc", 1) == ["a"]
+    shapes: Any = "abcdefghij"  # of any kind
+    assert evenly(shapes, 4) == ["a", "d", "g", "j"]
+    assert evenly(shapes[:3], 9) == ["a", "b", "c"]
+    assert evenly(shapes[:3], 1) == ["a"]

@@ -147,10 +147,11 @@ def test_methods_take_settings_on_the_command_line():
     assert [method.name for method in chosen] == [
         "input", "ours-quality-draft-landmarks-50", "fast", "classical-landmarks-20",
     ]  # fmt: skip
-    assert chosen[1].settings == Settings(quality="draft", landmarks=50)
-    assert chosen[3].settings.landmarks == 20
+    assert chosen[1].settings == Settings(quality="draft", landmark_count=50)
+    assert chosen[3].settings is not None
+    assert chosen[3].settings.landmark_count == 20
     assert chosen[3].rival
-    assert chosen_methods(["ours:as_published=True"])[1].settings.as_published
+    assert chosen_methods(["ours:as_published=True"])[1].settings == Settings(method="as_published")
     assert not chosen[1].rival
     assert len(chosen_methods(list(DEFAULT))) == 1 + len(DEFAULT)
     wrong = [("hers", "There is no method 'hers'"), ("ours:quality=best", "quality must be"),

@@ -10,6 +10,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 import psutil
 import pytest
@@ -100,8 +101,13 @@ def cluster(tmp_path):
     pytest.importorskip("distributed")
     file = tmp_path / "scheduler.json"
     environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}  # they get the code sent
-    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "env": environment, "cwd": tmp_path}
-    dask = [shutil.which("dask", path=str(Path(sys.executable).parent))]
+    quiet: dict[str, Any] = {
+        "stdout": subprocess.DEVNULL,
+        "stderr": subprocess.DEVNULL,
+        "env": environment,
+        "cwd": tmp_path,
+    }
+    dask = [shutil.which("dask", path=str(Path(sys.executable).parent)) or "dask"]
     scheduler = subprocess.Popen(
         [*dask, "scheduler", "--host", "127.0.0.1", "--port", "0", "--dashboard-address", "127.0.0.1:0",
          "--scheduler-file", str(file)], **quiet,

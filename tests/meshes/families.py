@@ -1,6 +1,6 @@
 """One mesh of every family that users bring, with the answer that is promised for it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 
 import numpy as np
@@ -22,7 +22,7 @@ class Family:
     warns: str = ""
     refused: str = ""
     like: str = ""
-    same: np.ndarray | None = None
+    same: np.ndarray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     within: float = 1e-6
     scale: float = 1.0
 
@@ -74,9 +74,7 @@ def families() -> dict[str, Family]:
     found["face soup, apart"] = Family(
         rng.normal(size=(1800, 3)), np.arange(1800).reshape(-1, 3), refused="600 loose parts"
     )
-    found["duplicate faces"] = Family(
-        vertices, np.vstack([faces, faces[::3]]), "duplicate", like="closed", same=every
-    )
+    found["duplicate faces"] = Family(vertices, np.vstack([faces, faces[::3]]), "duplicate", like="closed", same=every)
     turned = np.where((rng.uniform(size=len(faces)) < 0.3)[:, None], faces[:, ::-1], faces)
     found["flipped faces"] = Family(vertices, turned, "flipped to match", like="closed", same=every)
     found["inside out"] = Family(vertices, faces[:, ::-1], like="closed", same=every, within=1e-3)
@@ -131,7 +129,8 @@ def used(vertices, faces) -> Mesh:
 
 def spread_out(faces, rng):
     """Mark all faces but some that share no vertex with each other."""
-    keep, taken = np.ones(len(faces), dtype=bool), set()
+    keep = np.ones(len(faces), dtype=bool)
+    taken: set[int] = set()
     for index in rng.permutation(len(faces))[: len(faces) // 12]:
         if not taken & set(faces[index]):
             keep[index] = False

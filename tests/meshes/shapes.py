@@ -22,14 +22,14 @@ def sphere(subdivisions: int) -> Mesh:
     vertices = np.concatenate([np.roll(vertices, shift, axis=1) for shift in range(3)])
     apart = np.linalg.norm(vertices[:, None] - vertices[None], axis=2)
     near = np.abs(apart - 2) < 1e-9
-    faces = [
+    corners = [
         (i, j, k)
         for i in range(12)
         for j in range(i + 1, 12)
         for k in range(j + 1, 12)
         if near[i, j] and near[j, k] and near[i, k]
     ]
-    faces = np.array(faces)
+    faces = np.array(corners)
     inward = np.linalg.det(vertices[faces]) < 0
     faces[inward] = faces[inward][:, ::-1]
     for _ in range(subdivisions):
@@ -134,16 +134,16 @@ def level_set(points: np.ndarray, field: np.ndarray, shape: Sequence[int]) -> Me
     start = np.stack(np.meshgrid(*(np.arange(s - 1) for s in shape), indexing="ij"), axis=-1).reshape(-1, 3)
     box = lambda i, j, k: ((start[:, 0] + i) * ny + start[:, 1] + j) * nz + start[:, 2] + k  # noqa: E731
     paths = [(0, 1, 2), (0, 2, 1), (1, 0, 2), (1, 2, 0), (2, 0, 1), (2, 1, 0)]
-    tetrahedra = []
+    cuts = []
     for path in paths:
         step, corners = [0, 0, 0], [box(0, 0, 0)]
         for axis in path:
             step[axis] = 1
             corners.append(box(*step))
-        tetrahedra.append(np.stack(corners, axis=1))
-    tetrahedra = np.concatenate(tetrahedra)
+        cuts.append(np.stack(corners, axis=1))
+    tetrahedra = np.concatenate(cuts)
     inside = field[tetrahedra] > 0
-    pairs = []
+    found = []
     for number in range(1, 15):
         chosen = [bool(number >> corner & 1) for corner in range(4)]
         here = tetrahedra[(inside == chosen).all(axis=1)]
@@ -152,13 +152,13 @@ def level_set(points: np.ndarray, field: np.ndarray, shape: Sequence[int]) -> Me
         if len(into) == 2:
             (a, b), (c, d) = into, out
             ring = [(a, c), (a, d), (b, d), (b, c)]
-            triangles = [(ring[0], ring[1], ring[2]), (ring[0], ring[2], ring[3])]
+            triangles = [ring[:3], [ring[0], *ring[2:]]]
         else:
             one, rest = (into[0], out) if len(into) == 1 else (out[0], into)
-            triangles = [tuple((one, other) for other in rest)]
+            triangles = [[(one, other) for other in rest]]
         for triangle in triangles:
-            pairs.append(np.stack([np.sort(here[:, side], axis=1) for side in map(list, triangle)], axis=1))
-    pairs = np.concatenate(pairs)  # (m, 3 corners, 2 ends)
+            found.append(np.stack([np.sort(here[:, side], axis=1) for side in map(list, triangle)], axis=1))
+    pairs = np.concatenate(found)  # (m, 3 corners, 2 ends)
     ends, number = np.unique(pairs.reshape(-1, 2), axis=0, return_inverse=True)
     share = field[ends[:, 0]] / (field[ends[:, 0]] - field[ends[:, 1]])
     share = np.clip(share, 0.1, 0.9)[:, None]  # no triangle much thinner than the grid

@@ -12,6 +12,7 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 ROOT = Path(__file__).resolve().parents[2]
 CACHE = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "canonical-form"
@@ -78,7 +79,7 @@ def own_root() -> Path | None:
     if os.geteuid() != 0 or not shutil.which("apt-get") or not shutil.which("unshare"):
         return None
     print(f"Making a Debian with Blender in {OWN_ROOT} …", flush=True)
-    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.STDOUT}
+    quiet: dict[str, Any] = {"stdout": subprocess.DEVNULL, "stderr": subprocess.STDOUT}
     if not shutil.which("debootstrap"):
         subprocess.run(["apt-get", "update", "-q"], **quiet)
         subprocess.run(["apt-get", "install", "-y", "-q", "--no-install-recommends", "debootstrap"], **quiet)

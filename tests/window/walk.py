@@ -14,7 +14,7 @@ import bpy
 PACKAGE, PICTURES, *_ = (Path(word).resolve() for word in sys.argv[sys.argv.index("--") + 1 :])
 sys.path[:0] = [str(Path(__file__).resolve().parent), str(Path(__file__).resolve().parents[2])]
 
-from hand import Hand  # noqa: E402
+from tests.window.hand import Hand  # noqa: E402
 
 SEED, STEPS = map(int, os.environ.get("CANONICAL_FORM_WALK", "1:500").split(":"))
 hand = Hand(PICTURES)

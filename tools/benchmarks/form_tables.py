@@ -9,6 +9,7 @@ import itertools
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -23,11 +24,11 @@ from addon.core.mesh.geometry import surface_area  # noqa: E402
 from addon.core.surface.triangulation import triangulated  # noqa: E402
 from addon.core.unfolding.costs import memory_estimate  # noqa: E402
 from addon.evaluation.tables import mean_apart  # noqa: E402
-from tests.meshes.shapes import poses_of, read_obj, unit  # noqa: E402
+from tests.meshes.shapes import Mesh, poses_of, read_obj, unit  # noqa: E402
 from tools.benchmarks.remeshing import adaptive, noisy, quad_dominant, resized, uniform  # noqa: E402
 
 
-def shapes_of(data):
+def shapes_of(data: Path) -> Iterator[tuple[str, list[Mesh]]]:
     """Read every pose of every shape, the rest pose first, scaled to unit area."""
     for folder in sorted(path for path in data.iterdir() if path.is_dir()):
         yield folder.name, [(unit(vertices, faces), faces) for _, vertices, faces in poses_of(folder)]
@@ -232,7 +233,12 @@ def smacof_table(vertices, faces):
 
 def longest_wait(vertices, faces):
     asked = [time.perf_counter()]
-    canonical_form(vertices, faces, cancelled=lambda: asked.append(time.perf_counter()) is not None)
+
+    def never() -> bool:
+        asked.append(time.perf_counter())
+        return False
+
+    canonical_form(vertices, faces, cancelled=never)
     return float(np.diff(asked).max())
 
 

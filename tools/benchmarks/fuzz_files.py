@@ -93,6 +93,7 @@ def run(files, output):
                                start_new_session=True)  # fmt: skip
     watch = subprocess.Popen(["sleep", str(PATIENCE * (len(files) + 2))])
     began, done, slowest = time.perf_counter(), [], 0.0
+    assert process.stdout is not None
     for line in process.stdout:
         now = time.perf_counter()
         with contextlib.suppress(json.JSONDecodeError, KeyError):
@@ -115,7 +116,8 @@ def run(files, output):
 def main(minutes, keep, seed=0):
     rng, keep = random.Random(int(seed)), Path(keep)
     keep.mkdir(parents=True, exist_ok=True)
-    count, problems, answers = collections.Counter(), collections.Counter(), collections.Counter()
+    count: collections.Counter[str] = collections.Counter()
+    problems, answers = count.copy(), count.copy()
     until = time.monotonic() + 60 * float(minutes)
     with tempfile.TemporaryDirectory() as folder:
         work = Path(folder)

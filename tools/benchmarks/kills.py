@@ -38,7 +38,8 @@ def told(path, kind):
 
 
 def main(count=200):
-    chance, came = random.Random(0), Counter()
+    chance = random.Random(0)
+    came: Counter[str] = Counter()
     with tempfile.TemporaryDirectory() as folder:
         mesh, output = Path(folder, "mesh.off"), Path(folder, "out")
         shapes.write_off(mesh, *shapes.figure(24))

@@ -29,10 +29,11 @@ def main(dataset, output, *more):
         except psutil.NoSuchProcess:
             continue
         time.sleep(1)
-    told = process.stderr.read()
+    told = process.communicate()[1]
     at, whole, driver = np.array(samples).T
     done = len(list((Path(output) / "results" / "ours").rglob("*.npz")))
     busy = re.search(r"forms and \d+ rows in (\d+) s.* (\d+)% of the time", told)
+    assert busy, told
     seconds = float(busy[1])
     tenth = seconds / 10
     early, late = ((at > lo * tenth) & (at < hi * tenth) for lo, hi in ((1, 2), (9, 9.9)))

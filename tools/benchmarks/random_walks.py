@@ -11,26 +11,25 @@ import psutil
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 import addon
-from addon.blender import computing, records
-from addon.core.run import errors
 from tests.blender.walks import Walk
 from tests.meshes import shapes
 
 
 def main(walks=20, steps=500, first=0):
-    arrays, done, memory = shapes.figure(12), Counter(), []
+    arrays, memory = shapes.figure(12), []
+    done: Counter[str] = Counter()
     for seed in range(first, first + walks):
         bpy.ops.wm.read_factory_settings(use_empty=True)
         bpy.context.preferences.filepaths.save_version = 0
         addon.register()
-        began, walk = time.perf_counter(), Walk(records, computing, errors, arrays, seed)
+        began, walk = time.perf_counter(), Walk("addon", arrays, seed)
         try:
             walk.run(steps)
         except BaseException:
-            print(f"walk {seed}, step {len(walk.told)}: {walk.told[-10:]}", flush=True)
+            print(f"walk {seed}, step {len(walk.steps)}: {walk.steps[-10:]}", flush=True)
             raise
         addon.unregister()
-        done.update(walk.done)
+        done.update(walk.counts)
         memory.append(psutil.Process().memory_info().rss / 1e6)
         print(f"walk {seed}: {steps} steps in {time.perf_counter() - began:.0f} s, {memory[-1]:.0f} MB", flush=True)
     print(dict(done))

@@ -5,9 +5,10 @@ import numpy as np
 from addon.core.mesh.coarsening import coarsened
 from addon.core.mesh.connectivity import vertex_pairs
 from addon.core.surface.triangulation import corner_lengths, triangulated
+from tests.meshes.shapes import Mesh
 
 
-def subdivided(vertices, faces):
+def subdivided(vertices, faces) -> Mesh:
     """Split every triangle in four at its edges' midpoints."""
     edges = vertex_pairs(faces)
     key = edges[:, 0] * len(vertices) + edges[:, 1]
@@ -23,7 +24,7 @@ def subdivided(vertices, faces):
     )
 
 
-def resized(vertices, faces, count):
+def resized(vertices, faces, count) -> Mesh:
     """Bring a mesh to a number of vertices by subdivision and removal of vertices."""
     while len(vertices) < count:
         vertices, faces = subdivided(vertices, faces)
@@ -31,19 +32,19 @@ def resized(vertices, faces, count):
     return vertices[coarse.kept], coarse.faces
 
 
-def noisy(vertices, faces, amount=0.01, seed=0):
+def noisy(vertices, faces, amount=0.01, seed=0) -> Mesh:
     """Move every vertex at random, by an amount in the unit of the vertices but at most a fifth of the mean edge."""
     edge = np.linalg.norm(vertices[faces[:, 0]] - vertices[faces[:, 1]], axis=1).mean()
     move = np.random.default_rng(seed).normal(size=vertices.shape) * min(amount, 0.2 * edge)
     return vertices + move, faces
 
 
-def uniform(vertices, faces):
+def uniform(vertices, faces) -> Mesh:
     """Even triangles: subdivide, then remove vertices by edge length mostly."""
     return resized(*subdivided(*subdivided(vertices, faces)), len(vertices))
 
 
-def adaptive(vertices, faces):
+def adaptive(vertices, faces) -> Mesh:
     """Fine on one side, coarse on the other: edges above are eight times as short as below."""
     for level in range(3):
         height = vertices[:, 1]
@@ -53,7 +54,7 @@ def adaptive(vertices, faces):
     return vertices, faces
 
 
-def _split_some(vertices, faces, chosen):
+def _split_some(vertices, faces, chosen) -> Mesh:
     """Split the chosen triangles in four and their neighbours as needed, so that no vertex hangs on an edge."""
     edges = vertex_pairs(faces)
     key = edges[:, 0] * len(vertices) + edges[:, 1]
@@ -81,7 +82,7 @@ def _split_some(vertices, faces, chosen):
     return np.concatenate([vertices, vertices[edges[cut]].mean(axis=1)]), np.array(out)
 
 
-def quad_dominant(vertices, faces):
+def quad_dominant(vertices, faces) -> Mesh:
     """Triangles of quads: pair triangles over their longest edges, and cut each quad the other way."""
     edge = triangulated(vertices, faces).edges.ravel()
     order = np.argsort(edge, kind="stable")

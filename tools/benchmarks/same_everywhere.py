@@ -10,6 +10,7 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -24,7 +25,7 @@ def compute(data, target):
     from addon.core import canonical_form
     from tests.meshes import shapes
 
-    found = {"versions": f"{sys.version.split()[0]}, numpy {np.__version__}, scipy {scipy.__version__}"}
+    found: dict[str, Any] = {"versions": f"{sys.version.split()[0]}, numpy {np.__version__}, scipy {scipy.__version__}"}
     meshes = {folder.name: shapes.read_obj(sorted(folder.glob("*.obj"))[2]) for folder in sorted(Path(data).iterdir())
               if folder.is_dir()}  # fmt: skip
     meshes["figure"], meshes["sphere"] = shapes.figure(), shapes.sphere(4)

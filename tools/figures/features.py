@@ -86,8 +86,9 @@ def draw(models):
             found, score = repeated(those[0][1], those[0][2], points, triangles)
             scores.append(score)
             counts.append(len(found))
-        found = feature_patches(*those[0][1:])
-        show(axes, *those[0][1:], facing(label), np.log(found.adf), points=found.feature_points, title=label,
+        _, points, triangles = those[0]
+        found = feature_patches(points, triangles)
+        show(axes, points, triangles, facing(label), np.log(found.adf), points=found.feature_points, title=label,
              under=f"{len(found.feature_points)} points, in {len(scores)} poses {np.mean(scores):.2f}")  # fmt: skip
         figures[label] = float(np.mean(scores))
     for axes in grid.ravel():

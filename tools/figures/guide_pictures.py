@@ -15,7 +15,7 @@ PACKAGE, PICTURES, *_ = (Path(word).resolve() for word in sys.argv[sys.argv.inde
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "tests" / "window"), str(ROOT)]
 
-from hand import Hand  # noqa: E402
+from tests.window.hand import Hand  # noqa: E402
 
 HEADERS = {"features": 216, "distance": 242}  # of the closed panels before a run, below the top of the sidebar
 hand = Hand(PICTURES)

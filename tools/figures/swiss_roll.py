@@ -1,6 +1,7 @@
 """Figure 2: a Swiss roll unrolled by classical scaling, and how fast the minimisation converges."""
 
 import time
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -47,7 +48,7 @@ def draw(_models):
     roll, flat, faces = rolled()
     true = np.linalg.norm(flat[:, None] - flat, axis=2)
     figure = Figure(figsize=(11, 6.6), layout="constrained")
-    grid = figure.subplot_mosaic([["roll", "fast marching", "heat"], ["steps", "steps", "error"]])
+    grid: dict[str, Any] = figure.subplot_mosaic([["roll", "fast marching", "heat"], ["steps", "steps", "error"]])
     grid["roll"].remove()
     axes = figure.add_subplot(2, 3, 1, projection="3d")
     axes.plot_trisurf(*roll[:, [0, 2, 1]].T, triangles=faces, cmap="viridis", linewidth=0.1, antialiased=True)

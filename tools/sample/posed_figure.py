@@ -100,7 +100,7 @@ def rig(body):
     bpy.context.scene.collection.objects.link(armature)
     activate(armature)
     bpy.ops.object.mode_set(mode="EDIT")
-    made = {}
+    made: dict[str, bpy.types.EditBone] = {}
     for tail, head in bones():
         bone = armature.data.edit_bones.new(head)
         bone.head, bone.tail = placed[tail][0], placed[head][0]

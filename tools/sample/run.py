@@ -31,6 +31,7 @@ def main(levels: int) -> None:
     bpy.ops.object.canonical_form()
     report = require_record(figure.data).report
     stress = report.stress
+    assert stress is not None
     print(
         f"{len(report.feature_points)} feature points; stress {stress.first:.4g} to {stress.last:.4g} in "
         f"{stress.steps} steps; {report.pair_count / 1e6:.1f} million pair distances, "

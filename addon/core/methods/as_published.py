@@ -25,47 +25,8 @@ from ..unfolding.surface_features import SurfaceFeatures
 _LETTER = {"quality": "full", "diffusion_time": 0.1, "eigenpairs": 80, "extrapolation": 0}
 
 
-def as_published_form(found: SurfaceFeatures, settings: Settings, monitor: Monitor, *, closed: bool) -> Embedding:
-    """Unfold a surface exactly as the paper describes.
-
-    Parameters
-    ----------
-    found : SurfaceFeatures
-        The surface, its spectrum, feature points and patches.
-    settings : Settings
-        Number of iterations, tolerance and memory limit; all else is the letter's.
-    monitor : Monitor
-        Receives progress and warnings; polled for cancellation.
-    closed : bool
-        Whether neighbouring patches share a band of vertices.
-
-    Returns
-    -------
-    Embedding
-        The form, not yet aligned to the input. No mirror image is chosen: the start is the input.
-
-    Raises
-    ------
-    TooLargeError
-        If all pairs inside the patches do not fit into the memory limit.
-    CancelledError
-        If the run is cancelled.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from addon.core.unfolding.surface_features import detected
-    >>> points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
-    >>> faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
-    >>> settings = Settings(max_iterations=10)
-    >>> found = detected(points, faces, None, settings, Monitor())
-    >>> as_published_form(found, settings, Monitor(), closed=True).points.shape
-    (4, 3)
-
-    References
-    ----------
-    The paper, sections 3.2 to 3.4, equations 7 to 10.
-    """
+def _form(found: SurfaceFeatures, settings: Settings, monitor: Monitor, *, closed: bool) -> Embedding:
+    """Unfold a surface as the paper says, sections 3.2 to 3.4; the start is the input, so no mirror image is chosen."""
     surface, features, spectrum = found.surface, found.features, found.spectrum
     count = len(surface.points)
     patches = patches_of(found.cells, surface.faces, len(features), closed=closed)
@@ -94,7 +55,7 @@ def _method(name: str, label: str, help: str, source: str, closed: bool, rank: i
         label,
         help,
         source,
-        partial(as_published_form, closed=closed),
+        partial(_form, closed=closed),
         stages={"Distances": 25, "Factorisation": 4, "Embedding": 30},
         uses=("max_iterations", "tolerance"),
         pairs="patches",

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.sparse import csr_matrix
 
 from addon.core import InvalidSettingsError, Settings
 from addon.core.detection.auto_diffusion import auto_diffusion
@@ -13,7 +14,7 @@ from tests.meshes import shapes
 from tests.meshes.shapes import Mesh
 
 
-def operators(vertices, faces):
+def operators(vertices: np.ndarray, faces: np.ndarray) -> tuple[csr_matrix, np.ndarray]:
     surface = intrinsic_delaunay(triangulated(vertices, faces))
     return stiffness(surface), mass(surface)
 

@@ -24,7 +24,11 @@ def sets():
 
 
 def pair_sets(sets):
-    return [pair_set(m, t, lambda rows, columns, _, w=w: w[rows, columns]) for m, t, w in sets]
+    return [pair_set(members, targets, tiles_of(weights)) for members, targets, weights in sets]
+
+
+def tiles_of(weights):
+    return lambda rows, columns, _: weights[rows, columns]
 
 
 def naive_stress(sets, points):

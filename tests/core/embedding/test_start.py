@@ -25,8 +25,8 @@ def layout_of(vertices, faces):
 def test_handedness_tells_a_ball_from_a_tie():
     vertices, faces = shapes.sphere(4)
     assert handedness(vertices, faces) == pytest.approx(4 / 3 * np.pi * 3**1.5, rel=0.02)
-    assert handedness(vertices * [1, 1, -1], faces) == pytest.approx(-4 / 3 * np.pi * 3**1.5, rel=0.02)
-    assert handedness(vertices * [1, 1, 0], faces) == 0
+    assert handedness(vertices * [1.0, 1.0, -1.0], faces) == pytest.approx(-4 / 3 * np.pi * 3**1.5, rel=0.02)
+    assert handedness(vertices * [1.0, 1.0, 0.0], faces) == 0
 
 
 def test_the_layout_is_outside_out_or_flat(figure):

@@ -20,7 +20,7 @@ def test_compactness_of_a_sphere_and_a_cube(sphere):
     faces = np.array([t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))])
     assert enclosed_volume(cube, faces) == pytest.approx(1.0)
     assert surface_area(cube, faces) == pytest.approx(6.0)
-    assert compactness(cube * 7 + 100, faces) == pytest.approx(1 / 216)
+    assert compactness(cube * 7 + 100.0, faces) == pytest.approx(1 / 216)
 
 
 def test_compactness_of_an_open_mesh_is_not_a_number():

@@ -35,12 +35,12 @@ def uses():
     """Every kind that the core tells: file and line, kind, and names of the numbers."""
     for path in sorted(CORE.rglob("*.py")):
         tree = ast.parse(path.read_text(encoding="utf-8"))
-        named = {kind for call in filter(tells, ast.walk(tree)) for kind in direct(call)}
+        named = {kind for call in calls_in(tree) for kind in direct(call)}
         kept = {each.value for each in ast.walk(tree) if isinstance(each, ast.Constant)} & set(kinds()) - named
         for function in ast.walk(tree):
             if isinstance(function, ast.FunctionDef):
                 handed_on = {each.arg for each in [*function.args.posonlyargs, *function.args.args]}
-                for call in filter(tells, ast.walk(function)):
+                for call in calls_in(function):
                     where, given = f"{path.relative_to(CORE)}:{call.lineno}", {each.arg for each in call.keywords}
                     found = direct(call)
                     if not found and ast.unparse(call.args[0]) not in handed_on:
@@ -50,10 +50,12 @@ def uses():
                         yield where, kind, given
 
 
-def tells(node):
-    """Whether a node makes a message, warns of one, or is an error of the core."""
-    if not isinstance(node, ast.Call):
-        return False
+def calls_in(tree):
+    """Calls that make a message, warn of one, or make an error of the core."""
+    return [node for node in ast.walk(tree) if isinstance(node, ast.Call) and tells(node)]
+
+
+def tells(node: ast.Call):
     if isinstance(node.func, ast.Name):
         return node.func.id == "message" or node.func.id in ERRORS
     return (
@@ -122,7 +124,8 @@ def test_an_unknown_kind_is_refused():
 @pytest.mark.parametrize("told", [("face_range", 7), (message("face_range", last=7), None)])
 def test_errors_carry_the_kind_and_the_numbers(told):
     error = InvalidMeshError(told[0], **({} if told[1] is None else {"last": told[1]}))
-    assert (error.kind, error.numbers, str(error)) == ("face_range", {"last": 7}, "Faces refer to vertices outside 0 to 7.")
+    told = (error.kind, error.numbers, str(error))
+    assert told == ("face_range", {"last": 7}, "Faces refer to vertices outside 0 to 7.")
     for bare in (CanonicalFormError("anything"), CanonicalFormError()):
         assert (bare.kind, bare.numbers) == ("", {})
     assert (Message("anything").kind, Message("anything").numbers) == ("", {})

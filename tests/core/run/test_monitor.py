@@ -146,7 +146,8 @@ def test_a_piece_has_warnings_of_its_own():
 
 
 def test_warnings_are_delivered_to_the_caller_or_as_pythons_own():
-    monitor, said = Monitor(), []
+    monitor = Monitor()
+    said: list[str] = []
     monitor.warn("few_eigenpairs")
     monitor.warn("few_features", count=2)
     with warnings.catch_warnings():

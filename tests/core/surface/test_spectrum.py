@@ -3,7 +3,7 @@ from contextlib import nullcontext
 import numpy as np
 import pytest
 from scipy.linalg import eigh
-from scipy.sparse import block_diag
+from scipy.sparse import block_diag, csr_matrix
 
 from addon.core import CancelledError, SolverError
 from addon.core.run.monitor import Monitor
@@ -16,7 +16,7 @@ from tests.meshes import shapes
 from tests.meshes.shapes import Mesh
 
 
-def operators(vertices, faces):
+def operators(vertices: np.ndarray, faces: np.ndarray) -> tuple[csr_matrix, np.ndarray]:
     surface = intrinsic_delaunay(triangulated(vertices, faces))
     return stiffness(surface), mass(surface)
 

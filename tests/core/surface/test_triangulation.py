@@ -37,12 +37,18 @@ def test_delaunay_hears_a_cancel_and_says_when_it_has_given_up(figure):
     vertices, faces = figure
     stretched = triangulated(vertices * [1.0, 7.0, 1.0], faces)
     asked = []
+
+    def cancelled():
+        asked.append(1)
+        return len(asked) > 2
+
     with pytest.raises(CancelledError):
-        intrinsic_delaunay(stretched, Monitor(cancelled=lambda: asked.append(1) or len(asked) > 2))
+        intrinsic_delaunay(stretched, Monitor(cancelled=cancelled))
     assert len(asked) == 3
     monitor = Monitor()
     intrinsic_delaunay(stretched, monitor, max_rounds=2)
-    assert "less exact" in monitor.warnings[0]
+    assert [each.kind for each in monitor.warnings] == ["flips_exhausted"]
+    assert "less accurate" in monitor.warnings[0]
     monitor = Monitor()
     intrinsic_delaunay(stretched, monitor)
     assert not monitor.warnings

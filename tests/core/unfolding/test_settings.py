@@ -2,12 +2,15 @@
 
 import warnings
 from dataclasses import fields, replace
+from typing import Any
 
 import pytest
 
 from addon.core import InvalidSettingsError, Settings
 from addon.core.unfolding.options import options_of
 from addon.core.unfolding.settings import current_options
+
+PUBLISHED: dict[str, Any] = {"as_published": True}
 
 
 @pytest.mark.parametrize(
@@ -59,33 +62,35 @@ def test_values_under_former_names_are_refused_like_those_under_todays(wrong):
 
 
 def test_the_warning_points_at_the_line_that_has_the_former_name():
+    former: dict[str, Any] = {"landmarks": 50}
     with pytest.warns(FutureWarning) as told:
-        Settings(landmarks=50)
+        Settings(**former)
     assert told[0].filename == __file__
 
 
 def test_as_published_is_now_a_method():
     with pytest.warns(FutureWarning, match='as_published .*use method="as_published"'):
-        assert Settings(as_published=True) == Settings(method="as_published")
+        assert Settings(**PUBLISHED) == Settings(method="as_published")
     with pytest.warns(FutureWarning):
-        assert Settings(as_published=False) == Settings()
+        assert Settings(**(PUBLISHED | {"as_published": False})) == Settings()
 
 
 def test_as_published_beside_another_method_is_as_published():
     """Up to version 0.1 the two were refused together."""
-    for given in ({"method": "fast", "as_published": True}, {"as_published": True, "method": "fast"}):
+    for given in ({"method": "fast", **PUBLISHED}, {**PUBLISHED, "method": "fast"}):
         with pytest.warns(FutureWarning):
             assert Settings(**given).method == "as_published"
     with pytest.warns(FutureWarning):
-        assert Settings(method="fast", as_published=False).method == "fast"
+        assert Settings(method="fast", **(PUBLISHED | {"as_published": False})).method == "fast"
     with pytest.warns(FutureWarning):
-        assert replace(Settings(method="fast"), as_published=True).method == "as_published"
+        assert replace(Settings(method="fast"), **PUBLISHED).method == "as_published"
 
 
 def test_todays_names_are_taken_without_a_word():
+    unknown: dict[str, Any] = {"marks": 50}
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         settings = Settings(landmark_count=50, max_iterations=7, method="as_published")
         assert replace(settings, landmark_count=9).landmark_count == 9
     with pytest.raises(TypeError, match="unexpected keyword"):
-        Settings(marks=50)
+        Settings(**unknown)
