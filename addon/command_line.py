@@ -19,10 +19,10 @@ from .blender.form_task import compute_on
 from .blender.mesh_reading import refusal
 from .blender.request import Request
 from .core import CanonicalForm, CanonicalFormError, Settings
-from .core.unfolding.catalogue import methods
-from .core.unfolding.costs import memory_estimate
-from .core.unfolding.options import Option, options_of
-from .core.unfolding.settings import current_options
+from .core.method_api.catalogue import methods
+from .core.method_api.costs import memory_estimate
+from .core.method_api.options import Option, options_of
+from .core.method_api.settings import current_options
 from .result_lines import claim_output
 
 

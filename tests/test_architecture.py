@@ -64,7 +64,7 @@ def test_no_file_of_the_extension_imports_in_a_circle():
     for path in addon.rglob("*.py"):
         name = ".".join(path.relative_to(addon).with_suffix("").parts).removesuffix(".__init__")
         graph[name] = {each for each in imports_of(path, addon) if each != name}
-    lazy = {"core.unfolding.catalogue"}  # names the types of settings and features, for the type checker alone
+    lazy = {"core.method_api.catalogue"}  # names the types of settings and features, for the type checker alone
     for name in lazy:
         graph[name] = {each for each in graph[name] if each.startswith("core.run")}
     tuple(TopologicalSorter(graph).static_order())
@@ -96,7 +96,7 @@ def test_the_root_of_the_core_stays_short():
 
 
 def test_no_two_methods_have_one_rank():
-    from addon.core.unfolding.catalogue import methods
+    from addon.core.method_api.catalogue import methods
 
     ranks = [each.rank for each in methods().values()]
     assert len(set(ranks)) == len(ranks)
@@ -107,8 +107,8 @@ NEW_METHOD = '''
 
 import numpy as np
 
-from ..unfolding.catalogue import Method
-from ..unfolding.embedding import Embedding
+from ..method_api.catalogue import Method
+from ..method_api.method_result import MethodResult
 
 
 def ball_form(found, settings, monitor):
@@ -116,7 +116,7 @@ def ball_form(found, settings, monitor):
     with monitor.stage("Embedding"):
         away = found.whole_points - found.whole_points.mean(axis=0)
         form = away / np.maximum(np.linalg.norm(away, axis=1, keepdims=True), 1e-12)
-        return Embedding(form, np.zeros(1), 0)
+        return MethodResult(form, np.zeros(1), 0)
 
 
 METHODS = (

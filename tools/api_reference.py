@@ -17,7 +17,7 @@ TARGET = ROOT / "docs" / "api.md"
 DOORS = ("canonical", "features", "distance_fields", "limbs", "results")
 ROOMS = (
     "run", "numerics", "mesh", "surface", "distances", "detection", "patching", "deformation", "embedding", "measures",
-    "unfolding", "methods", "posing", "assembly",
+    "method_api", "methods", "posing", "assembly",
 )  # fmt: skip
 HEAD = """# API of the core
 

@@ -8,6 +8,7 @@ import bpy
 import numpy as np
 
 from ..core import CanonicalFormError
+from ..core.distances.kinds import KINDS
 from .advice import advised
 from .colour_attributes import add_colours
 from .distance_record import WrittenField, read_distances, write_distances
@@ -21,12 +22,6 @@ if TYPE_CHECKING:
     from ..core.run.monitor import Cancelled, Progress
 
 WEIGHTS = "{} Weights"  # the vertex group; Blender shows a group in place of colours of the same name
-NAMES = {  # of the colours, by kind
-    "heat": "Heat Geodesic",
-    "fast_marching": "Fast Marching",
-    "biharmonic": "Biharmonic Distance",
-    "commute_time": "Commute Time",
-}
 
 
 class DistanceTask:
@@ -37,7 +32,7 @@ class DistanceTask:
     obj : bpy.types.Object
         The object, accepted by `refusal`.
     kind : str
-        One of `NAMES`.
+        One of `addon.core.distances.kinds.KINDS`.
     isolines : int
         Number of isolines in the colours; 0 for none.
     memory_limit : float
@@ -114,7 +109,7 @@ class DistanceTask:
         obj = find_object(self._reading)
         with object_mode(obj):
             require_unchanged(obj, self._reading)
-            return _write_field(obj, NAMES[self.kind], self._field, self.isolines)
+            return _write_field(obj, KINDS[self.kind].label, self._field, self.isolines)
 
 
 def _write_field(obj: bpy.types.Object, name: str, field: FloatArray, isolines: int) -> str:

@@ -9,8 +9,8 @@ import numpy as np
 
 from ..core import CanonicalFormError
 from .fingerprints import key_fingerprint
+from .form_key import form_key, require_form_key
 from .record import InBetweens, read_record, require_record, write_record
-from .shape_keys import form_key, require_form_key
 
 if TYPE_CHECKING:
     from ..core.numerics.arrays import FloatArray

@@ -10,8 +10,8 @@ import numpy as np
 
 from ..core import CanonicalFormError
 from .fingerprints import fingerprint
+from .form_key import form_key
 from .object_states import muted_result
-from .shape_keys import form_key
 
 if TYPE_CHECKING:
     from ..core.numerics.arrays import FloatArray, IntArray

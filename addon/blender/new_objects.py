@@ -5,11 +5,11 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
+from .form_key import remove_all_keys
 from .mesh_reading import Reading
 from .object_states import muted_result
 from .record import read_record, write_record
 from .result_clearing import clear_results
-from .shape_keys import remove_all_keys
 
 
 def add_result_object(obj: bpy.types.Object, reading: Reading) -> bpy.types.Object:

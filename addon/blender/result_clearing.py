@@ -7,10 +7,10 @@ import numpy as np
 
 from .active_items import active_items, active_keys_elsewhere, restore_active_items, restore_active_keys
 from .fingerprints import colour_fingerprint, fingerprint, group_fingerprints, key_fingerprint
+from .form_key import remove_all_keys, remove_drivers
 from .in_betweens import remove_in_betweens
 from .object_states import object_mode
 from .record import RECORD_PROPERTY, Record, read_record
-from .shape_keys import remove_all_keys, remove_drivers
 
 
 def clear_from(obj: bpy.types.Object) -> list[str]:

@@ -16,10 +16,10 @@ from .active_items import (
 )
 from .colour_attributes import add_colours
 from .fingerprints import colour_fingerprint, key_fingerprint, members_fingerprint
+from .form_key import require_form_key, unchanged_form_key
 from .hidden_attributes import HIDDEN_FORM, HIDDEN_PATCHES, patches_of
 from .record import Record, read_record, require_record, write_record
 from .result_clearing import clear_results, remove_results
-from .shape_keys import require_form_key, unchanged_form_key
 
 if TYPE_CHECKING:
     from ..core import CanonicalForm, FeaturePatches

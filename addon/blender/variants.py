@@ -9,6 +9,7 @@ import numpy as np
 
 from ..core import CanonicalFormError
 from .advice import all_advised
+from .form_key import form_key, require_form_key
 from .hidden_attributes import patches_of, whole_form_of
 from .in_betweens import (
     PROPERTY,
@@ -23,7 +24,6 @@ from .mesh_reading import find_object, read_object, require_unchanged
 from .object_states import object_mode
 from .record import read_record, require_record, write_record
 from .result_writing import refill_key
-from .shape_keys import form_key, require_form_key
 
 if TYPE_CHECKING:
     from ..core.numerics.arrays import FloatArray

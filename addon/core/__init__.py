@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from .distance_fields import distance_field, heat_geodesics
     from .features import feature_patches
     from .limbs import limb_shapes
+    from .method_api.settings import Settings
     from .results import CanonicalForm, FeaturePatches
-    from .unfolding.settings import Settings
 
 __all__ = [
     "CancelledError",
@@ -38,7 +38,7 @@ __all__ = [
 ]
 
 _DOORS = {
-    "Settings": "unfolding.settings",
+    "Settings": "method_api.settings",
     "CanonicalForm": "results",
     "FeaturePatches": "results",
     "canonical_form": "canonical",

@@ -9,14 +9,14 @@ from .assembly.pieces import Chosen, Piece, connected_pieces
 from .features import OPENING
 from .measures.alignment import rigid_fit
 from .mesh.geometry import surface_area, vertex_areas
+from .method_api.catalogue import method_named
+from .method_api.costs import require_memory
+from .method_api.method_result import MethodResult
+from .method_api.settings import Settings
+from .method_api.surface_features import DETECTION, SurfaceFeatures, detected
 from .numerics.arrays import FloatArray, IntArray
 from .results import CanonicalForm
 from .run.monitor import Cancelled, Monitor, Progress
-from .unfolding.catalogue import method_named
-from .unfolding.costs import require_memory
-from .unfolding.embedding import Embedding
-from .unfolding.settings import Settings
-from .unfolding.surface_features import DETECTION, SurfaceFeatures, detected
 
 Found = tuple[IntArray, IntArray, FloatArray]  # feature points, cells and ADF of a piece
 
@@ -82,7 +82,7 @@ def canonical_form(
         require_memory(pieces.largest, settings)
     monitor.warnings += pieces.repairs + pieces.apart
 
-    def work(piece: Piece, chosen: Chosen | None, own: Monitor) -> tuple[Found, FloatArray, Embedding]:
+    def work(piece: Piece, chosen: Chosen | None, own: Monitor) -> tuple[Found, FloatArray, MethodResult]:
         given = None if chosen is None else chosen.vertices
         found = detected(piece.points, piece.faces, given, settings, own)
         embedded = method.unfold(found, settings, own)

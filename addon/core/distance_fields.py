@@ -10,6 +10,7 @@ from .distances.costs import require_distance_memory
 from .distances.edge_paths import edge_graph
 from .distances.fast_marching import fast_marching
 from .distances.heat import WHOLE, HeatMethod
+from .distances.kinds import KINDS
 from .distances.spectral import GreensFunction
 from .mesh.geometry import of_unit_area
 from .numerics.arrays import FloatArray, IntArray
@@ -20,7 +21,6 @@ from .surface.laplacian import mass, stiffness
 from .surface.triangulation import triangulated
 from .surface.working_surface import working_surface
 
-KINDS = ("heat", "fast_marching", "biharmonic", "commute_time")
 _STAGES: Plan = {"Surface": 10, "Pieces": 90}
 _PIECE_STAGES: Plan = {"Coarse mesh": 20, "Triangulation": 5, "Distances": 75}
 _WORKED_ON = 2000  # vertices between which biharmonic distance and commute time are computed, all pairs
@@ -152,7 +152,7 @@ def heat_geodesics(
     from scipy.spatial.distance import cdist
 
     monitor = Monitor()
-    pieces, chosen = _measurable(vertices, faces, sources, "geodesics", memory_limit, monitor)
+    pieces, chosen = _measurable(vertices, faces, sources, "heat", memory_limit, monitor, refined=True)
     columns = np.atleast_1d(np.asarray(sources))
 
     def work(piece: Piece, here: Chosen, own: Monitor) -> FloatArray:
@@ -173,7 +173,14 @@ def heat_geodesics(
 
 
 def _measurable(
-    vertices: ArrayLike, faces: ArrayLike, sources: ArrayLike, kind: str, memory_limit: float, monitor: Monitor
+    vertices: ArrayLike,
+    faces: ArrayLike,
+    sources: ArrayLike,
+    kind: str,
+    memory_limit: float,
+    monitor: Monitor,
+    *,
+    refined: bool = False,
 ) -> tuple[Pieces, list[Chosen]]:
     """Find the pieces and the sources in them, and refuse what is too large before anything is computed."""
     with monitor.stage("Surface"):
@@ -181,12 +188,12 @@ def _measurable(
         monitor.extend(pieces.repairs)
         chosen = pieces.sources(sources)
         for piece, here in zip(pieces.pieces, chosen, strict=True):
-            if kind in ("biharmonic", "commute_time") and len(here.vertices) > _MOST_SOURCES:
+            if KINDS[kind].spectral and len(here.vertices) > _MOST_SOURCES:
                 raise InvalidSettingsError("too_many_sources", most=_MOST_SOURCES, count=len(here.vertices))
             count = len(piece.vertices)
-            refined = kind == "geodesics" or (kind == "heat" and count <= _REFINED)  # about four times as many
+            finer = refined or (kind == "heat" and count <= _REFINED)  # about four times as many vertices
             if len(here.vertices):
-                require_distance_memory(4 * count if refined else count, kind, limit=memory_limit)
+                require_distance_memory(4 * count if finer else count, kind, limit=memory_limit)
     return pieces, chosen
 
 
@@ -197,7 +204,7 @@ def _field_of_piece(piece: Piece, chosen: IntArray, kind: str, memory_limit: flo
     if not len(chosen):
         return np.full(len(piece.vertices), np.inf)
     points, _, unit = of_unit_area(piece.points, piece.faces)
-    if kind in ("biharmonic", "commute_time"):
+    if KINDS[kind].spectral:
         field = _spectral_field(points, piece.faces, chosen, kind, memory_limit, monitor)
         return field * (unit if kind == "biharmonic" else 1.0)
     surface = triangulated(points, piece.faces)

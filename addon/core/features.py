@@ -5,13 +5,13 @@ from __future__ import annotations
 from numpy.typing import ArrayLike
 
 from .assembly.pieces import Chosen, Piece, connected_pieces
+from .method_api.catalogue import method_named
+from .method_api.costs import require_memory
+from .method_api.settings import Settings
+from .method_api.surface_features import DETECTION, detected
 from .numerics.arrays import FloatArray, IntArray
 from .results import FeaturePatches
 from .run.monitor import Cancelled, Monitor, Plan, Progress
-from .unfolding.catalogue import method_named
-from .unfolding.costs import require_memory
-from .unfolding.settings import Settings
-from .unfolding.surface_features import DETECTION, detected
 
 OPENING: Plan = {"Surface": 2, "Pieces": 98}  # the stages of every door
 

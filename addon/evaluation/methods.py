@@ -6,9 +6,9 @@ from dataclasses import dataclass, fields, replace
 from typing import Any
 
 from ..core import InvalidSettingsError, Settings
-from ..core.unfolding.catalogue import OURS, methods
-from ..core.unfolding.options import options_of
-from ..core.unfolding.settings import current_options
+from ..core.method_api.catalogue import OURS, methods
+from ..core.method_api.options import options_of
+from ..core.method_api.settings import current_options
 
 _PATIENT = 1e-5  # tolerance of the other methods, which need more steps to settle than ours
 _TRUTH = {"true": True, "false": False}

@@ -16,9 +16,9 @@ import numpy as np
 from ..core import CanonicalFormError, Settings, canonical_form
 from ..core.measures.form_measures import hausdorff, summary
 from ..core.mesh.geometry import surface_area
+from ..core.method_api.catalogue import method_named
+from ..core.method_api.surface_features import DETECTION
 from ..core.numerics.arrays import FloatArray, IntArray
-from ..core.unfolding.catalogue import method_named
-from ..core.unfolding.surface_features import DETECTION
 from .descriptor import harmonic_descriptor
 from .methods import Method
 

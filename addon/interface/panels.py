@@ -5,13 +5,13 @@ import textwrap
 import bpy
 
 from ..blender.chosen_features import CHOSEN_GROUP
+from ..blender.form_key import form_key
 from ..blender.in_betweens import PROPERTY, has_in_betweens
 from ..blender.record import Record, read_record, require_record
-from ..blender.shape_keys import form_key
 from ..blender.variants import limbs_of
 from ..core import Settings
-from ..core.unfolding.catalogue import FEATURE_OPTIONS, OURS, methods
-from ..core.unfolding.costs import memory_estimate, time_estimate
+from ..core.method_api.catalogue import FEATURE_OPTIONS, OURS, methods
+from ..core.method_api.costs import memory_estimate, time_estimate
 from .job_operator import OBJECT_OT_canonical_form_cancel
 from .limb_operators import (
     OBJECT_OT_canonical_form_in_betweens,

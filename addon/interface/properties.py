@@ -20,17 +20,13 @@ from ..blender.chosen_features import CHOSEN_GROUP
 from ..blender.record import read_record
 from ..blender.result_writing import recolour_patch
 from ..core import InvalidSettingsError, Settings
-from ..core.unfolding.catalogue import methods
-from ..core.unfolding.options import Option, options_of
-from ..core.unfolding.settings import current_options
+from ..core.distances.kinds import KINDS
+from ..core.method_api.catalogue import methods
+from ..core.method_api.options import Option, options_of
+from ..core.method_api.settings import current_options
 
 _DEFAULT = Settings()
-DISTANCES = (
-    ("heat", "Heat Geodesic", "Length of the shortest path on the surface, by the heat method"),
-    ("fast_marching", "Fast Marching", "Length of the shortest path on the surface, by fast marching"),
-    ("biharmonic", "Biharmonic", "Smooth distance that depends on the global shape"),
-    ("commute_time", "Commute Time", "Expected length of a random walk there and back; depends on all paths"),
-)
+DISTANCES = [(name, kind.label, kind.help) for name, kind in KINDS.items()]
 
 
 def method_items(_owner: Any, _context: bpy.types.Context | None) -> list[tuple[str, str, str, str, int]]:

@@ -9,7 +9,7 @@ import addon  # noqa: E402
 from addon.blender.record import RECORD_PROPERTY  # noqa: E402
 from tests.meshes import shapes  # noqa: E402
 
-QUICK = {"iterations": 3, "eigenpairs": 30, "landmarks": 20}
+QUICK = {"max_iterations": 3, "eigenpairs": 30, "landmark_count": 20}
 
 
 @pytest.fixture

@@ -53,7 +53,7 @@ else:
     bpy.ops.object.modifier_add(type="SUBSURF")
     bpy.context.object.modifiers[0].levels = 3
     bpy.ops.object.modifier_apply(modifier=bpy.context.object.modifiers[0].name)
-    options = {"iterations": 3, "eigenpairs": 30}
+    options = {"max_iterations": 3, "eigenpairs": 30}
 obj = bpy.context.object
 began = time.perf_counter()
 assert bpy.ops.object.canonical_form(**options) == {"FINISHED"}

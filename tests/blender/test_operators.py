@@ -302,7 +302,7 @@ def test_results_survive_saving_and_loading(figure_object, tmp_path):
     bpy.ops.wm.save_as_mainfile(filepath=path)
     bpy.ops.wm.open_mainfile(filepath=path)
     obj = bpy.data.objects["Figure"]
-    assert read_record(obj.data).report.stress.steps == QUICK["iterations"]
+    assert read_record(obj.data).report.stress.steps == QUICK["max_iterations"]
     bpy.context.view_layer.objects.active = obj
     bpy.ops.object.canonical_form_clear()
     assert snapshot(obj) == before

@@ -4,11 +4,11 @@ import bpy
 import numpy as np
 import pytest
 
-from addon.blender.distance_fields import NAMES
 from addon.blender.mesh_reading import read_evaluated, read_mesh
 from addon.blender.record import read_record
 from addon.core import Settings, canonical_form
 from addon.core.distance_fields import distance_field
+from addon.core.distances.kinds import KINDS
 from addon.interface import panels
 from addon.interface.limb_operators import select_vertices
 from tests.blender.conftest import QUICK, add_object, drawn, flat, snapshot
@@ -92,21 +92,23 @@ def test_a_number_of_feature_points(figure_object):
     assert len(read_record(figure_object.data).report.feature_points) == 3
 
 
-@pytest.mark.parametrize("kind", list(NAMES))
+@pytest.mark.parametrize("kind", list(KINDS))
 def test_distances_are_shown(figure_object, kind):
     obj = figure_object
     select(obj, {10})
     assert bpy.ops.object.canonical_form_distance(kind=kind) == {"FINISHED"}
     field = distance_field(*read_mesh(obj.data), [10], kind)
-    group = obj.vertex_groups[f"{NAMES[kind]} Weights"]
+    group = obj.vertex_groups[f"{KINDS[kind].label} Weights"]
     weights = np.array([group.weight(index) for index in range(len(obj.data.vertices))])
     np.testing.assert_allclose(weights, field / field.max(), atol=6e-4)
-    colours = np.frombuffer(flat(obj.data.color_attributes[NAMES[kind]].data, "color", 4), np.float32).reshape(-1, 4)
+    colours = np.frombuffer(flat(obj.data.color_attributes[KINDS[kind].label].data, "color", 4), np.float32).reshape(
+        -1, 4
+    )
     lightness = colours[:, :3] @ [0.2126, 0.7152, 0.0722]
     assert np.argmin(lightness) == 10
-    assert obj.data.color_attributes.active_color.name == NAMES[kind]
+    assert obj.data.color_attributes.active_color.name == KINDS[kind].label
     bpy.ops.object.canonical_form_distance(kind=kind, isolines=8)
-    assert [each.name for each in obj.data.color_attributes] == [NAMES[kind]]  # in place of the first
+    assert [each.name for each in obj.data.color_attributes] == [KINDS[kind].label]  # in place of the first
     assert len(obj.vertex_groups) == 1
 
 

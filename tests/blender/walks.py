@@ -13,7 +13,7 @@ import bmesh
 import bpy
 import numpy as np
 
-QUICK = {"iterations": 2, "eigenpairs": 20, "landmarks": 10, "quality": "draft"}
+QUICK = {"max_iterations": 2, "eigenpairs": 20, "landmark_count": 10, "quality": "draft"}
 KEEPS = ("mode", "vertices", "edges", "polygons", "chosen", "materials", "pinned")
 
 

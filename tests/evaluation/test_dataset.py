@@ -141,11 +141,11 @@ def test_what_blender_refuses_is_told_from_the_other_process(tmp_path):
 
 
 def test_methods_take_settings_on_the_command_line():
-    words = _words("ours:quality=draft,landmarks=50,fast,classical:landmarks=20")
-    assert words == ["ours:quality=draft,landmarks=50", "fast", "classical:landmarks=20"]
+    words = _words("ours:quality=draft,landmark_count=50,fast,classical:landmark_count=20")
+    assert words == ["ours:quality=draft,landmark_count=50", "fast", "classical:landmark_count=20"]
     chosen = chosen_methods(words)
     assert [method.name for method in chosen] == [
-        "input", "ours-quality-draft-landmarks-50", "fast", "classical-landmarks-20",
+        "input", "ours-quality-draft-landmark_count-50", "fast", "classical-landmark_count-20",
     ]  # fmt: skip
     assert chosen[1].settings == Settings(quality="draft", landmark_count=50)
     assert chosen[3].settings is not None
@@ -157,7 +157,7 @@ def test_methods_take_settings_on_the_command_line():
     wrong = [("hers", "There is no method 'hers'"), ("ours:quality=best", "quality must be"),
              ("ours:speed=9", "not a setting"), ("ours:whole=true", "not a setting"),
              ("ours:as_published=yes", "as_published cannot be 'yes'"),
-             ("ours:landmarks=x", "landmarks cannot be 'x'")]  # fmt: skip
+             ("ours:landmark_count=x", "landmark_count cannot be 'x'")]  # fmt: skip
     for word, message in wrong:
         with pytest.raises(InvalidSettingsError, match=message):
             chosen_methods([word])

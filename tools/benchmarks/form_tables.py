@@ -21,8 +21,8 @@ from addon.core import Settings, canonical_form  # noqa: E402
 from addon.core.distances.heat import HeatMethod  # noqa: E402
 from addon.core.measures.form_measures import compactness_error, edge_stretch  # noqa: E402
 from addon.core.mesh.geometry import surface_area  # noqa: E402
+from addon.core.method_api.costs import memory_estimate  # noqa: E402
 from addon.core.surface.triangulation import triangulated  # noqa: E402
-from addon.core.unfolding.costs import memory_estimate  # noqa: E402
 from addon.evaluation.tables import mean_apart  # noqa: E402
 from tests.meshes.shapes import Mesh, poses_of, read_obj, unit  # noqa: E402
 from tools.benchmarks.remeshing import adaptive, noisy, quad_dominant, resized, uniform  # noqa: E402

@@ -45,7 +45,7 @@ def measure(name, data, quality):
     import psutil
 
     from addon.core import Settings, canonical_form
-    from addon.core.unfolding.costs import memory_estimate
+    from addon.core.method_api.costs import memory_estimate
 
     vertices, faces = made(name, data)
     settings = Settings(quality=quality, memory_limit=100)

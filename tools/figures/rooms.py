@@ -17,14 +17,14 @@ sys.path.insert(0, str(ROOT))
 CORE = ROOT / "addon" / "core"
 TARGET = ROOT / "docs" / "pictures" / "rooms.png"
 COLUMNS = {  # where a room stands from left to right; its height is its floor
-    "doors": 1.5, "methods": 1.5, "unfolding": 1.5, "posing": 0.0, "embedding": 1.5, "measures": 3.0,
+    "doors": 1.5, "methods": 1.5, "method_api": 1.5, "posing": 0.0, "embedding": 1.5, "measures": 3.0,
     "deformation": 0.0, "distances": 1.5, "detection": 3.0, "assembly": 0.0, "surface": 1.5, "patching": 3.0,
     "mesh": 1.5, "numerics": 1.5, "run": 1.5,
 }  # fmt: skip
 SAYS = {
     "doors": "canonical_form, feature_patches,\ndistance_field, limb_shapes",
     "methods": "one file per method:\nours, the paper's letter, rivals",
-    "unfolding": "settings, catalogue, costs,\nthe features of a surface",
+    "method_api": "settings, catalogue, costs,\nthe features of a surface",
     "posing": "shapes between\npose and form",
     "embedding": "start, pairs, stress,\nSMACOF",
     "measures": "alignment and\nfigures of a form",

@@ -14,18 +14,18 @@ from ..embedding.pairs import feature_pairs, patch_pairs
 from ..embedding.smacof import minimise_stress
 from ..embedding.stress import Stress
 from ..embedding.weight_inverse import WeightInverse
+from ..method_api.catalogue import Method
+from ..method_api.method_result import MethodResult
+from ..method_api.settings import Settings
+from ..method_api.surface_features import SurfaceFeatures
 from ..patching.cells import patches_of
 from ..run.memory import require_pair_memory
 from ..run.monitor import Monitor
-from ..unfolding.catalogue import Method
-from ..unfolding.embedding import Embedding
-from ..unfolding.settings import Settings
-from ..unfolding.surface_features import SurfaceFeatures
 
 _LETTER = {"quality": "full", "diffusion_time": 0.1, "eigenpairs": 80, "extrapolation": 0}
 
 
-def _form(found: SurfaceFeatures, settings: Settings, monitor: Monitor, *, closed: bool) -> Embedding:
+def _form(found: SurfaceFeatures, settings: Settings, monitor: Monitor, *, closed: bool) -> MethodResult:
     """Unfold a surface as the paper says, sections 3.2 to 3.4; the start is the input, so no mirror image is chosen."""
     surface, features, spectrum = found.surface, found.features, found.spectrum
     count = len(surface.points)
@@ -46,7 +46,7 @@ def _form(found: SurfaceFeatures, settings: Settings, monitor: Monitor, *, close
     with monitor.stage("Embedding"):
         stress = Stress(count, sets, monitor)  # [10]
         form, history = minimise_stress(stress, inverse, surface.points, **settings.minimisation, monitor=monitor)
-    return Embedding(form, history, sum(len(pairs.vertices) ** 2 for pairs in sets))
+    return MethodResult(form, history, sum(len(pairs.vertices) ** 2 for pairs in sets))
 
 
 def _method(name: str, label: str, help: str, source: str, closed: bool, rank: int) -> Method:  # noqa: A002

@@ -7,15 +7,15 @@ Tenenbaum, "Sparse multidimensional scaling using landmark points", 2004.
 from __future__ import annotations
 
 from ..embedding.classical_scaling import raw_stress
+from ..method_api.catalogue import Method
+from ..method_api.method_result import MethodResult
+from ..method_api.settings import Settings
+from ..method_api.surface_features import SurfaceFeatures
+from ..method_api.whole_surface import WholeSurface
 from ..run.monitor import Monitor
-from ..unfolding.catalogue import Method
-from ..unfolding.embedding import Embedding
-from ..unfolding.settings import Settings
-from ..unfolding.surface_features import SurfaceFeatures
-from ..unfolding.whole_surface import WholeSurface
 
 
-def _form(found: SurfaceFeatures, settings: Settings, monitor: Monitor) -> Embedding:
+def _form(found: SurfaceFeatures, settings: Settings, monitor: Monitor) -> MethodResult:
     """Unfold a surface by classical scaling of its geodesic distances."""
     whole = WholeSurface(found, settings, monitor)
     with monitor.stage("Distances"):

@@ -10,16 +10,16 @@ from functools import partial
 import numpy as np
 
 from ..embedding.pushing import Pushing
+from ..method_api.catalogue import MINIMISATION_OPTIONS, Method
+from ..method_api.method_result import MethodResult
+from ..method_api.settings import Settings
+from ..method_api.surface_features import SurfaceFeatures
 from ..run.monitor import Monitor
-from ..unfolding.catalogue import MINIMISATION_OPTIONS, Method
-from ..unfolding.embedding import Embedding
-from ..unfolding.settings import Settings
-from ..unfolding.surface_features import SurfaceFeatures
 
 _PUSH = 1.0  # strength; edges are then stretched by 5 to 10 %
 
 
-def _form(found: SurfaceFeatures, settings: Settings, monitor: Monitor, *, normalised: bool) -> Embedding:
+def _form(found: SurfaceFeatures, settings: Settings, monitor: Monitor, *, normalised: bool) -> MethodResult:
     """Unfold a surface by pushing random vertices apart: every pair alike, or near pairs as much as far ones."""
     points = found.whole_points
     count = min(settings.landmark_count, len(points))
@@ -27,7 +27,7 @@ def _form(found: SurfaceFeatures, settings: Settings, monitor: Monitor, *, norma
     with monitor.stage("Embedding"):
         pushing = Pushing(points, found.whole_faces, samples, strength=_PUSH, normalised=normalised)
         form, history = pushing.lowered(points, **settings.minimisation, monitor=monitor)
-        return Embedding(form, history, count**2)
+        return MethodResult(form, history, count**2)
 
 
 METHODS = (

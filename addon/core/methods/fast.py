@@ -11,13 +11,13 @@ from collections.abc import Callable
 import numpy as np
 
 from ..embedding.classical_scaling import raw_stress
+from ..method_api.catalogue import Method
+from ..method_api.method_result import MethodResult
+from ..method_api.settings import Settings
+from ..method_api.surface_features import SurfaceFeatures
+from ..method_api.whole_surface import WholeSurface
 from ..numerics.arrays import FloatArray
 from ..run.monitor import Monitor
-from ..unfolding.catalogue import Method
-from ..unfolding.embedding import Embedding
-from ..unfolding.settings import Settings
-from ..unfolding.surface_features import SurfaceFeatures
-from ..unfolding.whole_surface import WholeSurface
 
 _ROUNDS = 5  # of the search for two points that lie far apart, as the authors advise
 
@@ -78,7 +78,7 @@ def fast_map(
     return embedding, pivots
 
 
-def _form(found: SurfaceFeatures, settings: Settings, monitor: Monitor) -> Embedding:
+def _form(found: SurfaceFeatures, settings: Settings, monitor: Monitor) -> MethodResult:
     """Unfold a surface by FastMap: a handful of distance fields and no minimisation."""
     whole = WholeSurface(found, settings, monitor)
     fields: dict[int, FloatArray] = {}

@@ -7,13 +7,13 @@ Elad and Kimmel, "On bending invariant signatures for surfaces", 2003, doi:10.11
 from __future__ import annotations
 
 from ..embedding.smacof import unit_smacof
+from ..method_api.catalogue import MINIMISATION_OPTIONS, Method
+from ..method_api.method_result import MethodResult
+from ..method_api.settings import Settings
+from ..method_api.surface_features import SurfaceFeatures
+from ..method_api.whole_surface import Samples, WholeSurface
 from ..numerics.arrays import FloatArray
 from ..run.monitor import Monitor
-from ..unfolding.catalogue import MINIMISATION_OPTIONS, Method
-from ..unfolding.embedding import Embedding
-from ..unfolding.settings import Settings
-from ..unfolding.surface_features import SurfaceFeatures
-from ..unfolding.whole_surface import Samples, WholeSurface
 
 
 def fitted(samples: Samples, settings: Settings, monitor: Monitor) -> tuple[FloatArray, FloatArray]:
@@ -56,7 +56,7 @@ def fitted(samples: Samples, settings: Settings, monitor: Monitor) -> tuple[Floa
     return samples.spread(placed, start), history
 
 
-def _form(found: SurfaceFeatures, settings: Settings, monitor: Monitor) -> Embedding:
+def _form(found: SurfaceFeatures, settings: Settings, monitor: Monitor) -> MethodResult:
     """Unfold a surface by SMACOF on its geodesic distances."""
     whole = WholeSurface(found, settings, monitor)
     with monitor.stage("Distances"):

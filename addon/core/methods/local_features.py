@@ -14,17 +14,17 @@ from ..embedding.stress import Stress
 from ..embedding.weight_inverse import WeightInverse
 from ..measures.alignment import outside_out
 from ..mesh.geometry import moved_by_frames
+from ..method_api.catalogue import MINIMISATION_OPTIONS, Method
+from ..method_api.method_result import MethodResult
+from ..method_api.settings import Settings
+from ..method_api.surface_features import SurfaceFeatures
 from ..numerics.arrays import FloatArray, IntArray
 from ..patching.cells import patches_of
 from ..run.memory import require_pair_memory
 from ..run.monitor import Monitor
-from ..unfolding.catalogue import MINIMISATION_OPTIONS, Method
-from ..unfolding.embedding import Embedding
-from ..unfolding.settings import Settings
-from ..unfolding.surface_features import SurfaceFeatures
 
 
-def local_feature_form(found: SurfaceFeatures, settings: Settings, monitor: Monitor) -> Embedding:
+def local_feature_form(found: SurfaceFeatures, settings: Settings, monitor: Monitor) -> MethodResult:
     """Unfold a surface: pairs inside the patches, a start, SMACOF, and the input's detail.
 
     Parameters
@@ -38,7 +38,7 @@ def local_feature_form(found: SurfaceFeatures, settings: Settings, monitor: Moni
 
     Returns
     -------
-    Embedding
+    MethodResult
         The form, not yet aligned to the input.
 
     Raises
@@ -51,7 +51,7 @@ def local_feature_form(found: SurfaceFeatures, settings: Settings, monitor: Moni
     Examples
     --------
     >>> import numpy as np
-    >>> from addon.core.unfolding.surface_features import detected
+    >>> from addon.core.method_api.surface_features import detected
     >>> points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
     >>> faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
     >>> settings = Settings(max_iterations=5, preserve_detail=0)
@@ -105,7 +105,7 @@ def local_feature_form(found: SurfaceFeatures, settings: Settings, monitor: Moni
             rotation, shift = surface.prolong_frames(*body.frames(form))
             form = moved_by_frames(found.whole_points, rotation, shift)
             monitor.check()
-    return Embedding(form, history, sum(len(pairs.vertices) ** 2 for pairs in sets))
+    return MethodResult(form, history, sum(len(pairs.vertices) ** 2 for pairs in sets))
 
 
 def _start(

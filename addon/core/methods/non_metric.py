@@ -10,13 +10,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..method_api.catalogue import Method
+from ..method_api.method_result import MethodResult
+from ..method_api.settings import Settings
+from ..method_api.surface_features import SurfaceFeatures
+from ..method_api.whole_surface import WholeSurface
 from ..numerics.arrays import FloatArray
 from ..run.monitor import Monitor
-from ..unfolding.catalogue import Method
-from ..unfolding.embedding import Embedding
-from ..unfolding.settings import Settings
-from ..unfolding.surface_features import SurfaceFeatures
-from ..unfolding.whole_surface import WholeSurface
 
 
 def non_metric_scaling(
@@ -108,7 +108,7 @@ def non_metric_scaling(
     return points, np.array(history), wanted
 
 
-def _form(found: SurfaceFeatures, settings: Settings, monitor: Monitor) -> Embedding:
+def _form(found: SurfaceFeatures, settings: Settings, monitor: Monitor) -> MethodResult:
     """Unfold a surface so that the order of its distances is kept."""
     from scipy.spatial.distance import squareform
 

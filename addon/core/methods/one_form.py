@@ -8,16 +8,16 @@ from __future__ import annotations
 import numpy as np
 
 from ..deformation.rotations import nearest_rotations
+from ..method_api.catalogue import MINIMISATION_OPTIONS, Method
+from ..method_api.method_result import MethodResult
+from ..method_api.settings import Settings
+from ..method_api.surface_features import SurfaceFeatures
+from ..method_api.whole_surface import WholeSurface
 from ..numerics.arrays import FloatArray, IntArray
 from ..numerics.factoring import factored
 from ..run.monitor import Monitor
 from ..surface.laplacian import stiffness
 from ..surface.triangulation import corner_cotangents, corner_lengths, mollified, triangulated
-from ..unfolding.catalogue import MINIMISATION_OPTIONS, Method
-from ..unfolding.embedding import Embedding
-from ..unfolding.settings import Settings
-from ..unfolding.surface_features import SurfaceFeatures
-from ..unfolding.whole_surface import WholeSurface
 from .least_squares import fitted
 
 
@@ -65,7 +65,7 @@ def with_one_form_kept(points: FloatArray, triangles: IntArray, layout: FloatArr
     return np.asarray(form - form.mean(axis=0))
 
 
-def _form(found: SurfaceFeatures, settings: Settings, monitor: Monitor) -> Embedding:
+def _form(found: SurfaceFeatures, settings: Settings, monitor: Monitor) -> MethodResult:
     """Unfold a surface by least-squares scaling and give it back its edge vectors, turned."""
     whole = WholeSurface(found, settings, monitor)
     with monitor.stage("Distances"):

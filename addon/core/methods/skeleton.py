@@ -14,13 +14,13 @@ from ..deformation.elastic_body import ElasticBody
 from ..embedding.smacof import smacof
 from ..mesh.connectivity import component_labels, vertex_pairs
 from ..mesh.geometry import vertex_areas
+from ..method_api.catalogue import MINIMISATION_OPTIONS, Method
+from ..method_api.method_result import MethodResult
+from ..method_api.settings import Settings
+from ..method_api.surface_features import SurfaceFeatures
+from ..method_api.whole_surface import WholeSurface
 from ..numerics.arrays import FloatArray, IntArray
 from ..run.monitor import Monitor
-from ..unfolding.catalogue import MINIMISATION_OPTIONS, Method
-from ..unfolding.embedding import Embedding
-from ..unfolding.settings import Settings
-from ..unfolding.surface_features import SurfaceFeatures
-from ..unfolding.whole_surface import WholeSurface
 
 _RINGS = 40  # level sets between the root and the farthest vertex
 _LEAST_RING = 1.5  # mean edges that a level set is wide at least
@@ -162,7 +162,7 @@ def driven(body: ElasticBody, skeleton: CurveSkeleton, places: FloatArray, monit
     return form
 
 
-def _form(found: SurfaceFeatures, settings: Settings, monitor: Monitor) -> Embedding:
+def _form(found: SurfaceFeatures, settings: Settings, monitor: Monitor) -> MethodResult:
     """Unfold a surface by least-squares scaling of its curve skeleton, which starts as it lies."""
     whole = WholeSurface(found, settings, monitor)
     with monitor.stage("Skeleton"):
@@ -180,7 +180,7 @@ def _form(found: SurfaceFeatures, settings: Settings, monitor: Monitor) -> Embed
             )
     with monitor.stage("Detail"):
         form = driven(whole.body, skeleton, places, monitor)
-        return Embedding(form, history, len(skeleton.nodes) ** 2)
+        return MethodResult(form, history, len(skeleton.nodes) ** 2)
 
 
 METHODS = (

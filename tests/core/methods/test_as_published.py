@@ -7,11 +7,11 @@ from addon.core import CancelledError, Settings, TooLargeError, canonical_form
 from addon.core.distances.geodesics import all_geodesics
 from addon.core.embedding.smacof import smacof
 from addon.core.mesh.geometry import surface_area
+from addon.core.method_api.catalogue import method_named
 from addon.core.surface.delaunay import intrinsic_delaunay
 from addon.core.surface.laplacian import mass, stiffness
 from addon.core.surface.spectrum import compute_spectrum
 from addon.core.surface.triangulation import triangulated
-from addon.core.unfolding.catalogue import method_named
 from tests.meshes import shapes
 from tests.meshes.shapes import Mesh
 

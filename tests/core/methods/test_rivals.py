@@ -15,12 +15,12 @@ from addon.core.embedding.smacof import unit_smacof
 from addon.core.measures.alignment import rigid_fit
 from addon.core.measures.form_measures import compactness_error, edge_stretch
 from addon.core.mesh.geometry import surface_area
+from addon.core.method_api.catalogue import methods
+from addon.core.method_api.costs import memory_estimate
 from addon.core.methods.fast import fast_map
 from addon.core.methods.non_metric import non_metric_scaling
 from addon.core.methods.one_form import with_one_form_kept
 from addon.core.methods.skeleton import curve_skeleton
-from addon.core.unfolding.catalogue import methods
-from addon.core.unfolding.costs import memory_estimate
 from tests.meshes import shapes
 from tests.meshes.shapes import Mesh
 

@@ -19,7 +19,7 @@ from ..run.memory import require_pair_memory
 from ..run.monitor import Monitor
 from ..surface.delaunay import intrinsic_delaunay
 from ..surface.triangulation import Triangulation, triangulated
-from .embedding import Embedding
+from .method_result import MethodResult
 from .settings import Settings
 from .surface_features import SurfaceFeatures
 
@@ -110,7 +110,7 @@ class WholeSurface:
 
     Examples
     --------
-    >>> from addon.core.unfolding.surface_features import detected
+    >>> from addon.core.method_api.surface_features import detected
     >>> points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
     >>> faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
     >>> found = detected(points, faces, None, Settings(), Monitor())
@@ -182,7 +182,7 @@ class WholeSurface:
         """
         return outside_out(self.body, form)
 
-    def embedding(self, form: FloatArray, history: ArrayLike, pair_count: int) -> Embedding:
+    def embedding(self, form: FloatArray, history: ArrayLike, pair_count: int) -> MethodResult:
         """Finish an embedding that may be a mirror image.
 
         Parameters
@@ -196,7 +196,7 @@ class WholeSurface:
 
         Returns
         -------
-        Embedding
+        MethodResult
             Outside out.
         """
-        return Embedding(self.outside_out(form), np.asarray(history, dtype=np.float64), pair_count)
+        return MethodResult(self.outside_out(form), np.asarray(history, dtype=np.float64), pair_count)

@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 
 from addon.core import InvalidSettingsError, Settings
-from addon.core.unfolding.options import options_of
-from addon.core.unfolding.settings import current_options
+from addon.core.method_api.options import options_of
+from addon.core.method_api.settings import current_options
 
 PUBLISHED: dict[str, Any] = {"as_published": True}
 

@@ -8,7 +8,7 @@ from ..numerics.arrays import FloatArray
 
 
 @dataclass(frozen=True, eq=False)
-class Embedding:
+class MethodResult:
     """A form before it is scaled and aligned to its input.
 
     Attributes

@@ -11,7 +11,7 @@ from ..run.errors import InvalidSettingsError
 from ..run.monitor import Monitor, Plan
 
 if TYPE_CHECKING:
-    from .embedding import Embedding
+    from .method_result import MethodResult
     from .settings import Settings
     from .surface_features import SurfaceFeatures
 
@@ -35,7 +35,7 @@ class Method:
     source : str
         Authors and year.
     unfold : callable
-        Takes `SurfaceFeatures`, `Settings` and a `Monitor`, and returns an `Embedding`.
+        Takes `SurfaceFeatures`, `Settings` and a `Monitor`, and returns a `MethodResult`.
     stages : mapping of str to float
         Its stages in their order, with weights; feature detection weighs 40.
     uses : tuple of str
@@ -53,7 +53,7 @@ class Method:
     label: str
     help: str
     source: str
-    unfold: Callable[[SurfaceFeatures, Settings, Monitor], Embedding]
+    unfold: Callable[[SurfaceFeatures, Settings, Monitor], MethodResult]
     stages: Plan
     uses: tuple[str, ...] = ()
     pairs: Literal["patches", "all", "landmarks"] = "landmarks"

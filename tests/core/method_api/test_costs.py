@@ -6,7 +6,7 @@ import sys
 import pytest
 
 from addon.core import Settings, TooLargeError
-from addon.core.unfolding.costs import memory_estimate, require_memory, time_estimate
+from addon.core.method_api.costs import memory_estimate, require_memory, time_estimate
 
 
 def test_the_memory_is_known_beforehand():

@@ -1,0 +1,38 @@
+"""Options under the names that they had in version 0.1, in operators and on the command line."""
+
+import io
+import json
+
+import bpy
+import pytest
+
+from addon.blender.record import read_record
+from addon.command_line import main
+from tests.meshes import shapes
+
+from .conftest import QUICK
+
+
+def test_an_operator_takes_former_names(figure_object):
+    with pytest.warns(FutureWarning, match="use max_iterations"):
+        bpy.ops.object.canonical_form(eigenpairs=QUICK["eigenpairs"], iterations=2, landmarks=12)
+    assert read_record(figure_object.data).report.stress.steps == 2
+
+
+def test_as_published_is_a_method_now(figure_object):
+    with pytest.warns(FutureWarning, match='method="as_published"'):
+        bpy.ops.object.canonical_form(max_iterations=1, as_published=True)
+    assert read_record(figure_object.data).report.method == "as_published"
+
+
+def test_the_command_line_takes_former_flags(tmp_path):
+    shapes.write_off(tmp_path / "figure.off", *shapes.figure(18))
+    lines = io.StringIO()
+    words = ["compute", str(tmp_path / "figure.off"), "--output", str(tmp_path / "out")]
+    with pytest.warns(FutureWarning, match="use landmark_count"):
+        assert main([*words, "--eigenpairs", "20", "--iterations", "2", "--landmarks", "12"], lines) == 0
+    assert json.loads(lines.getvalue())["stress"]["steps"] == 2
+    lines = io.StringIO()
+    with pytest.warns(FutureWarning, match='method="as_published"'):
+        assert main([*words, "--max-iterations", "1", "--as-published"], lines) == 0
+    assert json.loads(lines.getvalue())["method"] == "as_published"
