@@ -186,7 +186,7 @@ class DaskCrew:
         CanonicalFormError
             If the scheduler is lost.
         """
-        from distributed import KilledWorker, as_completed
+        from distributed import as_completed
 
         names: dict[Any, object] = {}
         running = as_completed([], with_results=False)
@@ -207,20 +207,28 @@ class DaskCrew:
         try:
             for future in running:
                 name = names.pop(future.key)
-                if future.status == "cancelled":
-                    raise CanonicalFormError("The Dask scheduler is lost. Start the evaluation again to go on.")
-                error = future.exception()
-                if error is None:
-                    result = unpacked(future.result(), self._name)
-                elif isinstance(error, KilledWorker):
-                    result = Failure("The Dask workers that had it died again and again (out of memory?).", died=True)
-                else:
-                    result = Failure(f"{type(error).__name__}: {error}")
+                result = self._fetched(future)
                 future.release()
                 yield name, result
                 submit_some()
         except OSError as error:
             raise CanonicalFormError("The Dask scheduler is lost. Start the evaluation again to go on.") from error
+
+    def _fetched(self, future: Any) -> Any:
+        """Get a result. If its worker dies before it is here, Dask computes it again, which may fail."""
+        from distributed import KilledWorker
+
+        try:
+            packed = future.result()
+        except Exception as error:
+            if future.status == "cancelled":
+                raise CanonicalFormError("The Dask scheduler is lost. Start the evaluation again to go on.") from error
+            if future.status != "error":  # not of the work, but of the connection
+                raise
+            if isinstance(error, KilledWorker):
+                return Failure("The Dask workers that had it died again and again (out of memory?).", died=True)
+            return Failure(f"{type(error).__name__}: {error}")
+        return unpacked(packed, self._name)
 
     def close(self) -> None:
         """Leave the cluster as it is."""
