@@ -1,5 +1,7 @@
 """Fixtures and helpers: a fresh Blender with the add-on registered, snapshots and drawn panels."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -9,7 +11,7 @@ import addon  # noqa: E402
 from addon.blender.record import RECORD_PROPERTY  # noqa: E402
 from tests.meshes import shapes  # noqa: E402
 
-QUICK = {"max_iterations": 3, "eigenpairs": 30, "landmark_count": 20}
+QUICK: dict[str, Any] = {"max_iterations": 3, "eigenpairs": 30, "landmark_count": 20}
 
 
 @pytest.fixture
@@ -119,7 +121,7 @@ class Layout:
 
 def drawn(panel):
     """List the texts that a panel draws; none where it is hidden."""
-    lines = []
+    lines: list[str] = []
     if not hasattr(panel, "poll") or panel.poll(bpy.context):
         panel.draw(type("Self", (), {"layout": Layout(lines)})(), bpy.context)
     return lines

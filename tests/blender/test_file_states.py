@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from addon.blender.mesh_reading import read_mesh
-from addon.blender.record import read_record
+from addon.blender.record import require_record
 from tests.blender.conftest import QUICK, add_object, flat, snapshot
 from tests.meshes import shapes
 
@@ -288,7 +288,7 @@ def test_a_run_works_or_refuses_and_changes_nothing_else(figure_object, state, t
         assert everything() == around
         return
     assert bpy.ops.object.canonical_form(**QUICK) == {"FINISHED"}
-    record, during = read_record(obj.data), snapshot(obj)
+    record, during = require_record(obj.data), snapshot(obj)
     assert during["mode"] == before["mode"]
     assert record.report.vertices == len(obj.data.vertices)
     for name, key in (before["keys"] or {}).items():
@@ -321,7 +321,7 @@ def test_a_warning_tells_what_does_not_enter_the_form(figure_object, state, word
     STATES[state][0](figure_object, tmp_path)
     bpy.ops.object.canonical_form(**QUICK)
     warnings = [
-        each for each in read_record(figure_object.data).report.warnings if "scale" in each or "modifiers" in each
+        each for each in require_record(figure_object.data).report.warnings if "scale" in each or "modifiers" in each
     ]
     assert (words is None and not warnings) or words in warnings[0]
 

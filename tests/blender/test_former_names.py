@@ -6,7 +6,7 @@ import json
 import bpy
 import pytest
 
-from addon.blender.record import read_record
+from addon.blender.record import require_record
 from addon.command_line import main
 from tests.meshes import shapes
 
@@ -16,13 +16,15 @@ from .conftest import QUICK
 def test_an_operator_takes_former_names(figure_object):
     with pytest.warns(FutureWarning, match="use max_iterations"):
         bpy.ops.object.canonical_form(eigenpairs=QUICK["eigenpairs"], iterations=2, landmarks=12)
-    assert read_record(figure_object.data).report.stress.steps == 2
+    stress = require_record(figure_object.data).report.stress
+    assert stress is not None
+    assert stress.steps == 2
 
 
 def test_as_published_is_a_method_now(figure_object):
     with pytest.warns(FutureWarning, match='method="as_published"'):
         bpy.ops.object.canonical_form(max_iterations=1, as_published=True)
-    assert read_record(figure_object.data).report.method == "as_published"
+    assert require_record(figure_object.data).report.method == "as_published"
 
 
 def test_the_command_line_takes_former_flags(tmp_path):

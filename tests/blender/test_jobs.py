@@ -3,6 +3,7 @@
 import threading
 from time import perf_counter, sleep
 from types import SimpleNamespace
+from typing import Any
 
 import bpy
 import pytest
@@ -135,6 +136,7 @@ def test_the_summary_is_of_what_was_written(figure_object, arrays):
     assert len(task.errors) == 1
     assert "was edited" in task.errors[0]
     points = len(task.written["Other"].feature_points)
+    assert task.items[0].result is not None
     assert points != len(task.items[0].result.report.feature_points)
     assert _summary(task).startswith(f"{points} feature point")
 
@@ -146,7 +148,7 @@ def test_in_betweens_are_reported_whatever_object_is_active_by_then(figure_objec
     bpy.context.view_layer.objects.active = None
     task.write()
     said = []
-    operator = SimpleNamespace(report=lambda kind, sentence: said.append(sentence), warn=said.extend, count=2)
+    operator: Any = SimpleNamespace(report=lambda kind, sentence: said.append(sentence), warn=said.extend, count=2)
     OBJECT_OT_canonical_form_in_betweens.written(operator, bpy.context, task, None, interactive=True)
     assert said[0] == "2 keys lie between pose and form."
 

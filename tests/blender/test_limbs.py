@@ -1,12 +1,14 @@
 """One limb at a time, in-betweens, and patches that are selected and coloured."""
 
+from typing import Any
+
 import bpy
 import numpy as np
 import pytest
 
 from addon.blender.hidden_attributes import patches_of, whole_form_of
 from addon.blender.in_betweens import PROPERTY
-from addon.blender.record import read_record
+from addon.blender.record import require_record
 from addon.blender.variants import limbs_of
 from addon.interface import panels
 from tests.blender.conftest import QUICK, Layout, drawn, flat, snapshot
@@ -30,7 +32,7 @@ def keys_of(obj):
 def test_one_limb_and_back(formed):
     before = snapshot(formed)
     basis, whole = points_of(keys_of(formed)["Basis"]), points_of(keys_of(formed)["Canonical Form"])
-    sizes = read_record(formed.data).report.patch_sizes
+    sizes = require_record(formed.data).report.patch_sizes
     limb = int(np.argmin(sizes)) + 1
     assert bpy.ops.object.canonical_form_limb(patch=limb, only=True) == {"FINISHED"}
     alone = points_of(keys_of(formed)["Canonical Form"])
@@ -45,12 +47,14 @@ def test_one_limb_and_back(formed):
 
 def test_a_limb_that_keeps_its_pose_leaves_the_rest_of_the_form(formed):
     whole = points_of(keys_of(formed)["Canonical Form"])
-    limb = int(np.argmin(read_record(formed.data).report.patch_sizes)) + 1
+    limb = int(np.argmin(require_record(formed.data).report.patch_sizes)) + 1
     bpy.ops.object.canonical_form_limb(patch=limb)
     without = points_of(keys_of(formed)["Canonical Form"])
     assert (without == whole).all(axis=1).sum() > 0.5 * len(whole)
     assert sum(limbs_of(formed.data)) == len(limbs_of(formed.data)) - 1
-    np.testing.assert_array_equal(whole_form_of(formed.data).astype(np.float32), whole)
+    now = whole_form_of(formed.data)
+    assert now is not None
+    np.testing.assert_array_equal(now.astype(np.float32), whole)
     bpy.ops.object.canonical_form_limb(patch=limb)
     np.testing.assert_array_equal(points_of(keys_of(formed)["Canonical Form"]), whole)
 
@@ -166,14 +170,18 @@ def test_a_click_selects_a_patch(formed, mode):
     chosen = [polygon.select for polygon in formed.data.polygons]
     np.testing.assert_array_equal(chosen, selected[faces].all(axis=1))
     bpy.ops.object.canonical_form_select_patch(patch=1, extend=True)
-    assert sum(vertex.select for vertex in formed.data.vertices) == (patches_of(formed.data) < 2).sum()
+    assert sum(vertex.select for vertex in formed.data.vertices) == np.count_nonzero(
+        np.asarray(patches_of(formed.data)) < 2
+    )
 
 
 def test_a_swatch_recolours_its_patch(formed):
     formed.data.canonical_form_patches[1].colour = (1.0, 0.0, 0.5)
     colours = np.frombuffer(flat(formed.data.color_attributes["Patches"].data, "color", 4), np.float32).reshape(-1, 4)
     patches = patches_of(formed.data)
-    np.testing.assert_allclose(colours[patches == 1], np.tile([1, 0, 0.5, 1], ((patches == 1).sum(), 1)), atol=1e-6)
+    np.testing.assert_allclose(
+        colours[patches == 1], np.tile([1, 0, 0.5, 1], (np.count_nonzero(patches == 1), 1)), atol=1e-6
+    )
     assert not (colours[patches != 1] == [1, 0, 0.5, 1]).all(axis=1).any()
     bpy.ops.object.canonical_form_clear()
     assert "Patches" not in formed.data.color_attributes  # ours still
@@ -181,11 +189,11 @@ def test_a_swatch_recolours_its_patch(formed):
 
 
 def test_the_list_and_the_slider_are_drawn(formed):
-    lines = []
+    lines: list[str] = []
     data = formed.data
-    draw = panels.VIEW3D_UL_canonical_form_patches.draw_item
+    draw: Any = panels.VIEW3D_UL_canonical_form_patches.draw_item
     draw(None, bpy.context, Layout(lines), data, data.canonical_form_patches[0], "NONE", data, "canonical_form_patch")
-    assert lines == ["", f"Patch 1  ({read_record(data).report.patch_sizes[0]:,})", "", ""]
+    assert lines == ["", f"Patch 1  ({require_record(data).report.patch_sizes[0]:,})", "", ""]
     bpy.ops.object.canonical_form_limb(patch=1)
     assert "All Limbs" in drawn(panels.VIEW3D_PT_canonical_form_patches)
     bpy.ops.object.canonical_form_in_betweens(count=1)

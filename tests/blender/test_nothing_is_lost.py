@@ -7,7 +7,7 @@ import pytest
 from addon.blender.distance_fields import DistanceTask
 from addon.blender.form_task import FormTask
 from addon.blender.in_betweens import PROPERTY
-from addon.blender.record import RECORD_PROPERTY, read_record
+from addon.blender.record import RECORD_PROPERTY, require_record
 from addon.blender.request import Request
 from addon.core import CanonicalFormError, Settings
 from addon.interface import panels
@@ -51,7 +51,7 @@ def test_a_new_object_has_the_faces_that_were_computed_on(formed):
     formed.modifiers.new("Fewer", "DECIMATE").ratio = 0.5
     run(mesh="SHOWN", result="OBJECT")
     added = bpy.data.objects["Figure Canonical Form"]
-    record = read_record(added.data)
+    record = require_record(added.data)
     assert record.report.vertices == len(added.data.vertices)
     for key in added.data.shape_keys.key_blocks:
         points = np.frombuffer(flat(key.data, "co", 3), np.float32).reshape(-1, 3)

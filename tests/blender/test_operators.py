@@ -6,7 +6,7 @@ import pytest
 
 from addon.blender.mesh_reading import read_mesh
 from addon.blender.palette import patch_colours, ramp
-from addon.blender.record import read_record
+from addon.blender.record import read_record, require_record
 from addon.core import Settings, canonical_form
 from addon.interface import panels
 from addon.interface.properties import METHOD_NAMES, settings_of
@@ -102,7 +102,7 @@ def test_a_second_run_replaces_its_own_results_only(furnished):
     compute()
     assert snapshot(furnished) == once
     compute(feature_points="3, 200")
-    record = read_record(furnished.data)
+    record = require_record(furnished.data)
     assert len(record.groups) == 3
     assert len(furnished.vertex_groups) == 5 + 3
     assert record.report.feature_points == [3, 200]
@@ -302,7 +302,9 @@ def test_results_survive_saving_and_loading(figure_object, tmp_path):
     bpy.ops.wm.save_as_mainfile(filepath=path)
     bpy.ops.wm.open_mainfile(filepath=path)
     obj = bpy.data.objects["Figure"]
-    assert read_record(obj.data).report.stress.steps == QUICK["max_iterations"]
+    stress = require_record(obj.data).report.stress
+    assert stress is not None
+    assert stress.steps == QUICK["max_iterations"]
     bpy.context.view_layer.objects.active = obj
     bpy.ops.object.canonical_form_clear()
     assert snapshot(obj) == before
@@ -312,7 +314,7 @@ def test_a_stretched_object_is_warned_about(figure_object):
     figure_object.scale = (1, 1, 3)
     bpy.context.view_layer.update()
     compute()
-    assert any("scale is not uniform" in each for each in read_record(figure_object.data).report.warnings)
+    assert any("scale is not uniform" in each for each in require_record(figure_object.data).report.warnings)
 
 
 @pytest.mark.parametrize("method", ["classical", "skeleton"])
@@ -321,7 +323,7 @@ def test_a_rival_writes_what_the_method_writes(figure_object, method):
     chosen.method = method
     assert "method" in drawn(panels.VIEW3D_PT_canonical_form)
     bpy.ops.object.canonical_form(method=method)
-    record = read_record(figure_object.data)
+    record = require_record(figure_object.data)
     assert record.report.method == method
     assert len(record.report.feature_points) == 5
     assert figure_object.data.shape_keys.key_blocks["Canonical Form"].value == 1.0
@@ -361,7 +363,7 @@ def test_the_panel_shows_what_was_found(figure_object):
 
 def test_the_record_is_json(figure_object):
     compute()
-    report = read_record(figure_object.data).report
+    report = require_record(figure_object.data).report
     assert json.loads(json.dumps(report.as_json())) == report.as_json()
     assert report.compactness_error is not None
 

@@ -1,6 +1,7 @@
 """The record on a mesh: that of version 0.1 is read, and any other text is not taken for a record."""
 
 import json
+from typing import Any
 
 import bpy
 import pytest
@@ -10,7 +11,7 @@ from addon.blender.record import RECORD_PROPERTY, Record, read_record
 from tests.blender.conftest import QUICK
 from tests.blender.test_tools import select
 
-VERSION_0_1 = {  # as that version wrote it, with a limb in its pose and in-betweens
+VERSION_0_1: dict[str, Any] = {  # as that version wrote it, with a limb in its pose and in-betweens
     "palette": [[0.77, 0.2, 0.16], [0.0, 0.28, 0.31]],
     "hidden": {".canonical_form_patch": "e1", ".canonical_form": "e2"},
     "report": {
@@ -55,6 +56,7 @@ def test_a_record_of_version_0_1_is_read_and_written_back_the_same():
     assert list(record.in_between_keys) == ["Canonical Form 33%", "Canonical Form 67%"]
     assert record.active_before.group == "Arm"
     assert record.report.seconds == 0.75
+    assert record.report.stress is not None
     assert record.report.stress.steps == 3
 
 

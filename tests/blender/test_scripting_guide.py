@@ -10,7 +10,7 @@ GUIDE = Path(__file__).resolve().parents[2] / "docs" / "scripting.md"
 
 def test_the_examples_run(figure_object, arrays, capsys):
     inside, outside = GUIDE.read_text().split("## On arrays")
-    scope = {}
+    scope: dict[str, object] = {}
     for example in re.findall(r"```python\n(.*?)```", inside, flags=re.DOTALL):
         exec(compile(example, "scripting.md", "exec"), scope)
     assert "Figure Canonical Form" in bpy.data.objects

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from addon.blender.mesh_reading import read_evaluated, read_mesh
-from addon.blender.record import read_record
+from addon.blender.record import require_record
 from addon.core import Settings, canonical_form
 from addon.core.distance_fields import distance_field
 from addon.core.distances.kinds import KINDS
@@ -40,14 +40,14 @@ def test_feature_points_by_hand(figure_object, mode):
     choose(how="REMOVE")
     assert members(obj, "Chosen Feature Points") == [5, 300]
     bpy.ops.object.canonical_form(**QUICK, feature_group="Chosen Feature Points")
-    assert read_record(obj.data).report.feature_points == [5, 300]
+    assert require_record(obj.data).report.feature_points == [5, 300]
     bpy.ops.object.canonical_form_clear()
     assert members(obj, "Chosen Feature Points") == [5, 300]  # the user's own
 
 
 def test_adding_starts_from_the_detected_ones(figure_object):
     bpy.ops.object.canonical_form(**QUICK)
-    found = read_record(figure_object.data).report.feature_points
+    found = require_record(figure_object.data).report.feature_points
     select(figure_object, {3})
     bpy.ops.object.canonical_form_choose(how="ADD")
     assert members(figure_object, "Chosen Feature Points") == sorted([*found, 3])
@@ -78,18 +78,18 @@ def test_detect_only_and_patches_only(figure_object):
     assert len(figure_object.vertex_groups) == 6
     assert figure_object.data.shape_keys is None
     assert "canonical_form_patches" in drawn(panels.VIEW3D_PT_canonical_form_patches)
-    found = read_record(figure_object.data).report.feature_points
+    found = require_record(figure_object.data).report.feature_points
     bpy.ops.object.canonical_form(**QUICK)
     bpy.ops.object.canonical_form(step="PATCHES")  # removes the form again
     assert figure_object.data.shape_keys is None
-    assert read_record(figure_object.data).report.feature_points == found
+    assert require_record(figure_object.data).report.feature_points == found
     bpy.ops.object.canonical_form_clear()
     assert snapshot(figure_object) == before
 
 
 def test_a_number_of_feature_points(figure_object):
     bpy.ops.object.canonical_form(**QUICK, feature_count=3)
-    assert len(read_record(figure_object.data).report.feature_points) == 3
+    assert len(require_record(figure_object.data).report.feature_points) == 3
 
 
 @pytest.mark.parametrize("kind", list(KINDS))
@@ -245,7 +245,7 @@ def test_where_modifiers_change_the_vertices_a_new_object_is_made(figure_object)
     assert snapshot(figure_object) == before
     added = bpy.data.objects["Figure Canonical Form"]
     assert len(added.data.vertices) > 3 * len(figure_object.data.vertices)
-    assert any("on a new object" in warning for warning in read_record(added.data).report.warnings)
+    assert any("on a new object" in warning for warning in require_record(added.data).report.warnings)
 
 
 def test_the_distance_tool_tells_what_was_mended(figure_object, capfd):

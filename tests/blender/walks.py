@@ -8,12 +8,13 @@ import random
 import tempfile
 from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 import bmesh
 import bpy
 import numpy as np
 
-QUICK = {"max_iterations": 2, "eigenpairs": 20, "landmark_count": 10, "quality": "draft"}
+QUICK: dict[str, Any] = {"max_iterations": 2, "eigenpairs": 20, "landmark_count": 10, "quality": "draft"}
 KEEPS = ("mode", "vertices", "edges", "polygons", "chosen", "materials", "pinned")
 
 
@@ -59,7 +60,9 @@ class Walk:
             step = self.chance.choice(ours if mine else theirs)
             self.steps.append(step.__name__)
             self.counts[step.__name__] = self.counts.get(step.__name__, 0) + 1
-            before, written, orphans = (self.view(), self.ours()["keys"], _orphans()) if mine else (None, None, None)
+            before: Any = self.view() if mine else None
+            written: Any = self.ours()["keys"] if mine else None
+            orphans = _orphans() if mine else None
             try:
                 step()
             except (RuntimeError, self.core.CanonicalFormError) as error:
@@ -154,7 +157,7 @@ class Walk:
     # steps of the extension
 
     def compute(self):
-        options = self.chance.choice([{}, {}, {"step": "PATCHES"}, {"step": "FEATURES"}, {"mesh": "SHOWN"},
+        options: dict[str, Any] = self.chance.choice([{}, {}, {"step": "PATCHES"}, {"step": "FEATURES"}, {"mesh": "SHOWN"},
                                       {"result": "OBJECT"}, {"value": 0.3}, {"feature_points": "0,5"}])  # fmt: skip
         self.op(bpy.ops.object.canonical_form, **QUICK, **options)
         for obj in list(bpy.data.objects):

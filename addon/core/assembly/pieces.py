@@ -130,6 +130,7 @@ class Pieces:
         for index, piece in enumerate(self.pieces):
             own = monitor.piece(float(shares[index]), float(shares[index + 1]), plan)
             results.append(work(piece, *(items[index] for items in of_each), own))
+            own.tick(1.0)  # also where there was nothing to do
             warnings += [each for each in own.warnings if each not in warnings]
         monitor.extend(warnings[:_SHOWN])
         if len(warnings) > _SHOWN:

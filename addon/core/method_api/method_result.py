@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..numerics.arrays import FloatArray
+from ..run.monitor import Monitor
+from .settings import Settings
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,3 +26,30 @@ class MethodResult:
     points: FloatArray
     history: FloatArray
     pair_count: int
+
+
+def warn_if_still_falling(history: FloatArray, settings: Settings, monitor: Monitor) -> None:
+    """Warn if the minimisation ran out of steps before it met the tolerance, where there is one.
+
+    Parameters
+    ----------
+    history : (s + 1,) ndarray of float
+        Stress before each step and after the last.
+    settings : Settings
+        Number of steps and tolerance.
+    monitor : Monitor
+        Receives the warning.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> monitor = Monitor()
+    >>> warn_if_still_falling(np.array([3.0, 2.0, 1.0]), Settings(max_iterations=2), monitor)
+    >>> monitor.warnings[0].kind
+    'still_falling'
+    """
+    steps = len(history) - 1
+    if settings.tolerance == 0 or not 0 < steps == settings.max_iterations:
+        return
+    if history[-2] - history[-1] >= settings.tolerance * history[-2]:
+        monitor.warn("still_falling", steps=steps)

@@ -15,7 +15,7 @@ from ..embedding.smacof import minimise_stress
 from ..embedding.stress import Stress
 from ..embedding.weight_inverse import WeightInverse
 from ..method_api.catalogue import Method
-from ..method_api.method_result import MethodResult
+from ..method_api.method_result import MethodResult, warn_if_still_falling
 from ..method_api.settings import Settings
 from ..method_api.surface_features import SurfaceFeatures
 from ..patching.cells import patches_of
@@ -46,6 +46,7 @@ def _form(found: SurfaceFeatures, settings: Settings, monitor: Monitor, *, close
     with monitor.stage("Embedding"):
         stress = Stress(count, sets, monitor)  # [10]
         form, history = minimise_stress(stress, inverse, surface.points, **settings.minimisation, monitor=monitor)
+        warn_if_still_falling(history, settings, monitor)
     return MethodResult(form, history, sum(len(pairs.vertices) ** 2 for pairs in sets))
 
 

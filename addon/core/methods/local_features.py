@@ -15,7 +15,7 @@ from ..embedding.weight_inverse import WeightInverse
 from ..measures.alignment import outside_out
 from ..mesh.geometry import moved_by_frames
 from ..method_api.catalogue import MINIMISATION_OPTIONS, Method
-from ..method_api.method_result import MethodResult
+from ..method_api.method_result import MethodResult, warn_if_still_falling
 from ..method_api.settings import Settings
 from ..method_api.surface_features import SurfaceFeatures
 from ..numerics.arrays import FloatArray, IntArray
@@ -91,8 +91,7 @@ def local_feature_form(found: SurfaceFeatures, settings: Settings, monitor: Moni
     with monitor.stage("Embedding"):
         stress = Stress(len(surface.points), sets, monitor)
         form, history = minimise_stress(stress, inverse, start.points, **settings.minimisation, monitor=monitor)
-        if _still_falls(history, settings):
-            monitor.warn("still_falling", steps=settings.max_iterations)
+        warn_if_still_falling(history, settings, monitor)
         form = outside_out(body, form)
     if settings.unbending > 0 and settings.start == "intrinsic":
         with monitor.stage("Unbending"):
@@ -134,14 +133,6 @@ def _unbent(
     """Let the landmarks push each other apart, against the lengths of the edges."""
     pushing = Pushing(points, faces, start.landmarks, strength=settings.unbending, depth=start.depth)
     return pushing.lowered(form, **settings.minimisation, monitor=monitor)[0]
-
-
-def _still_falls(history: FloatArray, settings: Settings) -> bool:
-    """Tell whether the minimisation ran out of steps before it met the tolerance, where there is one."""
-    steps = len(history) - 1
-    if settings.tolerance == 0 or not 0 < steps == settings.max_iterations:
-        return False
-    return bool(history[-2] - history[-1] >= settings.tolerance * history[-2])
 
 
 METHODS = (
