@@ -157,8 +157,11 @@ class Walk:
     # steps of the extension
 
     def compute(self):
-        options: dict[str, Any] = self.chance.choice([{}, {}, {"step": "PATCHES"}, {"step": "FEATURES"}, {"mesh": "SHOWN"},
-                                      {"result": "OBJECT"}, {"value": 0.3}, {"feature_points": "0,5"}])  # fmt: skip
+        kinds: list[dict[str, Any]] = [
+            {}, {}, {"step": "PATCHES"}, {"step": "FEATURES"}, {"mesh": "SHOWN"}, {"result": "OBJECT"}, {"value": 0.3},
+            {"feature_points": "0,5"},
+        ]  # fmt: skip
+        options = self.chance.choice(kinds)
         self.op(bpy.ops.object.canonical_form, **QUICK, **options)
         for obj in list(bpy.data.objects):
             if "Canonical Form" in obj.name:
