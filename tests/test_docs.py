@@ -73,3 +73,34 @@ def test_every_operator_and_panel_option_is_in_the_guides():
     for name in re.findall(r'bl_idname = "object\.(\w+)"', source):
         if name not in ("canonical_form_cancel", "canonical_form_choose"):
             assert f"bpy.ops.object.{name}(" in scripting, name
+
+
+def test_times_and_ratios_told_elsewhere_agree_with_the_benchmarks():
+    text = (ROOT / "docs" / "benchmarks.md").read_text(encoding="utf-8")
+    scale = text.split("## Scale")[1].split("## ")[0]
+    seconds = {
+        int(n.replace(",", "")): float(s) for n, s in re.findall(r"^\| ([\d,]+) \| ([\d.]+) s", scale, re.MULTILINE)
+    }
+    assert seconds[10_000] < 1.5  # about a second
+    assert seconds[160_000] < 5
+    assert seconds[1_000_000] < 30
+    for page in ("README.md", "docs/user-guide.md"):
+        told = " ".join((ROOT / page).read_text(encoding="utf-8").split())
+        assert re.search(r"under five (seconds )?for 160,000", told), page
+        assert "under half a minute for a million" in told, page
+    ratios = {
+        shape: float(r) for shape, r in re.findall(r"^\| (\w+) \| \d \|(?:[^|]+\|){5} ([\d.]+) \|", text, re.MULTILINE)
+    }
+    overall = float(re.findall(r"Pose ratio overall[^*]*\*\*([\d.]+)", text)[0])
+    guide = (ROOT / "docs" / "user-guide.md").read_text(encoding="utf-8")
+    assert f"by {min(ratios.values()):.2f} (humans) to {max(ratios.values()):.1f} (a bear)" in guide
+    assert f"{overall:.1f} overall" in guide
+
+
+def test_the_evaluation_page_has_a_row_for_every_method():
+    from addon.evaluation.methods import DEFAULT
+
+    tables = (ROOT / "docs" / "evaluation.md").read_text(encoding="utf-8").split("<!-- ")
+    for mark in ("native", "coarse"):
+        table = next(each for each in tables if each.startswith(f"{mark} -->"))
+        assert set(DEFAULT) <= set(re.findall(r"^\| ([\w-]+) \|", table, flags=re.MULTILINE)), mark

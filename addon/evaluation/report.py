@@ -246,10 +246,6 @@ def _pose_text(table: MethodTable, label: str) -> str:
     return f"{_short(_number(pose.ratio))} ({_short(_number(pose.ratio_mirrored))})"
 
 
-def _matrix_text(matrix: np.ndarray) -> str:
-    return _short(_number(_mean(_upper(matrix))))
-
-
 def _by_class(tables: Sequence[MethodTable], labels: list[str], text: Any) -> str:
     return _markdown(
         ["method", *labels], ([table.method.name, *(text(table, label) for label in labels)] for table in tables)

@@ -14,7 +14,9 @@ def models(folder: Path | None):
         return own_models()
     found = {}
     for inner in sorted(path for path in folder.iterdir() if path.is_dir()):
-        found[inner.name] = [(pose, unit(vertices, faces), faces) for pose, vertices, faces in poses_of(inner)]
+        poses = [(pose, unit(vertices, faces), faces) for pose, vertices, faces in poses_of(inner)]
+        if poses:  # else a folder of other kinds of files
+            found[inner.name] = poses
     return found
 
 
