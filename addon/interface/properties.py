@@ -42,10 +42,10 @@ def method_items(_owner: Any, _context: bpy.types.Context | None) -> list[tuple[
     list of tuple
         Name, label, help, icon and number of each method. Blender needs the strings to stay alive.
     """
-    if not MethodProperties.items:
+    if not MethodProperties.listed_methods:
         found = methods().values()
-        MethodProperties.items = [(each.name, each.label, each.help, "NONE", each.rank) for each in found]
-    return MethodProperties.items
+        MethodProperties.listed_methods = [(each.name, each.label, each.help, "NONE", each.rank) for each in found]
+    return MethodProperties.listed_methods
 
 
 def _property(name: str, about: Option, default: Any) -> Any:
@@ -79,7 +79,7 @@ class FormerProperties:
 class MethodProperties:
     """Properties that mirror `Settings`, made from what it knows about its options."""
 
-    items: ClassVar[list[tuple[str, str, str, str, int]]] = []  # of the property `method`, once they are known
+    listed_methods: ClassVar[list[tuple[str, str, str, str, int]]] = []  # of the property `method`, once they are known
     __annotations__ = {
         name: _property(name, about, getattr(_DEFAULT, name)) for name, about in options_of(Settings).items()
     }

@@ -38,3 +38,9 @@ def test_the_command_line_takes_former_flags(tmp_path):
     with pytest.warns(FutureWarning, match='method="as_published"'):
         assert main([*words, "--max-iterations", "1", "--as-published"], lines) == 0
     assert json.loads(lines.getvalue())["method"] == "as_published"
+
+
+def test_the_options_hide_nothing_of_a_property_group(figure_object):
+    chosen = bpy.context.scene.canonical_form
+    for name in ("items", "keys", "values", "get", "pop"):
+        assert getattr(type(chosen), name) == getattr(bpy.types.PropertyGroup, name), name

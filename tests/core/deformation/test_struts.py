@@ -1,4 +1,4 @@
-"""Struts through the flesh, in the elastic body and in the stress."""
+"""Struts through the interior, in the elastic body and in the stress."""
 
 import numpy as np
 import pytest
