@@ -178,7 +178,15 @@ class FormItem:
         everything = np.ones(len(reading.vertices), dtype=bool)
         fractions = fractions_between(self.in_between_count)
         form = found.vertices  # type: ignore[union-attr]
-        shapes = limb_shapes(reading.vertices, reading.faces, form, everything, ways=fractions, monitor=monitor)
+        shapes = limb_shapes(
+            reading.vertices,
+            reading.faces,
+            form,
+            everything,
+            ways=fractions,
+            together=self.settings.together,
+            monitor=monitor,
+        )
         found.warnings.extend(monitor.warnings)
         return shapes
 
@@ -199,7 +207,7 @@ def _report(reading: Reading, found: CanonicalForm | FeaturePatches, request: Re
         measures = summary(reading.vertices, found.vertices, found.faces, request.hausdorff)
         stress = found.stress
         report.stress = StressReport(float(stress[0]), float(stress[-1]), len(stress) - 1)
-        report.method = request.settings.method
+        report.method, report.pieces = request.settings.method, request.settings.pieces
         report.pair_count, report.pair_reduction = found.pair_count, found.pair_reduction
         report.measures = {name: None if np.isnan(value) else value for name, value in measures.items()}
     return report

@@ -43,6 +43,8 @@ class FormReport:
         Stress of the embedding; None if the run stopped at the patches or feature points.
     method : str
         Method that computed the form. This and the following attributes are meaningful only with a form.
+    pieces : str
+        Whether loose parts were one body, 'together', or had forms of their own, 'apart'.
     pair_count : int
         Number of pair distances that the stress uses.
     pair_reduction : float
@@ -59,6 +61,7 @@ class FormReport:
     warnings: list[str]
     stress: StressReport | None = None
     method: str = "local_features"
+    pieces: str = "together"
     pair_count: int = 0
     pair_reduction: float = 0.0
     measures: dict[str, float | None] = field(default_factory=dict)
@@ -113,6 +116,7 @@ class FormReport:
         if "stress" in data:
             report.stress = StressReport(**data["stress"])
             report.method = str(data.get("method", report.method))
+            report.pieces = str(data.get("pieces", "apart"))  # version 0.1 knew nothing else
             report.pair_count = int(data["pair_count"])
             report.pair_reduction = float(data["pair_reduction"])
             report.measures = dict(data["measures"])
@@ -135,6 +139,7 @@ class FormReport:
         if self.stress is not None:
             data |= {
                 "method": self.method,
+                "pieces": self.pieces,
                 "stress": asdict(self.stress),
                 "pair_count": self.pair_count,
                 "pair_reduction": self.pair_reduction,

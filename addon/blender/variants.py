@@ -109,6 +109,7 @@ class VariantTask:
             patches, form = patches_of(mesh), whole_form_of(mesh)
         if patches is None or form is None:
             raise CanonicalFormError(f"The mesh of {obj.name} was changed since the run. Compute the form again first.")
+        self._together = require_record(obj.data).report.pieces == "together"
         self._patches, self._form, self.positions = patches, form, form
         self.shapes: list[FloatArray] = []
         self.warnings: list[str] = []
@@ -137,6 +138,7 @@ class VariantTask:
             self._form,
             chosen,
             ways=[*fractions_between(self.in_betweens), 1.0],
+            together=self._together,
             monitor=monitor,
         )
         self.warnings = all_advised(monitor.warnings)

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .assembly.pieces import Chosen, Piece, connected_pieces
+from .assembly.bodies import Chosen, bodies_of
+from .assembly.body import Body
 from .features import OPENING
 from .measures.alignment import rigid_fit
 from .mesh.geometry import surface_area, vertex_areas
@@ -78,31 +79,31 @@ def canonical_form(
     settings = method.settings(settings)
     monitor = Monitor(progress, cancelled, OPENING)
     with monitor.stage("Surface"):
-        pieces = connected_pieces(vertices, faces, monitor, features=settings.feature_points)
-        require_memory(pieces.largest, settings)
-    monitor.warnings += pieces.repairs + pieces.apart
+        bodies = bodies_of(vertices, faces, monitor, together=settings.together, features=settings.feature_points)
+        require_memory(bodies.largest, settings)
+    monitor.extend(bodies.pieces.repairs + bodies.apart)
 
-    def work(piece: Piece, chosen: Chosen | None, own: Monitor) -> tuple[Found, FloatArray, MethodResult]:
+    def work(body: Body, chosen: Chosen | None, own: Monitor) -> tuple[Found, FloatArray, MethodResult]:
         given = None if chosen is None else chosen.vertices
-        found = detected(piece.points, piece.faces, given, settings, own)
+        found = detected(body.points, body.faces, given, settings, own, reduced=body.working_surface)
         embedded = method.unfold(found, settings, own)
         with own.stage("Alignment"):
             return found.prolonged(own), _laid_onto_input(embedded.points, found), embedded
 
     plan = {**DETECTION, **method.stages, "Alignment": 1}
-    results = pieces.map(work, monitor, plan, pieces.chosen)
-    if pieces.detected_elsewhere:
-        monitor.warn("features_detected_elsewhere", count=pieces.detected_elsewhere)
+    results = bodies.map(work, monitor, plan, bodies.chosen)
+    if bodies.detected_elsewhere:
+        monitor.warn("features_detected_elsewhere", count=bodies.detected_elsewhere)
     histories = [embedded.history for _, _, embedded in results]
     steps = max(map(len, histories))  # each stays at its end value once it has ended
     pair_count = sum(embedded.pair_count for _, _, embedded in results)
     return CanonicalForm(
-        pieces.gathered([form for _, form, _ in results], pieces.vertices),
-        pieces.faces,
-        *pieces.gathered_features([found for found, _, _ in results]),
+        bodies.shaped([form for _, form, _ in results], monitor, area_kept=True),
+        bodies.faces,
+        *bodies.gathered_features([found for found, _, _ in results]),
         np.sum([np.pad(each, (0, steps - len(each)), mode="edge") for each in histories], axis=0),
         pair_count,
-        1 - pair_count / len(pieces.vertices) ** 2,
+        1 - pair_count / len(bodies.vertices) ** 2,
         monitor.timings,
         monitor.warnings,
     )

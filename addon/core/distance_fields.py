@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .assembly.pieces import Chosen, Piece, Pieces, connected_pieces
+from .assembly.bodies import Bodies, Chosen, bodies_of
+from .assembly.body import Body
 from .distances.costs import require_distance_memory
 from .distances.edge_paths import edge_graph
 from .distances.fast_marching import fast_marching
@@ -18,11 +19,10 @@ from .run.errors import InvalidSettingsError
 from .run.memory import require_pair_memory
 from .run.monitor import Cancelled, Monitor, Plan, Progress, Warned
 from .surface.laplacian import mass, stiffness
-from .surface.triangulation import triangulated
-from .surface.working_surface import working_surface
+from .surface.triangulation import Triangulation, triangulated
 
 _STAGES: Plan = {"Surface": 10, "Pieces": 90}
-_PIECE_STAGES: Plan = {"Coarse mesh": 20, "Triangulation": 5, "Distances": 75}
+_BODY_STAGES: Plan = {"Coarse mesh": 20, "Triangulation": 5, "Distances": 75}
 _WORKED_ON = 2000  # vertices between which biharmonic distance and commute time are computed, all pairs
 _REFINED = 30_000  # vertices up to which the heat method splits the triangles for accuracy
 _ONE_BY_ONE = 16  # sources that the heat method measures from one by one, which is more accurate
@@ -91,13 +91,13 @@ def distance_field(
     if kind not in KINDS:
         raise InvalidSettingsError("unknown_kind", names=", ".join(KINDS), value=kind)
     monitor = Monitor(progress, cancelled, _STAGES)
-    pieces, chosen = _measurable(vertices, faces, sources, kind, memory_limit, monitor)
+    bodies, chosen = _measurable(vertices, faces, sources, kind, memory_limit, monitor)
 
-    def work(piece: Piece, here: Chosen, own: Monitor) -> FloatArray:
-        return _field_of_piece(piece, np.unique(here.vertices), kind, memory_limit, own)
+    def work(body: Body, here: Chosen, own: Monitor) -> FloatArray:
+        return _field_of_body(body, np.unique(here.vertices), kind, memory_limit, own)
 
-    fields = pieces.map(work, monitor, _PIECE_STAGES, chosen)
-    field = pieces.gathered(fields, np.full(len(pieces.vertices), np.inf))
+    fields = bodies.map(work, monitor, _BODY_STAGES, chosen)
+    field = bodies.gathered(fields, np.full(len(bodies.vertices), np.inf))
     field[np.unique(np.asarray(sources))] = 0.0
     monitor.deliver(warned)
     return field
@@ -152,22 +152,22 @@ def heat_geodesics(
     from scipy.spatial.distance import cdist
 
     monitor = Monitor()
-    pieces, chosen = _measurable(vertices, faces, sources, "heat", memory_limit, monitor, refined=True)
+    bodies, chosen = _measurable(vertices, faces, sources, "heat", memory_limit, monitor, refined=True)
     columns = np.atleast_1d(np.asarray(sources))
 
-    def work(piece: Piece, here: Chosen, own: Monitor) -> FloatArray:
-        each = np.full((len(piece.vertices), len(columns)), np.inf)
+    def work(body: Body, here: Chosen, own: Monitor) -> FloatArray:
+        each = np.full((len(body.vertices), len(columns)), np.inf)
         if len(here.vertices):
-            points, _, unit = of_unit_area(piece.points, piece.faces)
-            surface = triangulated(points, piece.faces)
+            points, _, unit = of_unit_area(body.points, body.faces)
+            surface = _surface_of(body, points, own)
             found = HeatMethod(surface, monitor=own, fewest=WHOLE).distances(here.vertices)
             longest = dijkstra(edge_graph(surface), directed=False, indices=here.vertices).T
             each[:, here.positions] = unit * _possible(found, cdist(points, points[here.vertices]), longest, own)
         return each
 
-    distances = pieces.map(work, monitor, _PIECE_STAGES, chosen)
+    distances = bodies.map(work, monitor, _BODY_STAGES, chosen)
     monitor.deliver(warned)
-    result = pieces.gathered(distances, np.full((len(pieces.vertices), len(columns)), np.inf))
+    result = bodies.gathered(distances, np.full((len(bodies.vertices), len(columns)), np.inf))
     result[columns, np.arange(len(columns))] = 0.0
     return result
 
@@ -181,33 +181,40 @@ def _measurable(
     monitor: Monitor,
     *,
     refined: bool = False,
-) -> tuple[Pieces, list[Chosen]]:
-    """Find the pieces and the sources in them, and refuse what is too large before anything is computed."""
+) -> tuple[Bodies, list[Chosen]]:
+    """Find the bodies and the sources in them, and refuse what is too large before anything is computed."""
     with monitor.stage("Surface"):
-        pieces = connected_pieces(vertices, faces, monitor)
-        monitor.extend(pieces.repairs)
-        chosen = pieces.sources(sources)
-        for piece, here in zip(pieces.pieces, chosen, strict=True):
+        bodies = bodies_of(vertices, faces, monitor)
+        monitor.extend(bodies.pieces.repairs)
+        chosen = bodies.sources(sources)
+        for body, here in zip(bodies.bodies, chosen, strict=True):
             if KINDS[kind].spectral and len(here.vertices) > _MOST_SOURCES:
                 raise InvalidSettingsError("too_many_sources", most=_MOST_SOURCES, count=len(here.vertices))
-            count = len(piece.vertices)
+            count = len(body.vertices)
             finer = refined or (kind == "heat" and count <= _REFINED)  # about four times as many vertices
             if len(here.vertices):
                 require_distance_memory(4 * count if finer else count, kind, limit=memory_limit)
-    return pieces, chosen
+    return bodies, chosen
 
 
-def _field_of_piece(piece: Piece, chosen: IntArray, kind: str, memory_limit: float, monitor: Monitor) -> FloatArray:
+def _surface_of(body: Body, points: FloatArray, monitor: Monitor) -> Triangulation:
+    """Triangulate the surface of a body as it is, with bridges between its parts."""
+    if len(body.parts) > 1:
+        return body.working_surface(points, body.faces, monitor=monitor).triangulation
+    return triangulated(points, body.faces)
+
+
+def _field_of_body(body: Body, chosen: IntArray, kind: str, memory_limit: float, monitor: Monitor) -> FloatArray:
     from scipy.sparse.csgraph import dijkstra
     from scipy.spatial import cKDTree
 
     if not len(chosen):
-        return np.full(len(piece.vertices), np.inf)
-    points, _, unit = of_unit_area(piece.points, piece.faces)
+        return np.full(len(body.vertices), np.inf)
+    points, _, unit = of_unit_area(body.points, body.faces)
     if KINDS[kind].spectral:
-        field = _spectral_field(points, piece.faces, chosen, kind, memory_limit, monitor)
+        field = _spectral_field(body, points, chosen, kind, memory_limit, monitor)
         return field * (unit if kind == "biharmonic" else 1.0)
-    surface = triangulated(points, piece.faces)
+    surface = _surface_of(body, points, monitor)
     with monitor.stage("Distances"):
         if kind == "fast_marching":
             return unit * fast_marching(surface, chosen, monitor)
@@ -229,10 +236,10 @@ def _possible(field: FloatArray, straight: FloatArray, longest: FloatArray, moni
 
 
 def _spectral_field(
-    points: FloatArray, faces: IntArray, chosen: IntArray, kind: str, memory_limit: float, monitor: Monitor
+    body: Body, points: FloatArray, chosen: IntArray, kind: str, memory_limit: float, monitor: Monitor
 ) -> FloatArray:
     """Compute exact biharmonic distances or commute times on a coarse mesh and interpolate them to all vertices."""
-    surface = working_surface(points, faces, _WORKED_ON, fixed=chosen, monitor=monitor)
+    surface = body.working_surface(points, body.faces, _WORKED_ON, fixed=chosen, monitor=monitor)
     count = len(surface.points)
     if surface.stuck:
         require_pair_memory(len(points), [count], limit=memory_limit)

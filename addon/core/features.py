@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from numpy.typing import ArrayLike
 
-from .assembly.pieces import Chosen, Piece, connected_pieces
+from .assembly.bodies import Chosen, bodies_of
+from .assembly.body import Body
 from .method_api.catalogue import method_named
 from .method_api.costs import require_memory
 from .method_api.settings import Settings
@@ -56,15 +57,16 @@ def feature_patches(
     settings = method_named(settings.method).settings(settings)
     monitor = Monitor(progress, cancelled, OPENING)
     with monitor.stage("Surface"):
-        pieces = connected_pieces(vertices, faces, monitor, features=settings.feature_points)
-        require_memory(pieces.largest, settings)
-    monitor.warnings += pieces.repairs + pieces.apart
+        bodies = bodies_of(vertices, faces, monitor, together=settings.together, features=settings.feature_points)
+        require_memory(bodies.largest, settings)
+    monitor.extend(bodies.pieces.repairs + bodies.apart)
 
-    def work(piece: Piece, chosen: Chosen | None, own: Monitor) -> tuple[IntArray, IntArray, FloatArray]:
+    def work(body: Body, chosen: Chosen | None, own: Monitor) -> tuple[IntArray, IntArray, FloatArray]:
         given = None if chosen is None else chosen.vertices
-        return detected(piece.points, piece.faces, given, settings, own).prolonged(own)
+        found = detected(body.points, body.faces, given, settings, own, reduced=body.working_surface)
+        return found.prolonged(own)
 
-    found = pieces.map(work, monitor, DETECTION, pieces.chosen)
-    if pieces.detected_elsewhere:
-        monitor.warn("features_detected_elsewhere", count=pieces.detected_elsewhere)
-    return FeaturePatches(*pieces.gathered_features(found), monitor.timings, monitor.warnings)
+    found = bodies.map(work, monitor, DETECTION, bodies.chosen)
+    if bodies.detected_elsewhere:
+        monitor.warn("features_detected_elsewhere", count=bodies.detected_elsewhere)
+    return FeaturePatches(*bodies.gathered_features(found), monitor.timings, monitor.warnings)

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .assembly.pieces import Piece, connected_pieces
+from .assembly.bodies import bodies_of
+from .assembly.body import Body
 from .mesh.geometry import of_unit_area, vertex_areas
 from .numerics.arrays import FloatArray, IntArray
 from .posing.articulation import Articulation
@@ -24,6 +25,7 @@ def limb_shapes(
     chosen: np.ndarray,
     *,
     ways: Sequence[float] = (1.0,),
+    together: bool = True,
     monitor: Monitor | None = None,
 ) -> list[FloatArray]:
     """Take the pose out of some limbs, fully or in part.
@@ -37,13 +39,15 @@ def limb_shapes(
     points : (n, 3) ndarray of float
         Vertices of the pose.
     faces : (m, 3) ndarray of int
-        Triangles of one or several surfaces; each is treated by itself.
+        Triangles of one or several surfaces.
     form : (n, 3) ndarray of float
         Vertices of the form, rigidly aligned to the pose.
     chosen : (n,) ndarray of bool
         The vertices of those limbs: whole patches.
     ways : sequence of float
         Parts of the way, 0 to 1.
+    together : bool
+        Whether pieces that belong together are one body, as in the form; otherwise each is treated by itself.
     monitor : Monitor, optional
         Receives progress; polled for cancellation.
 
@@ -68,8 +72,8 @@ def limb_shapes(
     (True, True)
     """
     monitor = monitor or Monitor()
-    pieces = connected_pieces(points, faces, monitor)
-    form, chosen, count = np.asarray(form, dtype=np.float64), np.asarray(chosen), len(pieces.vertices)
+    bodies = bodies_of(points, faces, monitor, together=together)
+    form, chosen, count = np.asarray(form, dtype=np.float64), np.asarray(chosen), len(bodies.vertices)
     if form.shape != (count, 3) or not np.isfinite(form).all():
         raise InvalidMeshError("form_shape", count=count)
     if chosen.shape != (count,) or chosen.dtype != bool:
@@ -77,29 +81,29 @@ def limb_shapes(
     if not all(0 <= way <= 1 for way in ways):
         raise InvalidSettingsError("limb_ways")
 
-    def work(piece: Piece, own: Monitor) -> list[FloatArray]:
-        here = piece.vertices
-        return _shapes_of_piece(piece, form[here], chosen[here], ways, own)
+    def work(body: Body, own: Monitor) -> list[FloatArray]:
+        here = body.vertices
+        return _shapes_of_body(body, form[here], chosen[here], ways, own)
 
-    shapes = pieces.map(work, monitor, _STAGES)
-    return [pieces.gathered(each, pieces.vertices) for each in zip(*shapes, strict=True)]
+    shapes = bodies.map(work, monitor, _STAGES)
+    return [bodies.shaped(each, monitor) for each in zip(*shapes, strict=True)]
 
 
-def _shapes_of_piece(
-    piece: Piece, form: FloatArray, chosen: np.ndarray, ways: Sequence[float], monitor: Monitor
+def _shapes_of_body(
+    body: Body, form: FloatArray, chosen: np.ndarray, ways: Sequence[float], monitor: Monitor
 ) -> list[FloatArray]:
-    points, faces = piece.points, piece.faces
+    points, faces = body.points, body.faces
     if not chosen.any():
         return [points for _ in ways]
     amounts = limb_amounts(points, faces, chosen)
     monitor.check()
     areas = vertex_areas(of_unit_area(points, faces)[0], faces)
     if not chosen.all() and areas[chosen].sum() > areas.sum() / 2:
-        form = Articulation(form, faces, points, monitor).at(1.0 - amounts)
+        form = Articulation(form, faces, points, monitor, reduced=body.working_surface).at(1.0 - amounts)
         amounts = np.ones(len(points))
     if all(way == 1 for way in ways) and (amounts == 1).all():
         return [form for _ in ways]
-    path = Articulation(points, faces, form, monitor)
+    path = Articulation(points, faces, form, monitor, reduced=body.working_surface)
     shapes = []
     with monitor.stage("Limbs"):
         for number, way in enumerate(ways, start=1):

@@ -23,7 +23,7 @@ from .properties import METHOD_NAMES, hand_over
 from .tool_operators import OBJECT_OT_canonical_form_choose, OBJECT_OT_canonical_form_distance
 
 _MAIN = ("quality", "preserve_detail")
-_EVERY_METHOD = (*FEATURE_OPTIONS, "method", "value", "feature_points", "quality", "memory_limit")
+_EVERY_METHOD = (*FEATURE_OPTIONS, "method", "value", "feature_points", "quality", "pieces", "memory_limit")
 _BUTTON_SCALE = 1.4  # height of the main button relative to others
 _LINE_LENGTH = 42  # characters in a line of the sidebar
 

@@ -2,7 +2,7 @@ import bpy
 import numpy as np
 
 from addon.blender.mesh_reading import read_mesh
-from addon.core.assembly.pieces import connected_pieces
+from addon.core.assembly.bodies import bodies_of
 from addon.core.measures.form_measures import enclosed_volume
 from tools.sample.posed_figure import build
 
@@ -12,9 +12,9 @@ def test_the_posed_figure_is_one_closed_surface_and_the_pose_moves_it():
     rest, posed = build("Rest", levels=1, posed=False), build("Posed", levels=1)
     shapes = [read_mesh(obj.data) for obj in (rest, posed)]
     for vertices, faces in shapes:
-        found = connected_pieces(vertices, faces)
-        assert len(found.pieces) == 1
-        assert not found.repairs + found.apart
+        found = bodies_of(vertices, faces)
+        assert len(found.pieces.pieces) == 1
+        assert not found.pieces.repairs + found.apart
         assert enclosed_volume(vertices, faces) > 0
     assert len(shapes[0][0]) == len(shapes[1][0])
     assert np.linalg.norm(shapes[0][0] - shapes[1][0], axis=1).max() > 0.3

@@ -50,11 +50,11 @@ def families() -> dict[str, Family]:
     part_faces = np.vstack([faces, its + count, its_own + count + len(ball)])
     same = np.full(len(parts), -1)
     same[:count] = every
-    found["loose parts"] = Family(parts, part_faces, "3 loose parts", like="closed", same=same)
+    found["loose parts"] = Family(parts, part_faces, "3 bodies", like="closed", same=same)
     many = [(shapes.sphere(2)[0] * (1 + 0.02 * number) + 5 * np.array([number // 10, number % 10, 0]))
             for number in range(100)]  # fmt: skip
     many_faces = [shapes.sphere(2)[1] + 162 * number for number in range(100)]
-    found["100 parts"] = Family(np.vstack(many), np.vstack(many_faces), "100 loose parts")
+    found["100 parts"] = Family(np.vstack(many), np.vstack(many_faces), "bodies that do not touch")
 
     stray = np.vstack([vertices[:7], rng.normal(size=(40, 3)), vertices[7:]])
     to_stray = np.where(every < 7, every, every + 40)

@@ -1,10 +1,8 @@
-"""The connected pieces of a mesh: each is worked on by itself, and the results are gathered on all vertices."""
+"""The connected pieces of a mesh."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,14 +11,11 @@ from ..mesh.connectivity import component_labels
 from ..mesh.geometry import component_areas
 from ..mesh.repair import repaired
 from ..numerics.arrays import FloatArray, IntArray
-from ..run.errors import InvalidMeshError, InvalidSettingsError
+from ..run.errors import InvalidMeshError
 from ..run.messages import Message, message
-from ..run.monitor import Monitor, Plan
-
-Result = TypeVar("Result")
+from ..run.monitor import Monitor
 
 _MOST = 500  # pieces; more are loose faces, or cards of hair and leaves, whose patches nobody could use
-_SHOWN = 5  # warnings about pieces that are passed on one by one
 _NO_AREA = 1e-12  # squares of half the size; rounding leaves a thousandth of it
 _ALIKE = 1e-6  # share of the whole area within which two pieces count as equally large
 
@@ -45,22 +40,6 @@ class Piece:
 
 
 @dataclass(frozen=True, eq=False)
-class Chosen:
-    """Vertices that the user chose, as far as they lie in one piece.
-
-    Attributes
-    ----------
-    positions : (t,) ndarray of int
-        Their places in the list that the user gave, rising.
-    vertices : (t,) ndarray of int
-        The same as vertices of the piece.
-    """
-
-    positions: IntArray
-    vertices: IntArray
-
-
-@dataclass(frozen=True, eq=False)
 class Pieces:
     """A mesh as connected surfaces.
 
@@ -72,8 +51,8 @@ class Pieces:
         Positions of all vertices, as given.
     faces : (m, 3) ndarray of int
         Triangles of all pieces, as corners of the mesh.
-    chosen : list of Chosen or None
-        Feature points chosen by hand, one item per piece; None where they are to be detected.
+    representative : (n,) ndarray of int
+        The vertex that each vertex is one with: itself, or the first at its place along a seam.
     repairs : list of Message
         What was different from the mesh as given.
     dropped : int
@@ -85,168 +64,22 @@ class Pieces:
     pieces: list[Piece]
     vertices: FloatArray
     faces: IntArray
-    chosen: list[Chosen | None]
+    representative: IntArray
     repairs: list[Message]
     dropped: int
     loose: int
-    _representative: IntArray
-    _given: Sequence[int] | None
-
-    def map(self, work: Callable[..., Result], monitor: Monitor, plan: Plan, *of_each: Sequence[Any]) -> list[Result]:
-        """Work on every piece, one after the other, and pass on what it warns of.
-
-        Parameters
-        ----------
-        work : callable
-            Takes a piece, one item of each further sequence, and a monitor for its share of the whole.
-        monitor : Monitor
-            Of the whole: its stages so far are done.
-        plan : mapping of str to float
-            The stages of the work on a piece.
-        *of_each : sequences
-            One item per piece, handed to the work.
-
-        Returns
-        -------
-        list
-            What the work returned, one per piece.
-
-        Raises
-        ------
-        CancelledError
-            If the run is cancelled.
-
-        Examples
-        --------
-        >>> square = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]]
-        >>> pieces = connected_pieces(square, [[0, 1, 2], [1, 3, 2]])
-        >>> pieces.map(lambda piece, own: len(piece.faces), Monitor(), {})
-        [2]
-        """
-        ends = np.cumsum([0, *(len(piece.vertices) for piece in self.pieces)])
-        shares = ends / ends[-1]
-        warnings: list[Message] = []
-        results = []
-        for index, piece in enumerate(self.pieces):
-            own = monitor.piece(float(shares[index]), float(shares[index + 1]), plan)
-            results.append(work(piece, *(items[index] for items in of_each), own))
-            own.tick(1.0)  # also where there was nothing to do
-            warnings += [each for each in own.warnings if each not in warnings]
-        monitor.extend(warnings[:_SHOWN])
-        if len(warnings) > _SHOWN:
-            monitor.warn("more_warnings", count=len(warnings) - _SHOWN)
-        return results
-
-    def gathered(self, values: Sequence[np.ndarray], others: np.ndarray) -> np.ndarray:
-        """Gather values of the pieces on all vertices of the mesh.
-
-        Parameters
-        ----------
-        values : sequence of (p, ...) ndarray
-            Values on the vertices of each piece.
-        others : (n, ...) ndarray
-            Values of vertices that are in no piece.
-
-        Returns
-        -------
-        (n, ...) ndarray
-            Values on all vertices; those that were taken as one have the same.
-        """
-        whole = others.copy()
-        for piece, each in zip(self.pieces, values, strict=True):
-            whole[piece.vertices] = each
-        copies = np.flatnonzero(self._representative != np.arange(len(whole)))
-        whole[copies] = whole[self._representative[copies]]
-        return whole
-
-    def sources(self, given: ArrayLike) -> list[Chosen]:
-        """Locate the vertices to start from in the pieces.
-
-        Parameters
-        ----------
-        given : (s,) array_like of int
-            Vertices of the mesh.
-
-        Returns
-        -------
-        list of Chosen
-            One per piece.
-
-        Raises
-        ------
-        InvalidSettingsError
-            If they are not vertices of the mesh.
-        """
-        try:
-            wanted = np.atleast_1d(np.asarray(given))
-        except ValueError:  # lists of several lengths
-            wanted = np.zeros((0, 0))
-        if wanted.ndim != 1 or not np.issubdtype(wanted.dtype, np.integer) or not wanted.size:
-            raise InvalidSettingsError("source_list")
-        if wanted.min() < 0 or wanted.max() >= len(self.vertices):
-            raise InvalidSettingsError("source_range", last=len(self.vertices) - 1)
-        return _located(self.pieces, self._representative, wanted)
-
-    def gathered_features(
-        self, found: Sequence[tuple[IntArray, IntArray, FloatArray]]
-    ) -> tuple[IntArray, IntArray, FloatArray]:
-        """Gather the features of the pieces on the whole mesh.
-
-        Parameters
-        ----------
-        found : sequence of tuple
-            Feature points, cells and Auto Diffusion Function of each piece, as its vertices.
-
-        Returns
-        -------
-        features : (k,) ndarray of int
-            Vertices of the mesh: those chosen by hand in their order, then the others, piece by piece.
-        patches : (n,) ndarray of int
-            Patch of every vertex; -1 for vertices of no piece.
-        adf : (n,) ndarray of float
-            Auto Diffusion Function of every vertex; 0 for vertices of no piece.
-        """
-        count = len(self.vertices)
-        features = [piece.vertices[points] for piece, (points, _, _) in zip(self.pieces, found, strict=True)]
-        first = np.cumsum([0, *[len(each) for each in features]])
-        place = [
-            count + start + np.arange(len(each)) if chosen is None else chosen.positions
-            for start, each, chosen in zip(first[:-1], features, self.chosen, strict=True)
-        ]
-        order = np.argsort(np.concatenate(place), kind="stable")
-        number = np.empty(len(order), dtype=np.int64)
-        number[order] = np.arange(len(order))
-        cells = [number[start + own] for start, (_, own, _) in zip(first[:-1], found, strict=True)]
-        points = np.concatenate(features)[order]
-        if self._given is not None:
-            points[: len(self._given)] = self._given  # which may be copies, along a seam, of those found
-        patches = self.gathered(cells, np.full(count, -1))
-        return points, patches, self.gathered([adf for _, _, adf in found], np.zeros(count))
 
     @property
-    def apart(self) -> list[Message]:
-        """What becomes of loose pieces and of vertices without a face in a form."""
-        several = len(self.pieces) if len(self.pieces) > 1 else 0
-        counts = {"pieces_without_area": self.dropped, "several_pieces": several, "loose_vertices": self.loose}
+    def left_out(self) -> list[Message]:
+        """What becomes of pieces without area and of vertices without a face."""
+        counts = {"pieces_without_area": self.dropped, "loose_vertices": self.loose}
         return [message(kind, count=count) for kind, count in counts.items() if count]
-
-    @property
-    def largest(self) -> int:
-        """Number of vertices of the piece that has most."""
-        return max(len(piece.vertices) for piece in self.pieces)
-
-    @property
-    def detected_elsewhere(self) -> int:
-        """Number of pieces without any of the feature points that were chosen by hand."""
-        return 0 if self._given is None else sum(each is None for each in self.chosen)
 
 
 def connected_pieces(
     vertices: ArrayLike,
     faces: ArrayLike,
     monitor: Monitor | None = None,
-    *,
-    features: Sequence[int] | None = None,
 ) -> Pieces:
     """Find the connected surfaces in a mesh.
 
@@ -258,8 +91,6 @@ def connected_pieces(
         Triangles as vertex indices.
     monitor : Monitor, optional
         Polled for cancellation.
-    features : sequence of int, optional
-        Feature points chosen by hand, vertices of the mesh.
 
     Returns
     -------
@@ -270,8 +101,6 @@ def connected_pieces(
     ------
     InvalidMeshError
         If the mesh cannot be used; the message says what to do.
-    InvalidSettingsError
-        If a feature point chosen by hand is not a vertex of a surface, or is given twice.
     CancelledError
         If the run is cancelled.
 
@@ -279,8 +108,8 @@ def connected_pieces(
     --------
     >>> corner = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
     >>> two = connected_pieces(corner + [[x, y, 1] for x, y, _ in corner], [[0, 1, 2], [3, 4, 5]])
-    >>> len(two.pieces), two.apart[0].kind
-    (2, 'several_pieces')
+    >>> len(two.pieces), two.left_out
+    (2, [])
     """
     monitor = monitor or Monitor()
     mesh = repaired(vertices, faces, monitor)
@@ -305,8 +134,7 @@ def connected_pieces(
     on_surface = np.zeros(len(points), dtype=bool)
     on_surface[corners] = True
     loose = int(np.count_nonzero(~on_surface[mesh.representative]))
-    chosen = _chosen_features(pieces, mesh.representative, features)
-    return Pieces(pieces, points, used, chosen, mesh.warnings, dropped, loose, mesh.representative, features)
+    return Pieces(pieces, points, used, mesh.representative, mesh.warnings, dropped, loose)
 
 
 def _largest_first(area: FloatArray, size: FloatArray) -> IntArray:
@@ -330,33 +158,3 @@ def _piece(points: FloatArray, faces: IntArray) -> Piece:
         return Piece(vertices, points, faces)
     number = np.cumsum(used) - 1
     return Piece(vertices, points[vertices], number[faces])
-
-
-def _chosen_features(pieces: list[Piece], representative: IntArray, given: Sequence[int] | None) -> list[Chosen | None]:
-    """Find feature points chosen by hand in the pieces."""
-    if given is None:
-        return [None] * len(pieces)
-    features, count = np.asarray(given), len(representative)
-    if features.ndim != 1 or not features.size or not np.issubdtype(features.dtype, np.integer):
-        raise InvalidSettingsError("feature_list")
-    if features.min() < 0 or features.max() >= count:
-        raise InvalidSettingsError("feature_range", last=count - 1)
-    if len(np.unique(features)) < len(features):
-        raise InvalidSettingsError("feature_twice")
-    located = _located(pieces, representative, features)
-    if sum(len(chosen.positions) for chosen in located) < len(features):
-        raise InvalidSettingsError("feature_off_surface")
-    if any(len(np.unique(chosen.vertices)) < len(chosen.vertices) for chosen in located):
-        raise InvalidSettingsError("feature_coincident")
-    return [chosen if len(chosen.positions) else None for chosen in located]
-
-
-def _located(pieces: list[Piece], representative: IntArray, given: np.ndarray) -> list[Chosen]:
-    """Find vertices of the mesh in the pieces."""
-    wanted = representative[given.astype(np.int64)]
-    found = []
-    for piece in pieces:
-        at = np.minimum(np.searchsorted(piece.vertices, wanted), len(piece.vertices) - 1)
-        here = np.flatnonzero(piece.vertices[at] == wanted)
-        found.append(Chosen(here, at[here]))
-    return found

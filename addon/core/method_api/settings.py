@@ -65,6 +65,8 @@ class Settings:
         Stop when a step lowers the stress by less than this share of it.
     extrapolation : int
         Number of earlier steps from which the next is extrapolated; 0 takes plain steps. The stress never rises.
+    pieces : {'together', 'apart'}
+        Whether loose parts that lie on, in or inside each other are one body, or each has a form of its own.
     memory_limit : float
         Most memory that may be used, in gigabytes; 0 for 60 % of what is free when the run starts.
 
@@ -189,6 +191,15 @@ class Settings:
         low=0,
         soft_high=12,
     )
+    pieces: str = option(
+        "together",
+        "Loose Parts",
+        "What becomes of loose parts",
+        choices=(
+            Choice("together", "Together", "Parts that lie on, in or inside each other are unfolded as one body"),
+            Choice("apart", "Apart", "Every part gets feature points and a form of its own and stays in its place"),
+        ),
+    )
     memory_limit: float = option(
         0.0,
         "Memory Limit",
@@ -212,6 +223,11 @@ class Settings:
     def coarse_vertices(self) -> int | None:
         """Number of vertices to work on; None for all."""
         return _COARSE.get(self.quality)
+
+    @property
+    def together(self) -> bool:
+        """Whether loose parts that belong together are one body."""
+        return self.pieces == "together"
 
     @property
     def heat_time(self) -> float | None:

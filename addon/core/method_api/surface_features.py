@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from ..detection.auto_diffusion import auto_diffusion
 from ..detection.feature_points import merged, prominent_maxima
 from ..distances.heat import HeatMethod
@@ -15,7 +17,7 @@ from ..run.errors import SolverError
 from ..run.monitor import Monitor, Plan
 from ..surface.laplacian import mass, stiffness
 from ..surface.spectrum import Spectrum, compute_spectrum
-from ..surface.working_surface import WorkingSurface, working_surface
+from ..surface.working_surface import Reduced, WorkingSurface, working_surface
 from .settings import Settings
 
 if TYPE_CHECKING:
@@ -72,6 +74,11 @@ class SurfaceFeatures:
     cells: IntArray
 
     @property
+    def joined_faces(self) -> IntArray:
+        """All triangles and the bridges between the parts of a body: one connected surface, (m + b, 3)."""
+        return np.concatenate([self.whole_faces, self.surface.kept[self.surface.bridges]])
+
+    @property
     def whole_features(self) -> IntArray:
         """Feature points among all vertices, (k,)."""
         return self.surface.kept[self.features]
@@ -101,13 +108,19 @@ class SurfaceFeatures:
         features = self.whole_features
         if not self.surface.coarse:
             return features, self.cells, self.adf
-        cells = voronoi_cells(self.surface.prolong(self.to_features), features, self.whole_faces)
+        cells = voronoi_cells(self.surface.prolong(self.to_features), features, self.joined_faces)
         monitor.check()
         return features, cells, self.surface.prolong(self.adf)
 
 
 def detected(
-    points: FloatArray, faces: IntArray, chosen: IntArray | None, settings: Settings, monitor: Monitor
+    points: FloatArray,
+    faces: IntArray,
+    chosen: IntArray | None,
+    settings: Settings,
+    monitor: Monitor,
+    *,
+    reduced: Reduced = working_surface,
 ) -> SurfaceFeatures:
     """Reduce a surface to the vertices that are worked on, and find its feature points and patches.
 
@@ -116,13 +129,16 @@ def detected(
     points : (n, 3) ndarray of float
         Vertex positions, any unit of length.
     faces : (m, 3) ndarray of int
-        Triangles of one connected surface with some area, each vertex in one at least.
+        Triangles of one connected surface, or of one that `reduced` connects, with some area; each vertex in one at
+        least.
     chosen : (k,) ndarray of int or None
         Feature points given by hand; None to detect them.
     settings : Settings
         Options.
     monitor : Monitor
         Receives progress (the stages of `DETECTION`) and warnings; polled for cancellation.
+    reduced : callable
+        Reduces the surface, as `working_surface` does; of a body of several parts it makes one surface.
 
     Returns
     -------
@@ -151,7 +167,7 @@ def detected(
     """
     monitor.check()
     whole_points, centre, unit = of_unit_area(points, faces)
-    surface = working_surface(whole_points, faces, settings.coarse_vertices, fixed=chosen, monitor=monitor)
+    surface = reduced(whole_points, faces, settings.coarse_vertices, fixed=chosen, monitor=monitor)
     if surface.stuck:
         monitor.warn("coarse_mesh_stuck", count=len(surface.points))
     with monitor.stage("Spectrum"):

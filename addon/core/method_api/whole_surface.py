@@ -120,7 +120,7 @@ class WholeSurface:
     """
 
     def __init__(self, found: SurfaceFeatures, settings: Settings, monitor: Monitor) -> None:
-        self.points, self.faces, self.features = found.whole_points, found.whole_faces, found.whole_features
+        self.points, self.faces, self.features = found.whole_points, found.joined_faces, found.whole_features
         self._settings, self._monitor = settings, monitor
 
     @cached_property

@@ -14,7 +14,7 @@ from ..numerics.arrays import FloatArray, IntArray
 from ..numerics.factoring import factored
 from ..run.monitor import Monitor
 from ..surface.laplacian import stiffness
-from ..surface.working_surface import working_surface
+from ..surface.working_surface import Reduced, working_surface
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
@@ -35,11 +35,13 @@ class Articulation:
     points : (n, 3) ndarray of float
         Vertices of the pose.
     faces : (m, 3) ndarray of int
-        Triangles of one connected surface.
+        Triangles of one connected surface, or of one that `reduced` connects.
     form : (n, 3) ndarray of float
         Vertices of the form, rigidly aligned to the pose.
     monitor : Monitor, optional
         Polled for cancellation.
+    reduced : callable
+        Reduces the surface, as `working_surface` does; of a body of several parts it makes one surface.
 
     Raises
     ------
@@ -63,14 +65,22 @@ class Articulation:
     Shape Manipulation", 2007, doi:10.1145/1276377.1276478 (frames that carry detail).
     """
 
-    def __init__(self, points: FloatArray, faces: IntArray, form: FloatArray, monitor: Monitor | None = None) -> None:
+    def __init__(
+        self,
+        points: FloatArray,
+        faces: IntArray,
+        form: FloatArray,
+        monitor: Monitor | None = None,
+        *,
+        reduced: Reduced = working_surface,
+    ) -> None:
         from scipy.sparse import triu
 
         self._monitor = monitor or Monitor()
         self._points, self._centre, self._unit = of_unit_area(points, faces)
         self._form = (form - self._centre) / self._unit
         self._areas = vertex_areas(self._points, faces)
-        self._surface = working_surface(self._points, faces, _WORKED_ON, monitor=self._monitor)
+        self._surface = reduced(self._points, faces, _WORKED_ON, monitor=self._monitor)
         self._monitor.check()
         self._kept = self._surface.kept
         before, after = self._surface.points, self._form[self._kept]

@@ -43,6 +43,9 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
     "pieces_without_area": "Loose parts without any area ({count}) stay where they are.",
     "several_pieces": "The mesh has {count} loose parts. Each got feature points and a form of its own and stays in "
     "its place; parts that should move together have to be joined first.",
+    "several_bodies": "The mesh has {count} bodies that do not touch, or only touch. Each got feature points and a "
+    "form of its own and stays in its place.",
+    "rider_stretched": "Some loose parts lie on others that move apart. They were moved without bending.",
     "loose_vertices": (
         "1 vertex that belongs to no face stays where it is.",
         "{count:,} vertices that belong to no face stay where they are.",

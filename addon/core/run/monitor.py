@@ -139,8 +139,18 @@ class Monitor:
         CancelledError
             If the run is cancelled.
         """
-        if self._cancelled is not None and self._cancelled():
+        if self.is_cancelled():
             raise CancelledError()
+
+    def is_cancelled(self) -> bool:
+        """Tell whether the run is cancelled.
+
+        Returns
+        -------
+        bool
+            True if the computation should stop.
+        """
+        return self._cancelled is not None and self._cancelled()
 
     def warn(self, kind: str, **numbers: Any) -> None:
         """Keep a warning for the result, unless it is there already.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 
@@ -12,8 +13,8 @@ from ..run.monitor import Monitor
 from .delaunay import intrinsic_delaunay
 from .triangulation import Triangulation, triangulated
 
-_WORTH_IT = 1.2  # times as many vertices as wanted: fewer are not made coarse
-_STUCK = 2.0  # times as many vertices as wanted are left: the coarse mesh is not one
+WORTH_IT = 1.2  # times as many vertices as wanted: fewer are not made coarse
+STUCK = 2.0  # times as many vertices as wanted are left: the coarse mesh is not one
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +33,10 @@ class WorkingSurface:
         Their intrinsic Delaunay triangulation.
     stuck : bool
         Whether far more vertices are left than were wanted, because no more could be removed.
+    coarsening : Coarsening or None
+        The way back to all vertices; None where all are worked on.
+    bridges : (b, 3) ndarray of int
+        Those of the triangles, the last, that are not on the mesh but join the parts of a body.
     """
 
     points: FloatArray
@@ -39,12 +44,13 @@ class WorkingSurface:
     kept: IntArray
     triangulation: Triangulation
     stuck: bool
-    _coarsening: Coarsening | None
+    coarsening: Coarsening | None
+    bridges: IntArray
 
     @property
     def coarse(self) -> bool:
         """Whether there are vertices that are not worked on."""
-        return self._coarsening is not None
+        return self.coarsening is not None
 
     def numbers_of(self, vertices: IntArray) -> IntArray:
         """Map vertices of the whole mesh to their numbers among those that are worked on.
@@ -74,7 +80,7 @@ class WorkingSurface:
         (n, d) or (n,) ndarray of float
             Values on all vertices.
         """
-        return values if self._coarsening is None else self._coarsening.prolong(values)
+        return values if self.coarsening is None else self.coarsening.prolong(values)
 
     def prolong_frames(self, rotation: FloatArray, shift: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Interpolate local rigid motions ``x ↦ x R + t`` to all vertices of the mesh.
@@ -116,6 +122,21 @@ class WorkingSurface:
             The same vertices and triangles in space, triangulated anew.
         """
         return replace(self, triangulation=intrinsic_delaunay(triangulated(self.points, self.faces, slack), monitor))
+
+
+class Reduced(Protocol):
+    """What reduces a mesh to a working surface, as `working_surface` does."""
+
+    def __call__(
+        self,
+        points: FloatArray,
+        faces: IntArray,
+        target: int | None = None,
+        *,
+        fixed: IntArray | None = None,
+        monitor: Monitor | None = None,
+    ) -> WorkingSurface:
+        """Reduce a mesh."""
 
 
 def working_surface(
@@ -160,12 +181,12 @@ def working_surface(
     """
     monitor = monitor or Monitor()
     coarsening, kept = None, np.arange(len(points))
-    if target is not None and len(points) > _WORTH_IT * target:
+    if target is not None and len(points) > WORTH_IT * target:
         with monitor.stage("Coarse mesh"):
             coarsening = coarsened(points, faces, target, fixed=fixed, monitor=monitor)
             kept, faces = coarsening.kept, coarsening.faces
             points = points[kept]
     with monitor.stage("Triangulation"):
         triangulation = intrinsic_delaunay(triangulated(points, faces), monitor)
-    stuck = target is not None and len(points) > _STUCK * target
-    return WorkingSurface(points, faces, kept, triangulation, stuck, coarsening)
+    stuck = target is not None and len(points) > STUCK * target
+    return WorkingSurface(points, faces, kept, triangulation, stuck, coarsening, np.empty((0, 3), dtype=np.int64))

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from addon.core.assembly.bodies import bodies_of
 from addon.core.assembly.pieces import connected_pieces
 from addon.core.mesh.connectivity import is_closed
 from addon.core.mesh.geometry import surface_area
@@ -23,17 +24,21 @@ def test_two_sheets_on_each_other_stay_two():
     assert [len(piece.vertices) for piece in pieces.pieces] == [35, 35]
 
 
-def test_pieces_come_largest_first_and_back_together(figure, sphere):
+@pytest.mark.parametrize("together", [True, False])
+def test_pieces_come_largest_first_and_back_together(figure, sphere, together):
     vertices = np.vstack([0.01 * sphere[0] + 9, figure[0], [[5.0, 5, 5]]])
     faces = np.vstack([sphere[1], figure[1] + len(sphere[0])])
     pieces = connected_pieces(vertices, faces)
     assert [len(piece.vertices) for piece in pieces.pieces] == [len(figure[0]), len(sphere[0])]
     assert surface_area(pieces.pieces[0].points, pieces.pieces[0].faces) == pytest.approx(surface_area(*figure))
-    back = pieces.gathered([piece.points for piece in pieces.pieces], np.zeros_like(vertices))
+    bodies = bodies_of(vertices, faces, together=together)
+    back = bodies.gathered([body.points for body in bodies.bodies], np.zeros_like(vertices))
     np.testing.assert_array_equal(back[:-1], vertices[:-1])
     assert (back[-1] == 0).all()
-    chosen = pieces.sources([0, len(sphere[0]), 3])[1]
+    chosen = bodies.sources([0, len(sphere[0]), 3])[1]
     np.testing.assert_array_equal(chosen.positions, [0, 2])
     np.testing.assert_array_equal(chosen.vertices, [0, 3])
-    assert "2 loose parts" in pieces.apart[0]
-    assert "1 vertex" in pieces.apart[1]
+    assert [each.kind for each in bodies.apart] == [
+        "loose_vertices",
+        "several_bodies" if together else "several_pieces",
+    ]

@@ -1,0 +1,369 @@
+"""A mesh as bodies: pieces that belong together are worked on as one, and the results are gathered on all vertices."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..mesh.geometry import of_unit_area
+from ..numerics.arrays import FloatArray, IntArray
+from ..run.errors import InvalidSettingsError
+from ..run.messages import Message, message
+from ..run.monitor import Monitor, Plan
+from .body import Body, body_of, single
+from .contacts import contacts_between, neighbourhoods, sampled
+from .pieces import Piece, Pieces, connected_pieces
+from .roles import roles_of
+
+Result = TypeVar("Result")
+
+_SHOWN = 5  # warnings about bodies that are passed on one by one
+
+
+@dataclass(frozen=True, eq=False)
+class Chosen:
+    """Vertices that the user chose, as far as they lie on one body.
+
+    Attributes
+    ----------
+    positions : (t,) ndarray of int
+        Their places in the list that the user gave, rising.
+    vertices : (t,) ndarray of int
+        The same as vertices of the body's surface; for one on a rider, the vertex that carries it.
+    """
+
+    positions: IntArray
+    vertices: IntArray
+
+
+@dataclass(frozen=True, eq=False)
+class Bodies:
+    """A mesh as bodies.
+
+    Attributes
+    ----------
+    bodies : list of Body
+        The bodies, largest area first.
+    pieces : Pieces
+        The connected surfaces of the mesh.
+    chosen : list of Chosen or None
+        Feature points chosen by hand, one item per body; None where they are to be detected.
+    together : bool
+        Whether pieces that belong together are one body.
+    """
+
+    bodies: list[Body]
+    pieces: Pieces
+    chosen: list[Chosen | None]
+    together: bool
+    _given: Sequence[int] | None
+
+    @property
+    def vertices(self) -> FloatArray:
+        """Positions of all vertices, as given, (n, 3)."""
+        return self.pieces.vertices
+
+    @property
+    def faces(self) -> IntArray:
+        """Triangles of all pieces, (m, 3)."""
+        return self.pieces.faces
+
+    def map(self, work: Callable[..., Result], monitor: Monitor, plan: Plan, *of_each: Sequence[Any]) -> list[Result]:
+        """Work on every body, one after the other, and pass on what it warns of.
+
+        Parameters
+        ----------
+        work : callable
+            Takes a body, one item of each further sequence, and a monitor for its share of the whole.
+        monitor : Monitor
+            Of the whole: its stages so far are done.
+        plan : mapping of str to float
+            The stages of the work on a body.
+        *of_each : sequences
+            One item per body, handed to the work.
+
+        Returns
+        -------
+        list
+            What the work returned, one per body.
+
+        Raises
+        ------
+        CancelledError
+            If the run is cancelled.
+
+        Examples
+        --------
+        >>> square = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]]
+        >>> bodies = bodies_of(square, [[0, 1, 2], [1, 3, 2]])
+        >>> bodies.map(lambda body, own: len(body.faces), Monitor(), {})
+        [2]
+        """
+        ends = np.cumsum([0, *(len(body.vertices) for body in self.bodies)])
+        shares = ends / ends[-1]
+        warnings: list[Message] = []
+        results = []
+        for index, body in enumerate(self.bodies):
+            own = monitor.piece(float(shares[index]), float(shares[index + 1]), plan)
+            results.append(work(body, *(items[index] for items in of_each), own))
+            own.tick(1.0)  # also where there was nothing to do
+            warnings += [each for each in own.warnings if each not in warnings]
+        monitor.extend(warnings[:_SHOWN])
+        if len(warnings) > _SHOWN:
+            monitor.warn("more_warnings", count=len(warnings) - _SHOWN)
+        return results
+
+    def gathered(self, values: Sequence[np.ndarray], others: np.ndarray) -> np.ndarray:
+        """Gather values of the bodies on all vertices of the mesh.
+
+        Parameters
+        ----------
+        values : sequence of (p, ...) ndarray
+            Values on the vertices of each body's surface.
+        others : (n, ...) ndarray
+            Values of vertices that are in no piece.
+
+        Returns
+        -------
+        (n, ...) ndarray
+            Values on all vertices: riders have those of the vertices that carry them.
+        """
+        whole = others.copy()
+        for body, each in zip(self.bodies, values, strict=True):
+            whole[body.vertices] = each
+            for rider in body.riders:
+                whole[rider.piece.vertices] = each[rider.carriers]
+        return self._with_copies(whole)
+
+    def shaped(self, shapes: Sequence[FloatArray], monitor: Monitor, *, area_kept: bool = False) -> FloatArray:
+        """Gather the shapes of the bodies; riders go where what is under them goes.
+
+        Parameters
+        ----------
+        shapes : sequence of (p, 3) ndarray of float
+            Where the vertices of each body's surface are.
+        monitor : Monitor
+            Receives warnings; polled for cancellation.
+        area_kept : bool
+            Whether a body with riders is scaled to the area that it has in the mesh.
+
+        Returns
+        -------
+        (n, 3) ndarray of float
+            Positions of all vertices; those of no piece are where they were.
+
+        Raises
+        ------
+        CancelledError
+            If the run is cancelled.
+        """
+        whole = self.vertices.copy()
+        for body, each in zip(self.bodies, shapes, strict=True):
+            whole[body.vertices] = each
+            for rider, shape in zip(body.riders, body.with_riders(each, monitor), strict=True):
+                whole[rider.piece.vertices] = shape
+            if area_kept and body.riders:
+                faces = body.all_faces
+                used = np.unique(faces)
+                before, after = (of_unit_area(points, faces)[2] for points in (self.vertices, whole))
+                centre = whole[used].mean(axis=0)
+                whole[used] = centre + (whole[used] - centre) * (before / after)
+        return self._with_copies(whole)
+
+    def sources(self, given: ArrayLike) -> list[Chosen]:
+        """Locate the vertices to start from on the bodies.
+
+        Parameters
+        ----------
+        given : (s,) array_like of int
+            Vertices of the mesh.
+
+        Returns
+        -------
+        list of Chosen
+            One per body.
+
+        Raises
+        ------
+        InvalidSettingsError
+            If they are not vertices of the mesh.
+        """
+        try:
+            wanted = np.atleast_1d(np.asarray(given))
+        except ValueError:  # lists of several lengths
+            wanted = np.zeros((0, 0))
+        if wanted.ndim != 1 or not np.issubdtype(wanted.dtype, np.integer) or not wanted.size:
+            raise InvalidSettingsError("source_list")
+        if wanted.min() < 0 or wanted.max() >= len(self.vertices):
+            raise InvalidSettingsError("source_range", last=len(self.vertices) - 1)
+        return _located(self.bodies, self.pieces.representative, wanted)
+
+    def gathered_features(
+        self, found: Sequence[tuple[IntArray, IntArray, FloatArray]]
+    ) -> tuple[IntArray, IntArray, FloatArray]:
+        """Gather the features of the bodies on the whole mesh.
+
+        Parameters
+        ----------
+        found : sequence of tuple
+            Feature points, cells and Auto Diffusion Function of each body, on the vertices of its surface.
+
+        Returns
+        -------
+        features : (k,) ndarray of int
+            Vertices of the mesh: those chosen by hand in their order, then the others, body by body.
+        patches : (n,) ndarray of int
+            Patch of every vertex; -1 for vertices of no piece.
+        adf : (n,) ndarray of float
+            Auto Diffusion Function of every vertex; 0 for vertices of no piece.
+        """
+        count = len(self.vertices)
+        features = [body.vertices[points] for body, (points, _, _) in zip(self.bodies, found, strict=True)]
+        first = np.cumsum([0, *[len(each) for each in features]])
+        place = [
+            count + start + np.arange(len(each)) if chosen is None else chosen.positions
+            for start, each, chosen in zip(first[:-1], features, self.chosen, strict=True)
+        ]
+        order = np.argsort(np.concatenate(place), kind="stable")
+        number = np.empty(len(order), dtype=np.int64)
+        number[order] = np.arange(len(order))
+        cells = [number[start + own] for start, (_, own, _) in zip(first[:-1], found, strict=True)]
+        points = np.concatenate(features)[order]
+        if self._given is not None:
+            points[: len(self._given)] = self._given  # which may be copies, along a seam, or on riders
+        patches = self.gathered(cells, np.full(count, -1))
+        return points, patches, self.gathered([adf for _, _, adf in found], np.zeros(count))
+
+    @property
+    def apart(self) -> list[Message]:
+        """What becomes of several bodies, loose pieces and vertices without a face in a form."""
+        told = list(self.pieces.left_out)
+        if len(self.bodies) > 1:
+            told.append(message("several_bodies" if self.together else "several_pieces", count=len(self.bodies)))
+        return told
+
+    @property
+    def largest(self) -> int:
+        """Number of vertices of the body that has most."""
+        return max(len(body.vertices) for body in self.bodies)
+
+    @property
+    def detected_elsewhere(self) -> int:
+        """Number of bodies without any of the feature points that were chosen by hand."""
+        return 0 if self._given is None else sum(each is None for each in self.chosen)
+
+    def _with_copies(self, whole: np.ndarray) -> np.ndarray:
+        """Give vertices that were taken as one the same values."""
+        representative = self.pieces.representative
+        copies = np.flatnonzero(representative != np.arange(len(whole)))
+        whole[copies] = whole[representative[copies]]
+        return whole
+
+
+def bodies_of(
+    vertices: ArrayLike,
+    faces: ArrayLike,
+    monitor: Monitor | None = None,
+    *,
+    together: bool = True,
+    features: Sequence[int] | None = None,
+) -> Bodies:
+    """Find the bodies in a mesh.
+
+    Parameters
+    ----------
+    vertices : (n, 3) array_like of float
+        Vertex positions, any unit of length.
+    faces : (m, 3) array_like of int
+        Triangles as vertex indices.
+    monitor : Monitor, optional
+        Polled for cancellation.
+    together : bool
+        Whether pieces that belong together are one body; otherwise every piece is one.
+    features : sequence of int, optional
+        Feature points chosen by hand, vertices of the mesh.
+
+    Returns
+    -------
+    Bodies
+        The bodies.
+
+    Raises
+    ------
+    InvalidMeshError
+        If the mesh cannot be used; the message says what to do.
+    InvalidSettingsError
+        If a feature point chosen by hand is not a vertex of a surface, or is given twice.
+    CancelledError
+        If the run is cancelled.
+
+    Examples
+    --------
+    >>> corner = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
+    >>> two = [*corner, *([x, y, 9] for x, y, _ in corner)]
+    >>> len(bodies_of(two, [[0, 1, 2], [3, 4, 5]]).bodies)
+    2
+    """
+    monitor = monitor or Monitor()
+    pieces = connected_pieces(vertices, faces, monitor)
+    bodies = _together(pieces, monitor) if together and len(pieces.pieces) > 1 else list(map(single, pieces.pieces))
+    return Bodies(bodies, pieces, _chosen_features(bodies, pieces, features), together, features)
+
+
+def _together(pieces: Pieces, monitor: Monitor) -> list[Body]:
+    """Find the pieces that belong together, among those near each other; these are scaled to unit area."""
+    bodies = []
+    for neighbours in neighbourhoods(pieces.pieces):
+        if len(neighbours) == 1:
+            bodies.append(single(neighbours[0]))
+            continue
+        faces = np.concatenate([piece.vertices[piece.faces] for piece in neighbours])
+        used, corners = np.unique(faces, return_inverse=True)
+        _, centre, unit = of_unit_area(pieces.vertices[used], corners.reshape(-1, 3))
+        scaled = [Piece(piece.vertices, (piece.points - centre) / unit, piece.faces) for piece in neighbours]
+        samples = [sampled(piece.points, piece.faces) for piece in scaled]
+        contacts = contacts_between(scaled, samples, monitor)
+        roles = roles_of(scaled, samples, contacts)
+        monitor.check()
+        bodies += [body_of(neighbours, samples, contacts, roles, group, (centre, unit)) for group in roles.bodies]
+    return bodies
+
+
+def _chosen_features(bodies: list[Body], pieces: Pieces, given: Sequence[int] | None) -> list[Chosen | None]:
+    """Find feature points chosen by hand on the bodies."""
+    if given is None:
+        return [None] * len(bodies)
+    features, count = np.asarray(given), len(pieces.vertices)
+    if features.ndim != 1 or not features.size or not np.issubdtype(features.dtype, np.integer):
+        raise InvalidSettingsError("feature_list")
+    if features.min() < 0 or features.max() >= count:
+        raise InvalidSettingsError("feature_range", last=count - 1)
+    if len(np.unique(features)) < len(features):
+        raise InvalidSettingsError("feature_twice")
+    located = _located(bodies, pieces.representative, features)
+    if sum(len(chosen.positions) for chosen in located) < len(features):
+        raise InvalidSettingsError("feature_off_surface")
+    if any(len(np.unique(chosen.vertices)) < len(chosen.vertices) for chosen in located):
+        raise InvalidSettingsError("feature_coincident")
+    return [chosen if len(chosen.positions) else None for chosen in located]
+
+
+def _located(bodies: list[Body], representative: IntArray, given: np.ndarray) -> list[Chosen]:
+    """Find vertices of the mesh on the bodies."""
+    wanted = representative[given.astype(np.int64)]
+    number = np.full(len(representative), -1, dtype=np.int64)
+    found = []
+    for body in bodies:
+        number[body.vertices] = np.arange(len(body.vertices))
+        for rider in body.riders:
+            number[rider.piece.vertices] = rider.carriers
+        here = np.flatnonzero(number[wanted] >= 0)
+        found.append(Chosen(here, number[wanted[here]]))
+        number[body.vertices] = -1
+        for rider in body.riders:
+            number[rider.piece.vertices] = -1
+    return found

@@ -1,0 +1,244 @@
+"""A body: the pieces that are unfolded as one surface, and those that ride on it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..numerics.arrays import FloatArray, IntArray
+from ..run.monitor import Monitor
+from ..surface.working_surface import WorkingSurface, working_surface
+from .contacts import Contact, Samples
+from .joined_surface import joined_surface
+from .pieces import Piece
+from .riding import ground_of, is_rigid, ridden
+from .roles import TOUCH, Roles
+
+
+@dataclass(frozen=True, eq=False)
+class Rider:
+    """A piece that rides on a body.
+
+    Attributes
+    ----------
+    piece : Piece
+        The piece.
+    carriers : (p,) ndarray of int
+        The vertex of the body's surface that carries each of its vertices.
+    samples : Samples
+        Samples of it, on the mesh scaled to unit area.
+    ground : list of int
+        What it rides on: numbers of parts of the body, then of riders before it.
+    rigid : bool
+        Whether it moves as one.
+    """
+
+    piece: Piece
+    carriers: IntArray
+    samples: Samples
+    ground: list[int]
+    rigid: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Body(Piece):
+    """Pieces that are unfolded as one surface, and what rides on it.
+
+    Attributes
+    ----------
+    vertices : (p,) ndarray of int
+        Vertices of its surface among those of the mesh, part by part.
+    points : (p, 3) ndarray of float
+        Their positions.
+    faces : (q, 3) ndarray of int
+        Its triangles, part by part; corners index `vertices`.
+    parts : list of (slice, slice, Samples)
+        Vertices, triangles and samples of each part; the samples are on the mesh scaled to unit area.
+    riders : list of Rider
+        The pieces that ride on it, each after what carries it.
+    """
+
+    parts: list[tuple[slice, slice, Samples]]
+    riders: list[Rider]
+    _frame: tuple[FloatArray, float]
+
+    @property
+    def all_faces(self) -> IntArray:
+        """Triangles of its surface and of all riders, as corners of the mesh, (f, 3)."""
+        return np.concatenate([each.vertices[each.faces] for each in (self, *(rider.piece for rider in self.riders))])
+
+    def working_surface(
+        self,
+        points: FloatArray,
+        faces: IntArray,
+        target: int | None = None,
+        *,
+        fixed: IntArray | None = None,
+        monitor: Monitor | None = None,
+    ) -> WorkingSurface:
+        """Reduce the body to about `target` vertices of one connected surface.
+
+        Parameters
+        ----------
+        points : (p, 3) ndarray of float
+            Its vertices, of unit area.
+        faces : (q, 3) ndarray of int
+            Its triangles.
+        target : int, optional
+            Number of vertices to work on; all when left out, or when there are hardly more.
+        fixed : (k,) ndarray of int, optional
+            Vertices that are kept.
+        monitor : Monitor, optional
+            Receives progress and warnings (stages *Coarse mesh* and *Triangulation*); polled for cancellation.
+
+        Returns
+        -------
+        WorkingSurface
+            The surface; where the body has several parts, bridges join them.
+
+        Raises
+        ------
+        CancelledError
+            If the run is cancelled.
+        """
+        if len(self.parts) < 2:
+            return working_surface(points, faces, target, fixed=fixed, monitor=monitor)
+        return joined_surface(points, faces, self.parts, target, fixed=fixed, monitor=monitor or Monitor())
+
+    def with_riders(self, shape: FloatArray, monitor: Monitor) -> list[FloatArray]:
+        """Move the riders with the surface.
+
+        Parameters
+        ----------
+        shape : (p, 3) ndarray of float
+            Where the vertices of the surface are.
+        monitor : Monitor
+            Receives warnings; polled for cancellation.
+
+        Returns
+        -------
+        list of ndarray of float
+            Vertices of each rider, in the order of `riders`.
+
+        Raises
+        ------
+        CancelledError
+            If the run is cancelled.
+        """
+        centre, unit = self._frame
+        shapes = [(shape[vertices] - centre) / unit for vertices, _, _ in self.parts]
+        samples = [each for _, _, each in self.parts]
+        for rider in self.riders:
+            ground = ground_of([samples[at] for at in rider.ground], [shapes[at] for at in rider.ground])
+            points = (rider.piece.points - centre) / unit
+            moved = ridden(points, rider.piece.faces, rider.samples, ground, rigid=rider.rigid, monitor=monitor)
+            shapes.append(moved)
+            samples.append(rider.samples)
+        return [each * unit + centre for each in shapes[len(self.parts) :]]
+
+
+def single(piece: Piece) -> Body:
+    """Make a body of one piece.
+
+    Parameters
+    ----------
+    piece : Piece
+        The piece.
+
+    Returns
+    -------
+    Body
+        The body, without riders.
+
+    Examples
+    --------
+    >>> single(Piece(np.arange(3), np.eye(3), np.array([[0, 1, 2]]))).riders
+    []
+    """
+    return Body(piece.vertices, piece.points, piece.faces, [], [], (np.zeros(3), 1.0))
+
+
+def body_of(
+    pieces: Sequence[Piece],
+    samples: Sequence[Samples],
+    contacts: Mapping[tuple[int, int], Contact],
+    roles: Roles,
+    group: Sequence[int],
+    frame: tuple[FloatArray, float],
+) -> Body:
+    """Put the pieces of one body together.
+
+    Parameters
+    ----------
+    pieces : sequence of Piece
+        All pieces of the mesh.
+    samples : sequence of Samples
+        Samples of each, on the mesh scaled to unit area.
+    contacts : mapping of (int, int) to Contact
+        How the pieces lie to each other.
+    roles : Roles
+        Their roles.
+    group : sequence of int
+        The parts of this body.
+    frame : tuple of (3,) ndarray of float and float
+        Centre and unit of that scaling.
+
+    Returns
+    -------
+    Body
+        The body.
+
+    Examples
+    --------
+    >>> from addon.core.assembly.contacts import sampled
+    >>> piece = Piece(np.arange(3), np.eye(3), np.array([[0, 1, 2]]))
+    >>> samples = [sampled(piece.points, piece.faces)]
+    >>> body_of([piece], samples, {}, Roles([[0]], []), [0], (np.zeros(3), 1.0)).vertices.tolist()
+    [0, 1, 2]
+    """
+    parts, first, begun = [], 0, 0
+    numbers: dict[int, int] = {}  # of what can carry: parts and riders, by piece
+    carriers = {}  # vertices of the body's surface that carry those of each piece
+    for index in group:
+        piece = pieces[index]
+        own = slice(first, first + len(piece.vertices)), slice(begun, begun + len(piece.faces))
+        parts.append((*own, samples[index]))
+        numbers[index] = len(numbers)
+        carriers[index] = np.arange(own[0].start, own[0].stop)
+        first, begun = own[0].stop, own[1].stop
+    every = list(range(len(group)))
+    total = sum(len(each.points) for each in samples)
+    riders = []
+    for index, carrier in roles.riders:
+        if carrier not in numbers:
+            continue
+        piece, contact = pieces[index], contacts[index, carrier]
+        covered = float(np.mean(contact.distances < TOUCH))
+        rigid = is_rigid(samples[index].points, len(samples[index].points) / total, covered)
+        under = carriers[carrier][samples[carrier].nearest_corners[contact.nearest]]  # of every sample
+        if rigid:
+            carriers[index] = np.full(len(piece.vertices), under[np.argmin(contact.distances)])
+        else:
+            carriers[index] = under[_nearest(samples[index], piece, contact, frame)]
+        ground = [numbers[carrier]] if rigid else sorted({*every, numbers[carrier]})
+        riders.append(Rider(piece, carriers[index], samples[index], ground, rigid))
+        numbers[index] = len(numbers)
+    return Body(
+        np.concatenate([pieces[index].vertices for index in group]),
+        np.concatenate([pieces[index].points for index in group]),
+        np.concatenate([pieces[index].faces + own.start for index, (own, _, _) in zip(group, parts, strict=True)]),
+        parts,
+        riders,
+        frame,
+    )
+
+
+def _nearest(samples: Samples, piece: Piece, contact: Contact, frame: tuple[FloatArray, float]) -> IntArray:
+    """Find the nearest of those samples of a piece that have something under them, for each of its vertices."""
+    from scipy.spatial import KDTree
+
+    known = np.flatnonzero(np.isfinite(contact.distances))
+    centre, unit = frame
+    return known[KDTree(samples.points[known]).query((piece.points - centre) / unit)[1]]

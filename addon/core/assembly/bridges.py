@@ -1,0 +1,233 @@
+"""Bridges between the parts of a body: thin triangles where the parts hold each other."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..mesh.connectivity import component_labels, edge_table, vertex_pairs
+from ..mesh.geometry import vertex_area_vectors
+from ..numerics.arrays import FloatArray, IntArray
+from .roles import AROUND, TOUCH, WIDEST_GAP
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_matrix
+
+_SHORT_WAY = 0.25  # on the surface, in sqrt(area), beyond twice the link: what closer parts of one limb are apart
+_BORDER = 4.0  # what a vertex on a border counts among those inside: joints are where surfaces end
+_HELD, _HELD_FACTOR = 0.7, 10.0  # share of an open end in a contact from which on it is held, and what that counts
+_LINKED = 3  # vertices of the other part that a vertex is linked to: one alone would let a part twist
+_FALLBACK = 3  # links between parts that no contact joins
+
+
+@dataclass(frozen=True, eq=False)
+class _Contact:
+    """Links between two parts that lie beside each other on both."""
+
+    links: IntArray
+    lengths: FloatArray
+    around: float
+    score: float
+
+
+def bridges_between(points: FloatArray, faces: IntArray, part: IntArray, surfaces: Sequence[FloatArray]) -> IntArray:
+    """Find triangles that join the parts of a body where they hold each other.
+
+    Every vertex near another part is linked to the nearest vertex there; links that lie beside each other are one
+    contact. The contacts that hold best, from all around and along borders, join the parts. Of the others those are
+    bridged that only shorten a way that is short already: two sides of one joint, but not a hand on a hip.
+
+    Parameters
+    ----------
+    points : (c, 3) ndarray of float
+        Vertices, of unit area.
+    faces : (d, 3) ndarray of int
+        Triangles of the parts.
+    part : (c,) ndarray of int
+        Part of every vertex, from 0.
+    surfaces : sequence of (s, 3) ndarray of float
+        Points spread densely over each part.
+
+    Returns
+    -------
+    (b, 3) ndarray of int
+        Triangles, two for a link: an edge of one part and a vertex of the other.
+
+    Examples
+    --------
+    >>> corners = np.array([[0.0, 0, 0], [0.7, 0, 0], [0, 0.7, 0]])
+    >>> points = np.concatenate([corners, corners + [0, 0, 0.01]])
+    >>> faces, part = np.array([[0, 1, 2], [3, 4, 5]]), np.repeat([0, 1], 3)
+    >>> bridges_between(points, faces, part, [points[:3], points[3:]]).shape
+    (12, 3)
+    """
+    pairs = vertex_pairs(faces)
+    normals = vertex_area_vectors(points, faces)
+    normals /= np.maximum(np.linalg.norm(normals, axis=1), np.finfo(float).tiny)[:, None]
+    contacts = _contacts(points, pairs, normals, _border_loops(faces), part, surfaces)
+    links = _chosen(points, pairs, part, contacts)
+    return _triangles(points, pairs, links)
+
+
+def _contacts(
+    points: FloatArray,
+    pairs: IntArray,
+    normals: FloatArray,
+    loop: IntArray,
+    part: IntArray,
+    surfaces: Sequence[FloatArray],
+) -> list[_Contact]:
+    """Link the parts where they are near, sort the links into contacts, the best first."""
+    links, lengths = _links(points, part, surfaces)
+    if not len(links):
+        return []
+    near = _within_two_edges(len(points), pairs)
+    label = component_labels(len(links), _side_by_side(links, near))
+    whole = np.bincount(loop[loop >= 0], minlength=1)
+    found = []
+    for index in range(int(label.max()) + 1):
+        here = label == index
+        own, length = links[here], lengths[here]
+        ends = [np.unique(side) for side in own.T]
+        around = max(1 - float(np.linalg.norm(normals[end].mean(axis=0))) for end in ends)
+        count = sum(len(end) + _BORDER * np.count_nonzero(loop[end] >= 0) for end in ends)
+        score = count * around**2 / (1 + (length.min() / TOUCH) ** 2)
+        held = any((_shares(loop[end], whole) >= _HELD).any() for end in ends)
+        found.append(_Contact(own, length, around, score * (_HELD_FACTOR if held else 1.0)))
+    return sorted(found, key=lambda contact: -contact.score)
+
+
+def _links(points: FloatArray, part: IntArray, surfaces: Sequence[FloatArray]) -> tuple[IntArray, FloatArray]:
+    """Link every vertex that is near another part to the nearest vertex there; the distances from the parts."""
+    from scipy.spatial import KDTree
+
+    members = [np.flatnonzero(part == index) for index in range(len(surfaces))]
+    dense = [KDTree(surface) for surface in surfaces]
+    coarse = [KDTree(points[own]) for own in members]
+    found = []
+    for i, own in enumerate(members):
+        for j, others in enumerate(members):
+            if i == j:
+                continue
+            distance, at = dense[j].query(points[own], distance_upper_bound=WIDEST_GAP + TOUCH)
+            if not np.isfinite(distance).any() or distance.min() > WIDEST_GAP:
+                continue
+            here = np.flatnonzero(distance < max(TOUCH, distance.min() + TOUCH / 2))
+            count = min(_LINKED, len(others))
+            there = others[coarse[j].query(surfaces[j][at[here]], k=count)[1].reshape(len(here), -1)]
+            here = np.repeat(here, count)
+            ends = np.column_stack([own[here], there.ravel()])
+            found.append(np.column_stack([ends if i < j else ends[:, ::-1], distance[here]]))
+    if not found:
+        return np.empty((0, 2), dtype=np.int64), np.empty(0)
+    every = np.concatenate(found)
+    every = every[np.lexsort((every[:, 2], every[:, 1], every[:, 0]))]
+    ends = every[:, :2].astype(np.int64)
+    new = np.concatenate([[True], (ends[1:] != ends[:-1]).any(axis=1)])
+    return ends[new], every[new, 2]
+
+
+def _within_two_edges(count: int, pairs: IntArray) -> csr_matrix:
+    """Mark the vertices that are within two edges of each other, or the same."""
+    from scipy.sparse import coo_matrix, identity
+
+    one = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count)).tocsr()
+    one = one + one.T + identity(count, format="csr")
+    return one @ one
+
+
+def _side_by_side(links: IntArray, near: csr_matrix) -> IntArray:
+    """List the pairs of links whose ends are near each other on both parts."""
+    from scipy.sparse import csr_matrix
+
+    def of_links(end: IntArray) -> csr_matrix:
+        chosen = csr_matrix((np.ones(len(end)), end, np.arange(len(end) + 1)), shape=(len(end), near.shape[0]))
+        between = chosen @ near @ chosen.T
+        between.data[:] = 1.0
+        return between
+
+    both = of_links(links[:, 0]).multiply(of_links(links[:, 1])).tocoo()
+    return np.column_stack([both.row, both.col])
+
+
+def _chosen(points: FloatArray, pairs: IntArray, part: IntArray, contacts: list[_Contact]) -> IntArray:
+    """Choose the contacts that join the parts, and those beside them."""
+    joined = np.arange(int(part.max()) + 1)  # which parts hang together so far
+    chosen: list[IntArray] = []
+    for contact in contacts:
+        start, end = contact.links[np.argmin(contact.lengths)]
+        one, other = joined[part[start]], joined[part[end]]
+        if one != other:
+            joined[joined == other] = one
+        elif contact.around < AROUND or not _way_is_short(points, pairs, chosen, start, end):
+            continue
+        chosen.append(contact.links)
+    while (joined != joined[0]).any():
+        chosen.append(_shortest_links(points, joined[part]))
+        ends = part[chosen[-1][0]]
+        joined[joined == joined[ends[1]]] = joined[ends[0]]
+    return np.concatenate(chosen) if chosen else np.empty((0, 2), dtype=np.int64)
+
+
+def _way_is_short(points: FloatArray, pairs: IntArray, chosen: list[IntArray], start: int, end: int) -> bool:
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import dijkstra
+
+    edges = np.concatenate([pairs, *chosen])
+    lengths = np.maximum(np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1), 1e-9)
+    graph = coo_matrix((lengths, (edges[:, 0], edges[:, 1])), shape=(len(points), len(points))).tocsr()
+    limit = _SHORT_WAY + 2 * float(np.linalg.norm(points[start] - points[end]))
+    return bool(np.isfinite(dijkstra(graph, directed=False, indices=start, limit=limit)[end]))
+
+
+def _shortest_links(points: FloatArray, group: IntArray) -> IntArray:
+    """Link the two groups of parts that are nearest to each other, or rather the first group to the nearest."""
+    from scipy.spatial import KDTree
+
+    first, rest = np.flatnonzero(group == group[0]), np.flatnonzero(group != group[0])
+    distance, at = KDTree(points[first]).query(points[rest])
+    rest, at, distance = (each[group[rest] == group[rest[np.argmin(distance)]]] for each in (rest, at, distance))
+    best = np.argsort(distance, kind="stable")[:_FALLBACK]
+    return np.column_stack([first[at[best]], rest[best]])
+
+
+def _triangles(points: FloatArray, pairs: IntArray, links: IntArray) -> IntArray:
+    """Make two thin triangles of every link: with the edge at either end that leads nearest to the other end."""
+    if not len(links):
+        return np.empty((0, 3), dtype=np.int64)
+    both = np.concatenate([pairs, pairs[:, ::-1]])
+    both = both[np.argsort(both[:, 0], kind="stable")]
+    first = np.searchsorted(both[:, 0], np.arange(len(points) + 1))
+    made = []
+    for start, end in (links.T, links.T[::-1]):
+        degree = first[start + 1] - first[start]
+        owner = np.repeat(np.arange(len(links)), degree)
+        edge = first[start][owner] + np.arange(len(owner)) - np.repeat(np.cumsum(degree) - degree, degree)
+        beside = both[edge, 1]
+        away = np.linalg.norm(points[beside] - points[end[owner]], axis=1)
+        order = np.lexsort((beside, away, owner))
+        nearest = beside[order][np.searchsorted(owner, np.arange(len(links)))]
+        made.append(np.column_stack([start, end, nearest]))
+    triangles = np.concatenate(made)
+    _, single = np.unique(np.sort(triangles, axis=1), axis=0, return_index=True)
+    return triangles[np.sort(single)]
+
+
+def _border_loops(faces: IntArray) -> IntArray:
+    """Find for every vertex the number of the border that it lies on; -1 inside."""
+    edges = edge_table(faces)
+    alone = edges.order[edges.start[edges.count == 1]]
+    pairs = np.column_stack([edges.tail[alone], edges.head[alone]])
+    loop = np.full(int(faces.max()) + 1, -1, dtype=np.int64)
+    if len(pairs):
+        vertices, ends = np.unique(pairs, return_inverse=True)
+        loop[vertices] = component_labels(len(vertices), ends.reshape(-1, 2))
+    return loop
+
+
+def _shares(loop: IntArray, whole: IntArray) -> FloatArray:
+    """Compute which share of each border some vertices make up."""
+    return np.bincount(loop[loop >= 0], minlength=len(whole)) / np.maximum(whole, 1)

@@ -1,0 +1,212 @@
+"""Where the pieces of a mesh lie near each other, measured between samples spread evenly over their surfaces."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..mesh.connectivity import component_labels
+from ..mesh.geometry import area_vectors, of_unit_area
+from ..numerics.arrays import FloatArray, IntArray
+from ..run.monitor import Monitor
+from .pieces import Piece
+
+SPACING = 0.008  # of the samples, in sqrt(area) of all pieces; vertices alone miss contacts of large faces
+FARTHEST = 0.1  # up to which distances between pieces are measured, in the same unit
+_FEWEST = 24  # samples of a piece
+_GOLDEN = np.array([0.7548776662466927, 0.5698402909980532])  # of a plane: 1 / p, 1 / p² with p³ = p + 1
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """Points spread evenly over a surface, as places on its triangles.
+
+    Attributes
+    ----------
+    corners : (s, 3) ndarray of int
+        The corners of the triangle that each sample lies on, vertices of the piece.
+    weights : (s, 3) ndarray of float
+        Barycentric coordinates.
+    points : (s, 3) ndarray of float
+        Positions.
+    normals : (s, 3) ndarray of float
+        Unit normals of the triangles; 0 where a triangle has no area.
+    """
+
+    corners: IntArray
+    weights: FloatArray
+    points: FloatArray
+    normals: FloatArray
+
+    def on(self, vertices: FloatArray) -> FloatArray:
+        """Find the same places after the vertices have moved.
+
+        Parameters
+        ----------
+        vertices : (p, 3) ndarray of float
+            Vertices of the piece.
+
+        Returns
+        -------
+        (s, 3) ndarray of float
+            Positions.
+        """
+        return np.einsum("ij,ijk->ik", self.weights, vertices[self.corners])
+
+    @property
+    def nearest_corners(self) -> IntArray:
+        """The corner nearest to each sample, a vertex of the piece, (s,)."""
+        return self.corners[np.arange(len(self.corners)), np.argmax(self.weights, axis=1)]
+
+
+@dataclass(frozen=True, eq=False)
+class Contact:
+    """How one piece lies to another.
+
+    Attributes
+    ----------
+    distances : (s,) ndarray of float
+        Distance of each sample from the nearest sample of the other; inf beyond `FARTHEST`.
+    nearest : (s,) ndarray of int
+        That sample; 0 where there is none.
+    """
+
+    distances: FloatArray
+    nearest: IntArray
+
+    @property
+    def gap(self) -> float:
+        """The least distance."""
+        return float(self.distances.min())
+
+
+def sampled(points: FloatArray, faces: IntArray, spacing: float = SPACING) -> Samples:
+    """Spread samples evenly over a surface: one for every square of the spacing, along the triangles in their order.
+
+    Parameters
+    ----------
+    points : (n, 3) ndarray of float
+        Vertices.
+    faces : (m, 3) ndarray of int
+        Triangles, of some area together.
+    spacing : float
+        Mean distance between samples.
+
+    Returns
+    -------
+    Samples
+        The samples, at least a few.
+
+    Examples
+    --------
+    >>> square = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]])
+    >>> samples = sampled(square, np.array([[0, 1, 2], [1, 3, 2]]), 0.1)
+    >>> samples.points.shape, np.allclose(samples.on(2 * square), 2 * samples.points)
+    ((100, 3), True)
+
+    References
+    ----------
+    The points inside a triangle follow the additive recurrence of the plastic number; the square is folded onto the
+    triangle as by Osada, Funkhouser, Chazelle and Dobkin, "Shape Distributions", 2002, doi:10.1145/571647.571648.
+    """
+    normals = area_vectors(points, faces)
+    areas = np.linalg.norm(normals, axis=1)
+    ends = np.cumsum(areas)
+    count = max(_FEWEST, round(float(ends[-1]) / spacing**2))
+    face = np.searchsorted(ends, (np.arange(count) + 0.5) * ends[-1] / count)
+    u, v = ((np.arange(1, count + 1)[:, None] * _GOLDEN) % 1.0).T
+    over = u + v > 1
+    u, v = np.where(over, 1 - u, u), np.where(over, 1 - v, v)
+    weights = np.column_stack([1 - u - v, u, v])
+    corners = faces[face]
+    unit = normals[face] / np.maximum(areas[face], np.finfo(float).tiny)[:, None]
+    return Samples(corners, weights, np.einsum("ij,ijk->ik", weights, points[corners]), unit)
+
+
+def contacts_between(
+    pieces: Sequence[Piece], samples: Sequence[Samples], monitor: Monitor
+) -> dict[tuple[int, int], Contact]:
+    """Measure how the pieces lie to each other.
+
+    Parameters
+    ----------
+    pieces : sequence of Piece
+        The pieces, of unit area together.
+    samples : sequence of Samples
+        Samples of each.
+    monitor : Monitor
+        Polled for cancellation.
+
+    Returns
+    -------
+    dict of (int, int) to Contact
+        For each ordered pair of pieces that come nearer than `FARTHEST`: how the first lies to the second.
+
+    Raises
+    ------
+    CancelledError
+        If the run is cancelled.
+
+    Examples
+    --------
+    >>> triangle = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
+    >>> pieces = [Piece(np.arange(3), triangle + [0, 0, z], np.array([[0, 1, 2]])) for z in (0, 0.05, 9)]
+    >>> samples = [sampled(piece.points, piece.faces, 0.02) for piece in pieces]
+    >>> found = contacts_between(pieces, samples, Monitor())
+    >>> list(found), round(found[0, 1].gap, 3)
+    ([(0, 1), (1, 0)], 0.05)
+    """
+    from scipy.spatial import KDTree
+
+    low = np.array([piece.points.min(axis=0) for piece in pieces])
+    high = np.array([piece.points.max(axis=0) for piece in pieces])
+    trees = [KDTree(each.points) for each in samples]
+    found = {}
+    for i in range(len(pieces)):
+        monitor.check()
+        beside = np.maximum(np.maximum(low - high[i], low[i] - high), 0.0)  # between the bounding boxes
+        for j in np.flatnonzero(np.linalg.norm(beside, axis=1) < FARTHEST).tolist():
+            if j == i:
+                continue
+            distances, nearest = trees[j].query(samples[i].points, distance_upper_bound=FARTHEST)
+            here = np.isfinite(distances)
+            if here.any():
+                found[i, j] = Contact(distances, np.where(here, nearest, 0))
+    return {pair: contact for pair, contact in found.items() if pair[::-1] in found}
+
+
+def neighbourhoods(pieces: Sequence[Piece]) -> list[list[Piece]]:
+    """Group the pieces that may belong together: their bounding boxes are near each other, for their size.
+
+    Parameters
+    ----------
+    pieces : sequence of Piece
+        The pieces, largest area first, in any unit.
+
+    Returns
+    -------
+    list of list of Piece
+        The groups, in the order of their largest pieces.
+
+    Examples
+    --------
+    >>> triangle = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
+    >>> pieces = [Piece(np.arange(3), triangle + [0, 0, z], np.array([[0, 1, 2]])) for z in (0, 0.05, 9)]
+    >>> [len(group) for group in neighbourhoods(pieces)]
+    [2, 1]
+    """
+    low = np.array([piece.points.min(axis=0) for piece in pieces])
+    high = np.array([piece.points.max(axis=0) for piece in pieces])
+    sizes = np.array([of_unit_area(piece.points, piece.faces)[2] for piece in pieces])
+    near = []
+    for i in range(len(pieces) - 1):
+        beside = np.maximum(np.maximum(low[i + 1 :] - high[i], low[i] - high[i + 1 :]), 0.0)
+        here = np.linalg.norm(beside, axis=1) < FARTHEST * np.maximum(sizes[i], sizes[i + 1 :])
+        near.append(np.column_stack([np.full(np.count_nonzero(here), i), i + 1 + np.flatnonzero(here)]))
+    label = component_labels(len(pieces), np.concatenate([np.empty((0, 2), dtype=np.int64), *near]))
+    groups: dict[int, list[Piece]] = {}
+    for piece, each in zip(pieces, label.tolist(), strict=True):
+        groups.setdefault(each, []).append(piece)
+    return list(groups.values())

@@ -1,0 +1,228 @@
+"""Pieces that ride on a body: they go where the surface under them goes, and keep their shape."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..deformation.elastic_body import ElasticBody
+from ..deformation.rotations import nearest_rotations
+from ..measures.alignment import rigid_fit
+from ..mesh.geometry import moved_by_frames, of_unit_area, surface_area
+from ..numerics.arrays import FloatArray, IntArray
+from ..run.monitor import Monitor
+from ..surface.working_surface import working_surface
+from .contacts import SPACING, Samples
+
+_REACH = 0.02  # over which what lies under a rider moves it, in sqrt(area) of the mesh, like the lengths below
+_UNDER = 0.03  # radius of the surface under a contact that tells how it turns
+_SMALL_HALF, _SMALL_AREA = 0.06, 0.004  # half the diagonal and the area below which a rider is rigid
+_FEWEST = 24  # vertices of a rider that bends
+_STRETCHED = 1.5  # times its area: a rider that bends is not larger, nor smaller by as much
+_LOOSE = 0.3  # share of a rider on its carrier below which it is rigid
+_OFF, _ROUNDS = 0.005, 5  # how far ground of the same limb may leave its rigid motion; rounds of the robust fit
+_NEIGHBOURS = 24  # samples that tell how the surface turns at one of them
+_NEAREST = 6  # samples under a vertex of a rider that move it
+_WORKED_ON = 400  # vertices of a rider that are worked on
+_SPREAD = 0.002  # diffusion time of the motion over a rider, as a share of its area
+_PULL, _STEPS = 60.0, 8  # towards where the ground takes it, in 1/area; alternations
+
+
+@dataclass(frozen=True, eq=False)
+class Ground:
+    """The surface that carries riders, before and after it moved.
+
+    Attributes
+    ----------
+    before, after : (s, 3) ndarray of float
+        Samples of it.
+    """
+
+    before: FloatArray
+    after: FloatArray
+
+
+def ground_of(samples: Sequence[Samples], shapes: Sequence[FloatArray]) -> Ground:
+    """Put the samples of some pieces together.
+
+    Parameters
+    ----------
+    samples : sequence of Samples
+        Samples of each piece.
+    shapes : sequence of (p, 3) ndarray of float
+        Where its vertices are after it moved.
+
+    Returns
+    -------
+    Ground
+        The ground.
+
+    Examples
+    --------
+    >>> from addon.core.assembly.contacts import sampled
+    >>> points, faces = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]), np.array([[0, 1, 2]])
+    >>> ground = ground_of([sampled(points, faces, 0.1)], [points + 1])
+    >>> np.allclose(ground.after, ground.before + 1)
+    True
+    """
+    return Ground(
+        np.concatenate([each.points for each in samples]),
+        np.concatenate([each.on(shape) for each, shape in zip(samples, shapes, strict=True)]),
+    )
+
+
+def is_rigid(points: FloatArray, area: float, covered: float) -> bool:
+    """Tell whether a rider moves as one: because it is small, or hardly lies on anything.
+
+    Parameters
+    ----------
+    points : (n, 3) ndarray of float
+        Its vertices.
+    area : float
+        Its area, as a share of the mesh.
+    covered : float
+        Share of it that touches its carrier.
+
+    Returns
+    -------
+    bool
+        True for an eye, a tooth, a braid; False for a shirt, a strap.
+
+    Examples
+    --------
+    >>> is_rigid(np.array([[0.0, 0, 0], [0.05, 0, 0]]), 0.01, 1.0)
+    True
+    """
+    half = float(np.linalg.norm(np.ptp(points, axis=0))) / 2
+    return len(points) < _FEWEST or half < _SMALL_HALF or area < _SMALL_AREA or covered < _LOOSE
+
+
+def ridden(
+    points: FloatArray, faces: IntArray, own: Samples, ground: Ground, *, rigid: bool, monitor: Monitor
+) -> FloatArray:
+    """Move a rider with the ground under it.
+
+    Parameters
+    ----------
+    points : (n, 3) ndarray of float
+        Its vertices.
+    faces : (m, 3) ndarray of int
+        Its triangles, one connected surface.
+    own : Samples
+        Samples of it.
+    ground : Ground
+        What carries it.
+    rigid : bool
+        Whether it moves as one; otherwise it follows what lies under each of its parts, as rigidly as possible.
+    monitor : Monitor
+        Receives a warning where a rider cannot follow and moves as one; polled for cancellation.
+
+    Returns
+    -------
+    (n, 3) ndarray of float
+        Its vertices after the move.
+
+    Raises
+    ------
+    CancelledError
+        If the run is cancelled.
+
+    Examples
+    --------
+    >>> from addon.core.assembly.contacts import sampled
+    >>> points, faces = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]), np.array([[0, 1, 2]])
+    >>> below, turn = sampled(points, faces, 0.02), np.array([[0.0, 1, 0], [-1, 0, 0], [0, 0, 1]])
+    >>> small = 0.1 * points + [0.2, 0.2, 0.01]
+    >>> rider = sampled(small, faces)
+    >>> ground = ground_of([below], [points @ turn + 3])
+    >>> np.allclose(ridden(small, faces, rider, ground, rigid=True, monitor=Monitor()), small @ turn + 3)
+    True
+
+    References
+    ----------
+    Sumner, Schmid and Pauly, "Embedded Deformation for Shape Manipulation", 2007, doi:10.1145/1276377.1276478;
+    Sorkine and Alexa, "As-Rigid-As-Possible Surface Modeling", 2007, doi:10.2312/SGP/SGP07/109-116; Geman and
+    McClure, "Statistical Methods for Tomographic Image Reconstruction", 1987 (the robust weights).
+    """
+    monitor.check()
+    if not rigid:
+        draped = _draped(points, faces, ground, monitor)
+        if 1 / _STRETCHED < surface_area(draped, faces) / surface_area(points, faces) < _STRETCHED:
+            return draped
+        monitor.warn("rider_stretched")
+    return _moved_as_one(points, own, ground)
+
+
+def _moved_as_one(points: FloatArray, own: Samples, ground: Ground) -> FloatArray:
+    """Fit one rigid motion to the ground around the contact, without what the ground itself left there."""
+    from scipy.spatial import KDTree
+
+    tree = KDTree(ground.before)
+    distance, at = tree.query(own.points)
+    gap = float(distance.min())
+    touching = distance <= max(_REACH, gap + _REACH / 2)
+    weight = np.exp(-(((distance[touching] - gap) / SPACING) ** 2))
+    under = tree.query_ball_point(ground.before[at[touching]], _UNDER)
+    count = [len(each) for each in under]
+    each, contact = np.concatenate([np.asarray(one, dtype=np.int64) for one in under]), np.repeat(at[touching], count)
+    share = np.repeat(weight / np.maximum(count, 1), count) * _stays(ground, contact, each)
+    used, place = np.unique(each, return_inverse=True)
+    summed = np.maximum(np.bincount(place.ravel(), share, minlength=len(used)), 1e-300)
+    before, after, trust = ground.before[used], ground.after[used], np.ones(len(used))
+    for _ in range(_ROUNDS):
+        rotation, shift = rigid_fit(before, after, summed * trust)
+        off = np.linalg.norm(before @ rotation + shift - after, axis=1)
+        trust = 1 / (1 + (off / _OFF) ** 2) ** 2 + 1e-9
+    return points @ rotation + shift
+
+
+def _stays(ground: Ground, here: IntArray, there: IntArray) -> FloatArray:
+    """Tell how well samples of the ground stay beside others: those of the same limb do, those of another do not."""
+    before = np.linalg.norm(ground.before[here] - ground.before[there], axis=-1)
+    after = np.linalg.norm(ground.after[here] - ground.after[there], axis=-1)
+    return np.exp(-(((after - before) / _OFF) ** 2))
+
+
+def _draped(points: FloatArray, faces: IntArray, ground: Ground, monitor: Monitor) -> FloatArray:
+    """Let every part follow what lies under it, and what lies on nothing follow its surroundings."""
+    from scipy.spatial import KDTree
+
+    scaled, _, unit = of_unit_area(points, faces)
+    surface = working_surface(scaled, faces, _WORKED_ON, monitor=monitor)
+    kept = points[surface.kept]
+    tree = KDTree(ground.before)
+    distance, at = tree.query(kept, k=min(_NEAREST, len(ground.before)))
+    distance, at = distance.reshape(len(kept), -1), at.reshape(len(kept), -1)
+    used, place = np.unique(at, return_inverse=True)
+    turn = _turns(tree, ground, used)[place.reshape(at.shape)]  # (c, k, 3, 3)
+    shift = ground.after[at] - np.einsum("cki,ckij->ckj", ground.before[at], turn)
+    nearest = distance[:, :1]
+    weight = np.exp(-(((distance - nearest) / SPACING) ** 2))
+    weight /= weight.sum(axis=1, keepdims=True)
+    motion = np.concatenate([turn.reshape(*at.shape, 9), shift], axis=2)  # (c, k, 12)
+    motion = np.einsum("ck,ckd->cd", weight, motion)
+    body = ElasticBody(surface.triangulation, surface.points, surface.faces)
+    trust = np.exp(-((nearest[:, 0] / _REACH) ** 2)) + 1e-9
+    spread = body.smoothed(np.column_stack([motion * trust[:, None], trust]) * body.mass[:, None], _SPREAD)
+    far = body.smoothed(np.column_stack([motion * trust[:, None], trust]) * body.mass[:, None], 100 * _SPREAD)
+    spread = spread + 1e-4 * far
+    motion = spread[:, :12] / spread[:, 12:]
+    monitor.check()
+    target = moved_by_frames(kept, motion[:, :9].reshape(-1, 3, 3), motion[:, 9:])
+    placed = body.deformed_towards(
+        target / unit, pull=_PULL, steps=_STEPS, monitor=Monitor(cancelled=monitor.is_cancelled)
+    )
+    rotation, shift = surface.prolong_frames(*body.frames(placed))
+    return moved_by_frames(scaled, rotation, shift) * unit if surface.coarse else placed * unit
+
+
+def _turns(tree: object, ground: Ground, where: IntArray) -> FloatArray:
+    """Find how the ground turns at some of its samples, from those around that stay there."""
+    k = min(_NEIGHBOURS, len(ground.before))
+    around = tree.query(ground.before[where], k=k)[1].reshape(len(where), -1)  # type: ignore[attr-defined]
+    same = _stays(ground, np.broadcast_to(where[:, None], around.shape), around)
+    before = ground.before[around] - ground.before[where][:, None]
+    after = ground.after[around] - ground.after[where][:, None]
+    return nearest_rotations(np.einsum("sk,ski,skj->sij", same, before, after))

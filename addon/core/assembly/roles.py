@@ -1,0 +1,221 @@
+"""Which pieces of a mesh are the body, and which ride on it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..mesh.connectivity import component_labels, edge_table
+from ..numerics.arrays import FloatArray, IntArray
+from .contacts import Contact, Samples
+from .pieces import Piece
+
+TOUCH = 0.02  # nearer than this pieces touch, in sqrt(area) of all pieces, like all lengths here
+WIDEST_GAP = 0.04  # across which pieces still hold each other
+_COVERED = 0.75  # share of a piece on others from which on it rides there, as a shirt does on a body
+_REACH, _REACHING_AREA = 0.15, 0.02  # of a part of the body: how far it extends from what it touches, and its area
+_HELD_AREA, _LOOP, _HELD_LOOP = 0.01, 6, 0.7  # of one in an open end: its area, edges of the end, share of them near
+AROUND = 0.2  # a joint holds from around: 1 - |mean normal| of where pieces touch; a touch from one side has less
+_HOLDING = 0.02  # share of the smaller of two pieces that touches at a joint: fingers in fingers are less
+_SMALLER = 0.5  # area of a piece over that of a body, below which it rides there even where it only touches
+
+
+@dataclass(frozen=True)
+class Roles:
+    """What the pieces of a mesh are to each other.
+
+    Attributes
+    ----------
+    bodies : list of list of int
+        The pieces that are unfolded together, those of each body by falling area.
+    riders : list of (int, int)
+        Pieces that ride, and the piece that carries each: part of a body, or a rider listed before.
+    """
+
+    bodies: list[list[int]]
+    riders: list[tuple[int, int]]
+
+
+def roles_of(pieces: Sequence[Piece], samples: Sequence[Samples], contacts: Mapping[tuple[int, int], Contact]) -> Roles:
+    """Tell the pieces of bodies from those that ride on them.
+
+    The largest piece is part of a body. So is, by falling area, every piece that reaches far from what it touches
+    or is held in an open end: a head on a neck, an arm in a sleeve. What is covered, small or merely touches rides.
+
+    Parameters
+    ----------
+    pieces : sequence of Piece
+        The pieces, largest area first, of unit area together.
+    samples : sequence of Samples
+        Samples of each, their numbers proportional to the areas.
+    contacts : mapping of (int, int) to Contact
+        How they lie to each other.
+
+    Returns
+    -------
+    Roles
+        The roles.
+
+    Examples
+    --------
+    >>> from addon.core.assembly.contacts import contacts_between, sampled
+    >>> from addon.core.run.monitor import Monitor
+    >>> big = np.array([[0.0, 0, 0], [1, 0, 0], [0, 2, 0]])
+    >>> pieces = [Piece(np.arange(3), each, np.array([[0, 1, 2]])) for each in (big, big / 20 + [0.1, 0.1, 0.01])]
+    >>> samples = [sampled(piece.points, piece.faces) for piece in pieces]
+    >>> roles_of(pieces, samples, contacts_between(pieces, samples, Monitor()))
+    Roles(bodies=[[0]], riders=[(1, 0)])
+    """
+    cast = _Cast(pieces, samples, contacts)
+    hosts, others = _hosts(cast)
+    bodies, touching = _bodies(cast, hosts)
+    others += touching
+    return _with_riders(cast, bodies, sorted(others))
+
+
+@dataclass(frozen=True, eq=False)
+class _Cast:
+    """The pieces and how they lie to each other."""
+
+    pieces: Sequence[Piece]
+    samples: Sequence[Samples]
+    contacts: Mapping[tuple[int, int], Contact]
+    known_loops: dict[int, list[IntArray]] = field(default_factory=dict)
+
+    def loops(self, piece: int) -> list[IntArray]:
+        """List the borders of a piece, of some length."""
+        if piece not in self.known_loops:
+            self.known_loops[piece] = _border_loops(self.pieces[piece].faces)
+        return self.known_loops[piece]
+
+    def area(self, piece: int) -> float:
+        return len(self.samples[piece].points) / sum(len(each.points) for each in self.samples)
+
+    def distance(self, piece: int, others: Iterable[int]) -> FloatArray:
+        """Measure the distance of every sample of a piece from some others."""
+        each = [self.contacts[piece, other].distances for other in others if (piece, other) in self.contacts]
+        return np.min(each, axis=0) if each else np.full(len(self.samples[piece].points), np.inf)
+
+    def gap(self, one: Iterable[int], others: Sequence[int]) -> float:
+        """Measure the least distance between two groups of pieces."""
+        return min(
+            (self.contacts[i, j].gap for i in one for j in others if (i, j) in self.contacts), default=float("inf")
+        )
+
+
+def _hosts(cast: _Cast) -> tuple[list[int], list[int]]:
+    """Find the parts of bodies by falling area, over again after each: what was far may touch the new one."""
+    hosts, others = [0], list(range(1, len(cast.pieces)))
+    while True:
+        new = next((piece for piece in others if _is_host(cast, piece, hosts)), None)
+        if new is None:
+            return hosts, others
+        hosts.append(new)
+        others.remove(new)
+
+
+def _is_host(cast: _Cast, piece: int, hosts: list[int]) -> bool:
+    from scipy.spatial import KDTree
+
+    area, distance = cast.area(piece), cast.distance(piece, hosts)
+    gap = float(distance.min())
+    if gap > WIDEST_GAP:  # nothing near: a body of its own, if it is no trinket
+        return not np.isfinite(gap) or area > _SMALLER * max(cast.area(host) for host in hosts)
+    if np.mean(distance < TOUCH) >= _COVERED:
+        return False
+    points = cast.samples[piece].points
+    if area > _REACHING_AREA:
+        near = distance < max(TOUCH, gap + TOUCH / 2)
+        if KDTree(points[near]).query(points)[0].max() > _REACH:
+            return True
+    return area > _HELD_AREA and _is_held(cast, piece, hosts)
+
+
+def _bodies(cast: _Cast, hosts: list[int]) -> tuple[list[list[int]], list[int]]:
+    """Join the hosts that hold each other to bodies; those that only touch a much larger one ride there."""
+    hosts = sorted(hosts)
+    held = [
+        (a, b)
+        for a, i in enumerate(hosts)
+        for b, j in enumerate(hosts)
+        if i < j and (i, j) in cast.contacts and _hold(cast, i, j)
+    ]
+    label = component_labels(len(hosts), np.array(held, dtype=np.int64).reshape(-1, 2))
+    groups: dict[int, list[int]] = {}
+    for host, each in zip(hosts, label.tolist(), strict=True):
+        groups.setdefault(each, []).append(host)
+    ordered = sorted(groups.values(), key=lambda group: -sum(map(cast.area, group)))
+    bodies: list[list[int]] = []
+    touching: list[int] = []
+    for group in ordered:
+        near = [body for body in bodies if cast.gap(group, body) <= WIDEST_GAP]
+        if near and sum(map(cast.area, group)) < _SMALLER * max(sum(map(cast.area, body)) for body in near):
+            touching += group
+        else:
+            bodies.append(group)
+    return bodies, touching
+
+
+def _hold(cast: _Cast, i: int, j: int) -> bool:
+    """Tell a joint, which holds from around or in an open end, from a touch, which is on one side."""
+    gap = cast.contacts[i, j].gap
+    if gap > WIDEST_GAP:
+        return False
+    limit = max(TOUCH, gap + TOUCH / 2)
+    if np.mean(cast.contacts[j, i].distances < limit) < _HOLDING:  # j is the smaller
+        return _is_held(cast, i, [j]) or _is_held(cast, j, [i])
+    for one, other in ((i, j), (j, i)):
+        contact, samples = cast.contacts[one, other], cast.samples[one]
+        near = contact.distances < limit
+        towards = cast.samples[other].points[contact.nearest[near]] - samples.points[near]
+        towards /= np.maximum(np.linalg.norm(towards, axis=1), np.finfo(float).tiny)[:, None]
+        sides = samples.normals[near], towards  # a thin hand has normals all around, but lies on one side of a hip
+        if min(1 - np.linalg.norm(side.mean(axis=0)) for side in sides) > AROUND:
+            return True
+    return _is_held(cast, i, [j]) or _is_held(cast, j, [i])
+
+
+def _is_held(cast: _Cast, piece: int, hosts: Iterable[int]) -> bool:
+    """Tell whether an open end of others lies on a piece."""
+    from scipy.spatial import KDTree
+
+    ends = [cast.pieces[host].points[loop] for host in hosts for loop in cast.loops(host)]
+    tree = KDTree(cast.samples[piece].points) if ends else None
+    return any(np.mean(tree.query(end)[0] < TOUCH) >= _HELD_LOOP for end in ends) if tree else False
+
+
+def _with_riders(cast: _Cast, bodies: list[list[int]], others: list[int]) -> Roles:
+    """Let the other pieces ride, those that lie closest first, each on the one piece that it lies on most."""
+    placed = {piece for body in bodies for piece in body}
+    riders: list[tuple[int, int]] = []
+    hold = {
+        (i, j): float(np.mean(np.exp(-((contact.distances / TOUCH) ** 2))) + 1e-9 / (contact.gap + 1e-3))
+        for (i, j), contact in cast.contacts.items()
+        if i in others
+    }
+    left = list(others)
+    while left:
+        ways = [(hold[i, j], -i, -j) for i in left for j in placed if (i, j) in hold]
+        if not ways:
+            break
+        _, i, j = max(ways)
+        riders.append((-i, -j))
+        placed.add(-i)
+        left.remove(-i)
+    bodies += [[piece] for piece in left]
+    return Roles(bodies, riders)
+
+
+def _border_loops(faces: IntArray) -> list[IntArray]:
+    """List the vertices along each border of some length."""
+    edges = edge_table(faces)
+    alone = edges.order[edges.start[edges.count == 1]]
+    pairs = np.column_stack([edges.tail[alone], edges.head[alone]])
+    if not len(pairs):
+        return []
+    vertices, ends = np.unique(pairs, return_inverse=True)
+    label = component_labels(len(vertices), ends.reshape(-1, 2))
+    loops = [vertices[label == index] for index in range(int(label.max()) + 1)]
+    return [loop for loop in loops if len(loop) >= _LOOP]
