@@ -9,6 +9,7 @@ import numpy as np
 from bpy.props import BoolProperty, IntProperty
 
 from ..blender.hidden_attributes import patches_of
+from ..blender.meant_objects import meant_object, require_object
 from ..blender.mesh_reading import refusal
 from ..blender.object_states import object_mode
 from ..blender.variants import VariantTask, limbs_of, variant_refusal
@@ -34,11 +35,11 @@ class OBJECT_OT_canonical_form_limb(JobOperator, bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Disable the button, with a reason, where there is no form."""
-        return allowed(cls, cls.busy() or variant_refusal(context.object) or refusal(context.object))
+        return allowed(cls, cls.busy() or variant_refusal(meant_object(context)) or refusal(meant_object(context)))
 
     def task(self, context: bpy.types.Context) -> VariantTask:
         """Read the mesh and change the flags of the patches."""
-        now = limbs_of(context.object.data)
+        now = limbs_of(require_object(context).data)
         if self.patch > len(now):
             raise InvalidSettingsError(f"There are {len(now)} patches; {self.patch} is none of them.")
         if self.patch == 0:
@@ -47,7 +48,7 @@ class OBJECT_OT_canonical_form_limb(JobOperator, bpy.types.Operator):
             limbs = [number == self.patch - 1 for number in range(len(now))]
         else:
             limbs = [flag != (number == self.patch - 1) for number, flag in enumerate(now)]
-        return VariantTask(context.object, limbs=limbs)
+        return VariantTask(require_object(context), limbs=limbs)
 
     def written(self, context: bpy.types.Context, task: VariantTask, outcome: Any, interactive: bool) -> None:
         """Report from how many patches the pose is taken out."""
@@ -69,11 +70,11 @@ class OBJECT_OT_canonical_form_in_betweens(JobOperator, bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Disable the button, with a reason, where there is no form."""
-        return allowed(cls, cls.busy() or variant_refusal(context.object) or refusal(context.object))
+        return allowed(cls, cls.busy() or variant_refusal(meant_object(context)) or refusal(meant_object(context)))
 
     def task(self, context: bpy.types.Context) -> VariantTask:
         """Read the mesh."""
-        return VariantTask(context.object, in_betweens=self.count)
+        return VariantTask(require_object(context), in_betweens=self.count)
 
     def written(self, context: bpy.types.Context, task: VariantTask, outcome: Any, interactive: bool) -> None:
         """Report how many keys there are now; by now another object may be active."""
@@ -95,7 +96,7 @@ class OBJECT_OT_canonical_form_select_patch(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Disable the button, with a reason, where there are no patches."""
-        obj = context.object
+        obj = meant_object(context)
         nothing = obj is None or obj.type != "MESH" or not len(obj.data.canonical_form_patches)
         return allowed(cls, "The active object has no patches. Compute them first." if nothing else refusal(obj))
 
@@ -106,7 +107,7 @@ class OBJECT_OT_canonical_form_select_patch(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Select the vertices, and the edges and faces between them."""
-        obj = context.object
+        obj = require_object(context)
         with object_mode(obj):
             patches = patches_of(obj.data)
             if patches is None:

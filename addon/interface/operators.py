@@ -8,6 +8,7 @@ import bpy
 from bpy.props import EnumProperty
 
 from ..blender.advice import explained
+from ..blender.meant_objects import meant_object, meant_objects
 from ..blender.mesh_reading import refusal
 from ..blender.record import read_record
 from ..core import CanonicalFormError
@@ -48,7 +49,7 @@ class OBJECT_OT_canonical_form(JobOperator, MethodProperties, FormerProperties, 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Disable the button, with a reason, where the active object cannot be used."""
-        return allowed(cls, cls.busy() or refusal(context.object))
+        return allowed(cls, cls.busy() or refusal(meant_object(context)))
 
     def task(self, context: bpy.types.Context) -> "FormTask":
         """Read the active and the other selected meshes."""
@@ -87,7 +88,7 @@ class OBJECT_OT_canonical_form_clear(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Disable the button, with a reason, where there is nothing to clear."""
-        obj = context.object
+        obj = meant_object(context)
         nothing = obj is None or obj.type != "MESH" or read_record(obj.data) is None
         reason = "The active object has no canonical form." if nothing else refusal(obj)
         return allowed(cls, JobOperator.busy() or reason)
@@ -111,7 +112,7 @@ class OBJECT_OT_canonical_form_clear(bpy.types.Operator):
 
 
 def chosen_objects(context: bpy.types.Context) -> tuple[list[bpy.types.Object], list[str]]:
-    """List the active object and, in Object Mode, the other selected meshes that can be used.
+    """List the meshes meant that can be used.
 
     Parameters
     ----------
@@ -125,10 +126,9 @@ def chosen_objects(context: bpy.types.Context) -> tuple[list[bpy.types.Object], 
     refused : list of str
         Sentences about those that cannot be used.
     """
-    objects, refused = [context.object], []
-    for obj in context.selected_objects if context.object.mode == "OBJECT" else ():
-        if obj.type != "MESH" or obj == context.object:
-            continue
+    first, *others = meant_objects(context)
+    objects, refused = [first], []
+    for obj in others:
         reason = refusal(obj)
         if reason is None:
             objects.append(obj)

@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 
 import bpy
 
+from ..blender.meant_objects import meant_object
 from ..blender.record import read_record
 
 _DOT = 5.0  # radius in pixels
@@ -76,7 +77,7 @@ def _draw() -> None:
         return
     scale = context.preferences.system.ui_scale
     shader = gpu.shader.from_builtin("UNIFORM_COLOR")
-    for place, colour, label in feature_labels(context.object, context.evaluated_depsgraph_get()):
+    for place, colour, label in feature_labels(meant_object(context), context.evaluated_depsgraph_get()):
         at = location_3d_to_region_2d(context.region, context.region_data, place)
         if at is None:
             continue

@@ -7,6 +7,7 @@ import bpy
 from ..blender.chosen_features import CHOSEN_GROUP
 from ..blender.form_key import form_key
 from ..blender.in_betweens import PROPERTY, has_in_betweens
+from ..blender.meant_objects import armature_of, meant_object, meant_objects, require_object
 from ..blender.record import Record, read_record, require_record
 from ..blender.variants import limbs_of
 from ..core import Settings
@@ -25,7 +26,8 @@ from .tool_operators import OBJECT_OT_canonical_form_choose, OBJECT_OT_canonical
 _MAIN = ("quality", "preserve_detail")
 _EVERY_METHOD = (*FEATURE_OPTIONS, "method", "value", "feature_points", "quality", "pieces", "memory_limit")
 _BUTTON_SCALE = 1.4  # height of the main button relative to others
-_LINE_LENGTH = 42  # characters in a line of the sidebar
+_CHARACTER, _MARGIN, _SHORTEST = 6.4, 55, 20  # width of a character and of what stands beside a line, in pixels
+_FOLDED = 2  # warnings that are shown without a fold
 
 
 class _Tab:
@@ -44,7 +46,7 @@ class VIEW3D_PT_canonical_form(_Tab, bpy.types.Panel):
         layout = self.layout
         layout.use_property_split = True
         layout.use_property_decorate = False
-        chosen, obj = context.scene.canonical_form, context.object
+        chosen, obj = context.scene.canonical_form, meant_object(context)
         job = OBJECT_OT_canonical_form_cancel.job
         if job is not None:
             row = layout.row(align=True)
@@ -52,16 +54,17 @@ class VIEW3D_PT_canonical_form(_Tab, bpy.types.Panel):
             row.progress(factor=job.fraction, text=f"{job.fraction:.0%}  {job.stage}", type="BAR")
             row.operator(OBJECT_OT_canonical_form_cancel.bl_idname, text="", icon="X")
         else:
-            count = sum(each.type == "MESH" for each in context.selected_objects)
+            count = len(meant_objects(context))
             row = layout.row()
             row.scale_y = _BUTTON_SCALE
-            label = f"Compute {count} Objects" if count > 1 and context.mode == "OBJECT" else "Compute"
+            label = f"Compute {count} Objects" if count > 1 else "Compute"
             button = row.operator(OBJECT_OT_canonical_form.bl_idname, text=label, icon="ARMATURE_DATA")
             hand_over(chosen, button)
         if chosen.method != OURS:
             layout.prop(chosen, "method")
         for name in (*_MAIN, "mesh", "result"):
             layout.prop(chosen, name)
+        _offer_shown(layout, chosen, obj)
         if obj is not None and obj.type == "MESH":
             count = len(obj.data.vertices)
             settings = Settings(method=chosen.method, quality=chosen.quality, landmark_count=chosen.landmark_count)
@@ -82,7 +85,7 @@ class VIEW3D_PT_canonical_form_result(_Tab, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         """Draw the slider, the measures, the warnings and Clear."""
-        layout, mesh = self.layout, context.object.data
+        layout, mesh = self.layout, require_object(context).data
         record = require_record(mesh)
         layout.use_property_decorate = False
         key = form_key(mesh)
@@ -100,6 +103,7 @@ class VIEW3D_PT_canonical_form_result(_Tab, bpy.types.Panel):
             button.count = chosen.in_betweens
             row.prop(chosen, "in_betweens")
         _draw_report(layout.column(align=True), record)
+        _draw_warnings(layout, record.report.warnings, _line_length(context))
         layout.prop(context.scene.canonical_form, "show_points")
         layout.operator(OBJECT_OT_canonical_form_clear.bl_idname, text="Clear", icon="TRASH")
 
@@ -136,11 +140,11 @@ class VIEW3D_PT_canonical_form_patches(_Tab, bpy.types.Panel):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Show the panel where there are patches."""
-        return _record(context) is not None and len(context.object.data.canonical_form_patches) > 0
+        return _record(context) is not None and len(require_object(context).data.canonical_form_patches) > 0
 
     def draw(self, context: bpy.types.Context) -> None:
         """Draw the list."""
-        layout, mesh = self.layout, context.object.data
+        layout, mesh = self.layout, require_object(context).data
         lines = min(len(mesh.canonical_form_patches), 10)
         layout.template_list(
             "VIEW3D_UL_canonical_form_patches", "", mesh, "canonical_form_patches", mesh, "canonical_form_patch",
@@ -161,7 +165,7 @@ class VIEW3D_PT_canonical_form_features(_Tab, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         """Draw the source of the feature points, its options, and the steps."""
-        layout, chosen, obj = self.layout, context.scene.canonical_form, context.object
+        layout, chosen, obj = self.layout, context.scene.canonical_form, meant_object(context)
         layout.use_property_split = True
         layout.use_property_decorate = False
         row = layout.row()
@@ -224,7 +228,7 @@ class VIEW3D_PT_canonical_form_advanced(_Tab, bpy.types.Panel):
 
 
 def _record(context: bpy.types.Context) -> Record | None:
-    obj = context.object
+    obj = meant_object(context)
     return read_record(obj.data) if obj is not None and obj.type == "MESH" else None
 
 
@@ -242,11 +246,36 @@ def _draw_report(column: bpy.types.UILayout, record: Record) -> None:
             lines.append(f"Compactness error: {1e4 * report.compactness_error:.2f}e-4")
     for line in lines:
         column.label(text=line)
-    for warning in report.warnings:
-        first, *rest = textwrap.wrap(warning, _LINE_LENGTH)
+
+
+def _offer_shown(layout: bpy.types.UILayout, chosen: bpy.types.PropertyGroup, obj: bpy.types.Object | None) -> None:
+    """Offer the pose that is seen where an armature moves the mesh and the base mesh would be taken."""
+    rig = armature_of(obj) if obj is not None and obj.type == "MESH" else None
+    if rig is not None and chosen.mesh != "SHOWN":
+        layout.label(text=f"{rig.name} poses the mesh:", icon="ARMATURE_DATA")
+        layout.prop_enum(chosen, "mesh", "SHOWN", text="Take the Pose as Shown")
+
+
+def _draw_warnings(layout: bpy.types.UILayout, warnings: list[str], length: int) -> None:
+    """Draw the warnings, folded under their number where they are many."""
+    if len(warnings) > _FOLDED:
+        header, layout = layout.panel("canonical_form_warnings", default_closed=True)
+        header.label(text=f"{len(warnings)} warnings", icon="ERROR")
+    if layout is None:
+        return
+    column = layout.column(align=True)
+    for warning in warnings:
+        first, *rest = textwrap.wrap(warning, length)
         column.label(text=first, icon="ERROR")
         for line in rest:
             column.label(text=line, icon="BLANK1")
+
+
+def _line_length(context: bpy.types.Context) -> int:
+    """Estimate how many characters fit into a line of the region."""
+    scale = context.preferences.system.ui_scale
+    width = context.region.width / scale if context.region is not None else 0
+    return max(_SHORTEST, int((width - _MARGIN) / _CHARACTER))
 
 
 CLASSES = (

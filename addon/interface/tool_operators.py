@@ -9,6 +9,7 @@ from bpy.props import EnumProperty, IntProperty, StringProperty
 
 from ..blender.advice import explained
 from ..blender.chosen_features import CHOSEN_GROUP, choose_features
+from ..blender.meant_objects import meant_object, require_object
 from ..blender.mesh_reading import refusal
 from ..core import CanonicalFormError
 from .job_operator import JobOperator
@@ -52,12 +53,12 @@ class OBJECT_OT_canonical_form_choose(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Disable the button, with a reason, where the active object cannot be used."""
-        return allowed(cls, JobOperator.busy() or refusal(context.object))
+        return allowed(cls, JobOperator.busy() or refusal(meant_object(context)))
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Change the group and select it as the source of the feature points."""
         try:
-            name, count = choose_features(context.object, self.how, self.group)
+            name, count = choose_features(require_object(context), self.how, self.group)
         except CanonicalFormError as error:
             self.report({"ERROR"}, explained(error))
             return {"CANCELLED"}
@@ -83,14 +84,14 @@ class OBJECT_OT_canonical_form_distance(JobOperator, bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Disable the button, with a reason, where the active object cannot be used."""
-        return allowed(cls, cls.busy() or refusal(context.object))
+        return allowed(cls, cls.busy() or refusal(meant_object(context)))
 
     def task(self, context: bpy.types.Context) -> "DistanceTask":
         """Read the mesh and its selection."""
         from ..blender.distance_fields import DistanceTask
 
         memory_limit = context.scene.canonical_form.memory_limit
-        return DistanceTask(context.object, self.kind, self.isolines, memory_limit=memory_limit)
+        return DistanceTask(require_object(context), self.kind, self.isolines, memory_limit=memory_limit)
 
     def written(self, context: bpy.types.Context, task: "DistanceTask", outcome: str, interactive: bool) -> None:
         """Report where the distances are, with the warnings."""

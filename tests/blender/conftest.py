@@ -110,6 +110,14 @@ class Layout:
     def label(self, text="", **_):
         self.lines.append(text)
 
+    def prop_enum(self, owner, name, value, text=""):
+        assert value in owner.bl_rna.properties[name].enum_items
+        self.lines.append(text)
+
+    def panel(self, name, **_):
+        assert name.startswith("canonical_form")
+        return self, self
+
     def progress(self, text="", **_):
         self.lines.append(text)
 

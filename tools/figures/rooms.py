@@ -31,7 +31,7 @@ SAYS = {
     "deformation": "elastic body, struts,\ndetail",
     "distances": "heat, fast marching,\nspectral",
     "detection": "Auto Diffusion Function,\nfeature points",
-    "assembly": "a mesh as pieces",
+    "assembly": "pieces, bodies,\nand what rides on them",
     "surface": "Delaunay, Laplacian,\nspectrum, working surface",
     "patching": "geodesic Voronoi cells",
     "mesh": "geometry, connectivity,\nrepair, coarsening",

@@ -10,7 +10,8 @@ import numpy as np
 from ..deformation.elastic_body import ElasticBody
 from ..deformation.rotations import nearest_rotations
 from ..measures.alignment import rigid_fit
-from ..mesh.geometry import moved_by_frames, of_unit_area, surface_area
+from ..measures.form_measures import edge_stretch
+from ..mesh.geometry import moved_by_frames, of_unit_area
 from ..numerics.arrays import FloatArray, IntArray
 from ..run.monitor import Monitor
 from ..surface.working_surface import working_surface
@@ -20,7 +21,7 @@ _REACH = 0.02  # over which what lies under a rider moves it, in sqrt(area) of t
 _UNDER = 0.03  # radius of the surface under a contact that tells how it turns
 _SMALL_HALF, _SMALL_AREA = 0.06, 0.004  # half the diagonal and the area below which a rider is rigid
 _FEWEST = 24  # vertices of a rider that bends
-_STRETCHED = 1.5  # times its area: a rider that bends is not larger, nor smaller by as much
+_STRETCHED = 0.3  # 95th percentile of the edge distortion of a rider that bends: what lies on more than it can follow
 _LOOSE = 0.3  # share of a rider on its carrier below which it is rigid
 _OFF, _ROUNDS = 0.005, 5  # how far ground of the same limb may leave its rigid motion; rounds of the robust fit
 _NEIGHBOURS = 24  # samples that tell how the surface turns at one of them
@@ -149,7 +150,7 @@ def ridden(
     monitor.check()
     if not rigid:
         draped = _draped(points, faces, ground, monitor)
-        if 1 / _STRETCHED < surface_area(draped, faces) / surface_area(points, faces) < _STRETCHED:
+        if np.quantile(np.abs(edge_stretch(points, draped, faces) - 1), 0.95) < _STRETCHED:
             return draped
         monitor.warn("rider_stretched")
     return _moved_as_one(points, own, ground)

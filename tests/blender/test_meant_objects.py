@@ -1,0 +1,80 @@
+"""Which meshes a run takes: the active one, the selected ones, those of the active armature."""
+
+import bpy
+import numpy as np
+import pytest
+
+from addon.blender.meant_objects import meant_object, meant_objects
+from tests.meshes import shapes
+
+from .conftest import add_object, drawn
+
+
+@pytest.fixture
+def rigged(figure_object):
+    """A figure and a smaller one under an armature, which is active, as after the import of a .glb."""
+    other = add_object("Small", *shapes.sphere(2))
+    rig = bpy.data.objects.new("Rig", bpy.data.armatures.new("Rig"))
+    bpy.context.collection.objects.link(rig)
+    for obj in (figure_object, other):
+        obj.parent = rig
+        obj.modifiers.new("Armature", "ARMATURE").object = rig
+        obj.select_set(False)
+    bpy.context.view_layer.objects.active = rig
+    rig.select_set(True)
+    return rig, figure_object, other
+
+
+def test_the_meshes_of_the_active_armature_are_computed(rigged):
+    _, obj, other = rigged
+    assert meant_objects(bpy.context) == [obj, other]
+    assert meant_object(bpy.context) == obj
+    assert bpy.ops.object.canonical_form.poll()
+    assert bpy.ops.object.canonical_form(quality="draft") == {"FINISHED"}
+    assert all("Canonical Form" in each.data.shape_keys.key_blocks for each in (obj, other))
+    assert bpy.ops.object.canonical_form_limb(patch=1) == {"FINISHED"}
+    assert bpy.ops.object.canonical_form_clear() == {"FINISHED"}
+    assert obj.data.shape_keys is None
+    assert other.data.shape_keys is None
+
+
+def test_a_selected_mesh_goes_before_those_of_the_active_armature(rigged):
+    _, _, other = rigged
+    other.select_set(True)
+    assert meant_objects(bpy.context) == [other]
+
+
+def test_in_pose_mode_the_meshes_are_computed_too(rigged):
+    rig, obj, _ = rigged
+    bpy.ops.object.mode_set(mode="POSE")
+    assert bpy.ops.object.canonical_form(quality="draft") == {"FINISHED"}
+    assert rig.mode == "POSE"
+    assert np.isfinite(obj.data.shape_keys.key_blocks["Canonical Form"].value)
+
+
+def test_an_empty_or_nothing_active_is_refused_with_a_reason(rigged):
+    rig, *_ = rigged
+    for each in rigged[1:]:
+        each.modifiers.clear()
+    assert meant_objects(bpy.context) == [rig]
+    assert not bpy.ops.object.canonical_form.poll()
+    rig.select_set(False)
+    bpy.context.view_layer.objects.active = None
+    assert not bpy.ops.object.canonical_form.poll()
+
+
+def test_the_pose_as_shown_is_offered_where_an_armature_moves_the_mesh(rigged):
+    panel = bpy.types.VIEW3D_PT_canonical_form
+    assert "Take the Pose as Shown" in drawn(panel)
+    bpy.context.scene.canonical_form.mesh = "SHOWN"
+    assert "Take the Pose as Shown" not in drawn(panel)
+
+
+def test_many_warnings_are_folded_under_their_number(figure_object):
+    from addon.blender.record import require_record, write_record
+
+    bpy.ops.object.canonical_form(quality="draft")
+    record = require_record(figure_object.data)
+    record.report.warnings = [f"Warning {number}." for number in range(4)]
+    write_record(figure_object.data, record)
+    assert "4 warnings" in drawn(bpy.types.VIEW3D_PT_canonical_form_result)
