@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import astuple, dataclass
+from typing import NamedTuple
 
 import bpy
 
 
-@dataclass(frozen=True)
-class ItemNames:
+class ItemNames(NamedTuple):
     """Names of some items of a mesh, by kind.
 
     Attributes
@@ -39,8 +38,7 @@ class ItemNames:
         return ItemNames(*({name for name in kind if name not in names} for kind in kinds))
 
 
-@dataclass(frozen=True)
-class ActiveItems:
+class ActiveItems(NamedTuple):
     """Names of the active items of an object; None where no item is active.
 
     Attributes
@@ -99,7 +97,7 @@ class ActiveItems:
         ]
 
     def _chosen(self, keep: list[bool], other: ActiveItems) -> ActiveItems:
-        pairs = zip(keep, astuple(self), astuple(other), strict=True)
+        pairs = zip(keep, self, other, strict=True)
         return ActiveItems(*(own if kept else replacement for kept, own, replacement in pairs))
 
 

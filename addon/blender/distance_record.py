@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import bpy
 
@@ -11,8 +11,7 @@ DISTANCES_PROPERTY = "canonical_form_distances"
 _COLOURS, _WEIGHTS = " colours", " weights"
 
 
-@dataclass(frozen=True)
-class WrittenField:
+class WrittenField(NamedTuple):
     """The colours and the vertex group of one distance field; empty strings where there are none.
 
     Attributes

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, field
-from typing import Any
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
 
 
-@dataclass(frozen=True)
-class StressReport:
+class StressReport(NamedTuple):
     """The stress of the embedding over the minimisation.
 
     Attributes
@@ -140,7 +139,7 @@ class FormReport:
             data |= {
                 "method": self.method,
                 "pieces": self.pieces,
-                "stress": asdict(self.stress),
+                "stress": self.stress._asdict(),
                 "pair_count": self.pair_count,
                 "pair_reduction": self.pair_reduction,
                 "measures": self.measures,

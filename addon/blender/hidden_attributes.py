@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import bpy
 import numpy as np
@@ -15,8 +14,7 @@ if TYPE_CHECKING:
     from .record import Record
 
 
-@dataclass(frozen=True)
-class HiddenAttribute:
+class HiddenAttribute(NamedTuple):
     """A point attribute whose name starts with a dot, which Blender does not list; only this extension uses its name.
 
     Attributes

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import bpy
 import numpy as np
@@ -17,8 +16,7 @@ if TYPE_CHECKING:
     from ..core.numerics.arrays import FloatArray, IntArray
 
 
-@dataclass(frozen=True, eq=False)
-class Reading:
+class Reading(NamedTuple):
     """The arrays of one object, and what identifies the object after a computation.
 
     Attributes

@@ -7,7 +7,7 @@ replaced or changed since belongs to the user and is never touched.
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from typing import Any
 
 import bpy
@@ -169,7 +169,7 @@ class Record:
         """
         data: dict[str, Any] = {
             "report": self.report.as_json(),
-            "before": asdict(self.active_before),
+            "before": self.active_before._asdict(),
             "basis": self.basis,
             "key": self.keys,
             "groups": self.groups,

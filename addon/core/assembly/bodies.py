@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -24,8 +24,7 @@ Result = TypeVar("Result")
 _SHOWN = 5  # warnings about bodies that are passed on one by one
 
 
-@dataclass(frozen=True, eq=False)
-class Chosen:
+class Chosen(NamedTuple):
     """Vertices that the user chose, as far as they lie on one body.
 
     Attributes

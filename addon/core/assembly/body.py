@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,8 +18,7 @@ from .riding import ground_of, is_rigid, ridden
 from .roles import TOUCH, Roles
 
 
-@dataclass(frozen=True, eq=False)
-class Rider:
+class Rider(NamedTuple):
     """A piece that rides on a body.
 
     Attributes

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -23,8 +22,7 @@ _LINKED = 3  # vertices of the other part that a vertex is linked to: one alone 
 _FALLBACK = 3  # links between parts that no contact joins
 
 
-@dataclass(frozen=True, eq=False)
-class _Contact:
+class _Contact(NamedTuple):
     """Links between two parts that lie beside each other on both."""
 
     links: IntArray

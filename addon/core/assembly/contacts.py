@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,8 +19,7 @@ _FEWEST = 24  # samples of a piece
 _GOLDEN = np.array([0.7548776662466927, 0.5698402909980532])  # of a plane: 1 / p, 1 / p² with p³ = p + 1
 
 
-@dataclass(frozen=True, eq=False)
-class Samples:
+class Samples(NamedTuple):
     """Points spread evenly over a surface, as places on its triangles.
 
     Attributes
@@ -61,8 +60,7 @@ class Samples:
         return self.corners[np.arange(len(self.corners)), np.argmax(self.weights, axis=1)]
 
 
-@dataclass(frozen=True, eq=False)
-class Contact:
+class Contact(NamedTuple):
     """How one piece lies to another.
 
     Attributes

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -31,8 +31,7 @@ _SPREAD = 0.002  # diffusion time of the motion over a rider, as a share of its 
 _PULL, _STEPS = 60.0, 8  # towards where the ground takes it, in 1/area; alternations
 
 
-@dataclass(frozen=True, eq=False)
-class Ground:
+class Ground(NamedTuple):
     """The surface that carries riders, before and after it moved.
 
     Attributes

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,8 +23,7 @@ _HOLDING = 0.02  # share of the smaller of two pieces that touches at a joint: f
 _SMALLER = 0.5  # area of a piece over that of a body, below which it rides there even where it only touches
 
 
-@dataclass(frozen=True)
-class Roles:
+class Roles(NamedTuple):
     """What the pieces of a mesh are to each other.
 
     Attributes

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -23,8 +22,7 @@ _THINNEST = 0.02  # least area of a triangle that a removal makes, in squares of
 _TIE = 1e-8  # costs as close as this count as equal, lower vertex first, so that rounding decides nothing
 
 
-@dataclass(frozen=True, eq=False)
-class Coarsening:
+class Coarsening(NamedTuple):
     """A coarse mesh and how every other vertex hangs between its neighbours.
 
     Attributes

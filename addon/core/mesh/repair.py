@@ -5,7 +5,7 @@ The user's mesh is never changed: this is the surface that the methods see. Ever
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -25,8 +25,7 @@ from .geometry import checked_arrays, relative_rounding
 _COARSE = 1e-4  # share of the size below which rounding of the positions is not reported
 
 
-@dataclass(frozen=True, eq=False)
-class RepairedMesh:
+class RepairedMesh(NamedTuple):
     """The surface in a mesh.
 
     Attributes

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, Literal
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from ..run.errors import InvalidSettingsError
 from ..run.monitor import Monitor, Plan
@@ -20,8 +21,7 @@ FEATURE_OPTIONS = ("prominence", "feature_count", "merge_distance", "diffusion_t
 MINIMISATION_OPTIONS = ("max_iterations", "tolerance", "extrapolation")
 
 
-@dataclass(frozen=True, eq=False)
-class Method:
+class Method(NamedTuple):
     """A way to unfold a surface.
 
     Attributes
@@ -58,7 +58,7 @@ class Method:
     uses: tuple[str, ...] = ()
     pairs: Literal["patches", "all", "landmarks"] = "landmarks"
     rank: int = 100
-    fixed: Mapping[str, Any] = field(default_factory=dict)
+    fixed: Mapping[str, Any] = MappingProxyType({})
 
     def settings(self, wanted: Settings) -> Settings:
         """Replace the settings that the method itself fixes.

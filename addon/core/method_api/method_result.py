@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from ..numerics.arrays import FloatArray
 from ..run.monitor import Monitor
 from .settings import Settings
 
 
-@dataclass(frozen=True, eq=False)
-class MethodResult:
+class MethodResult(NamedTuple):
     """A form before it is scaled and aligned to its input.
 
     Attributes

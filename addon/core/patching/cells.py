@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -53,8 +53,7 @@ def voronoi_cells(distances: FloatArray, feature_points: IntArray, faces: IntArr
     return cell
 
 
-@dataclass(frozen=True, eq=False)
-class Patch:
+class Patch(NamedTuple):
     """The part of the surface around one feature point.
 
     Attributes

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -21,8 +20,7 @@ _CONNECTED = 1e-10  # least λ_1, in 1/area; a thread 100,000 times as long as w
 _DENSE = 300  # up to this many vertices all eigenpairs are computed at once
 
 
-@dataclass(frozen=True, eq=False)
-class Spectrum:
+class Spectrum(NamedTuple):
     """The lowest non-constant eigenpairs of ``L h = λ M h``.
 
     Attributes

@@ -6,7 +6,7 @@ depend on how the mesh lies in space.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,8 +14,7 @@ from ..mesh.connectivity import undirected_keys
 from ..numerics.arrays import FloatArray, IntArray
 
 
-@dataclass(frozen=True, eq=False)
-class Triangulation:
+class Triangulation(NamedTuple):
     """Triangles glued along edges, each edge with a length: a surface without a place in space.
 
     Attributes
