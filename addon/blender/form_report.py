@@ -138,10 +138,11 @@ class FormReport:
         if self.stress is not None:
             data |= {
                 "method": self.method,
-                "pieces": self.pieces,
                 "stress": self.stress._asdict(),
                 "pair_count": self.pair_count,
                 "pair_reduction": self.pair_reduction,
                 "measures": self.measures,
             }
+        if self.stress is not None and self.pieces == "together":  # as apart as in version 0.1 where nothing is said
+            data["pieces"] = self.pieces
         return data | {"timings": self.timings, "warnings": self.warnings}

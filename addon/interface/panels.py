@@ -26,7 +26,8 @@ from .tool_operators import OBJECT_OT_canonical_form_choose, OBJECT_OT_canonical
 _MAIN = ("quality", "preserve_detail")
 _EVERY_METHOD = (*FEATURE_OPTIONS, "method", "value", "feature_points", "quality", "pieces", "memory_limit")
 _BUTTON_SCALE = 1.4  # height of the main button relative to others
-_CHARACTER, _MARGIN, _SHORTEST = 6.4, 55, 20  # width of a character and of what stands beside a line, in pixels
+_USUAL, _SHORTEST = 42, 20  # characters in a line of the sidebar
+_CHARACTER, _MARGIN = 6.4, 55  # width of a character and of what stands beside a line, in pixels
 _FOLDED = 2  # warnings that are shown without a fold
 
 
@@ -273,8 +274,9 @@ def _draw_warnings(layout: bpy.types.UILayout, warnings: list[str], length: int)
 
 def _line_length(context: bpy.types.Context) -> int:
     """Estimate how many characters fit into a line of the region."""
-    scale = context.preferences.system.ui_scale
-    width = context.region.width / scale if context.region is not None else 0
+    if context.region is None:  # in background
+        return _USUAL
+    width = context.region.width / context.preferences.system.ui_scale
     return max(_SHORTEST, int((width - _MARGIN) / _CHARACTER))
 
 

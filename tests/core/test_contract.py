@@ -181,6 +181,26 @@ DAMAGES = [
 ]  # fmt: skip
 
 
+@st.composite
+def meshes_of_pieces(draw):
+    """Draw a mesh and put smaller and larger copies, turned and squeezed, on, in and beside it; then damage it."""
+    vertices, faces = draw(meshes())
+    rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
+    points, corners, count = [vertices], [faces], len(vertices)
+    size = float(np.ptp(vertices, axis=0).max(initial=0.0)) if len(vertices) else 1.0
+    for _ in range(draw(st.integers(1, 8))):
+        own, its = sound()[rng.integers(0, 12)]
+        turn = np.linalg.qr(rng.normal(size=(3, 3)))[0] * 10.0 ** rng.uniform(-1.5, 0.3, (3, 1))
+        place = vertices[rng.integers(0, len(vertices))] if len(vertices) else np.zeros(3)
+        points.append((0.3 * own @ turn + 0.1 * rng.normal(size=3)) * (size or 1.0) + place)
+        corners.append(its + count)
+        count += len(own)
+    mesh = np.vstack(points), np.vstack([each.reshape(-1, 3) for each in corners])
+    for index in draw(st.lists(st.integers(0, len(DAMAGES) - 1), max_size=2)):
+        mesh = DAMAGES[index](*mesh, rng)
+    return mesh
+
+
 def form_or_reason(mesh: Mesh):
     """Give the form, or None where the mesh is refused in words."""
     with suppress(InvalidMeshError):  # the only error that is allowed
@@ -264,6 +284,13 @@ def test_any_mesh_has_a_form_or_a_reason(mesh):
     rounding = 1e-15 * np.abs([vertices, form.vertices]).max() / size  # of positions, which shows in long thin faces
     around = corner_lengths((vertices - middle) / size, form.faces).sum()
     assert after == pytest.approx(before, rel=1e-6, abs=4 * rounding * around)
+
+
+@examples(0.1)
+@given(meshes_of_pieces())
+@pytest.mark.filterwarnings("error::RuntimeWarning")
+def test_any_pieces_have_a_form_or_a_reason(mesh):
+    test_any_mesh_has_a_form_or_a_reason.hypothesis.inner_test(mesh)
 
 
 @examples(0.2)
