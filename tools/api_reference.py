@@ -87,7 +87,7 @@ def signature(function: Any) -> str:
         parameter.replace(annotation=inspect.Parameter.empty)
         for parameter in inspect.signature(function).parameters.values()
     ]
-    return str(inspect.Signature(plain))
+    return re.sub(r"<function (\w+) at 0x\w+>", r"\1", str(inspect.Signature(plain)))
 
 
 def markdown(docstring: str) -> str:

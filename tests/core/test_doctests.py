@@ -37,9 +37,12 @@ def test_examples_run(name):
 
 
 def needs_none(thing):
-    """Dataclasses of results, errors and protocols have nothing to run."""
+    """Records, errors and protocols have nothing to run."""
     return inspect.isclass(thing) and (
-        is_dataclass(thing) or issubclass(thing, Exception) or getattr(thing, "_is_protocol", False)
+        is_dataclass(thing)
+        or hasattr(thing, "_fields")
+        or issubclass(thing, Exception)
+        or getattr(thing, "_is_protocol", False)
     )
 
 

@@ -114,6 +114,7 @@ def option(default: Any, label: str, help: str, **about: Any) -> Any:  # noqa: A
 
     Examples
     --------
+    >>> from dataclasses import dataclass
     >>> @dataclass
     ... class Brush:
     ...     size: int = option(3, "Size", "Width of a stroke, in pixels", low=1)
@@ -160,6 +161,7 @@ def require_allowed(owner: Any) -> None:
 
     Examples
     --------
+    >>> from dataclasses import dataclass
     >>> @dataclass
     ... class Brush:
     ...     size: int = option(3, "Size", "Width of a stroke, in pixels", low=1)
