@@ -170,9 +170,17 @@ def _compute_file(
                 target = options.output / f"{_unused(stem, written)}.{options.format}"
                 _require_new(target, options.meshes)
                 save_form(target, found.vertices, obj.data)
-                yield {**line, "output": str(target), "memory_estimate": memory, **report.as_json()}
+                yield {
+                    **line,
+                    "output": str(target),
+                    "memory_estimate": memory,
+                    "pieces": report.pieces,
+                    **report.as_json(),
+                }
                 continue
-            lines.append({**line, "output": str(target), "memory_estimate": memory, **report.as_json()})
+            lines.append(
+                {**line, "output": str(target), "memory_estimate": memory, "pieces": report.pieces, **report.as_json()}
+            )
         except Exception as error:  # any: the meshes after it are still to be computed
             lines.append(_failure(line, error))
     if options.format == "blend" and any("error" not in line for line in lines):

@@ -59,6 +59,11 @@ class FormTask:
                     self._unread.append(explained(error))
 
     @property
+    def taken(self) -> set[str]:
+        """Names of the objects that were read; a result on another one is on a new object."""
+        return {item.reading.name for item in self.items}
+
+    @property
     def errors(self) -> list[str]:
         """Sentences about the objects that could not be read, computed or written."""
         return [*self._unread, *(item.error for item in self.items if item.error is not None)]

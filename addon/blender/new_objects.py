@@ -56,3 +56,20 @@ def add_result_object(obj: bpy.types.Object, reading: Reading) -> bpy.types.Obje
     mesh.vertices.foreach_set("co", reading.vertices.astype(np.float32).ravel())
     mesh.update()
     return added
+
+
+def make_active(added: list[bpy.types.Object]) -> None:
+    """Select new objects in place of what was selected, and make the first active: their result is what was asked for.
+
+    Parameters
+    ----------
+    added : list of bpy.types.Object
+        The objects, in the view layer.
+    """
+    layer = bpy.context.view_layer
+    visible = [obj for obj in added if obj.name in layer.objects and obj.visible_get()]
+    if not visible:
+        return
+    for obj in layer.objects:
+        obj.select_set(obj in visible)
+    layer.objects.active = visible[0]

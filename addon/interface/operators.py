@@ -10,6 +10,7 @@ from bpy.props import EnumProperty
 from ..blender.advice import explained
 from ..blender.meant_objects import meant_object, meant_objects
 from ..blender.mesh_reading import refusal
+from ..blender.new_objects import make_active
 from ..blender.record import read_record
 from ..core import CanonicalFormError
 from .job_operator import JobOperator
@@ -75,6 +76,8 @@ class OBJECT_OT_canonical_form(JobOperator, MethodProperties, FormerProperties, 
             list_patches(bpy.data.objects[name].data)
         self.report({"INFO"}, _summary(task))
         if interactive:
+            if context.mode == "OBJECT":  # a script goes on with the objects that it chose
+                make_active([bpy.data.objects[name] for name in task.written if name not in task.taken])
             show_colours(context)
 
 
@@ -168,7 +171,7 @@ def _summary(task: "FormTask") -> str:
     if report.has_form:
         sentence += f", {report.pair_reduction:.0%} of the pairs saved"
     users = obj.data.users - (1 if obj.data.use_fake_user else 0)
-    if all(item.reading.name != name for item in task.items):
+    if name not in task.taken:
         return f"{sentence}. The result is on {obj.name}."
     return f"{sentence}." + (f" {users} objects share this mesh and show it." if users > 1 else "")
 

@@ -66,7 +66,7 @@ def test_every_format_gives_the_same_form(folder, tmp_path):
         assert line["stress"]["last"] == pytest.approx(lines[0]["stress"]["last"], rel=1e-3)
         assert set(line) == {
             "input", "object", "output", "vertices", "faces", "feature_points", "patch_sizes", "stress", "pair_count",
-            "pair_reduction", "method", "memory_estimate", "measures", "timings", "warnings",
+            "pair_reduction", "method", "pieces", "memory_estimate", "measures", "timings", "warnings",
         }  # fmt: skip
         bpy.ops.wm.open_mainfile(filepath=line["output"])
         obj = bpy.data.objects[line["object"]]

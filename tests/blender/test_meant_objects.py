@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from addon.blender.meant_objects import meant_object, meant_objects
+from addon.blender.new_objects import make_active
 from tests.meshes import shapes
 
 from .conftest import add_object, drawn
@@ -78,3 +79,13 @@ def test_many_warnings_are_folded_under_their_number(figure_object):
     record.report.warnings = [f"Warning {number}." for number in range(4)]
     write_record(figure_object.data, record)
     assert "4 warnings" in drawn(bpy.types.VIEW3D_PT_canonical_form_result)
+
+
+def test_a_new_object_becomes_active_and_shows_its_result(figure_object):
+    assert bpy.ops.object.canonical_form(quality="draft", result="OBJECT") == {"FINISHED"}
+    assert bpy.context.object == figure_object  # a script goes on with the objects that it chose
+    make_active([bpy.data.objects["Figure Canonical Form"]])
+    added = bpy.context.object
+    assert added.name == "Figure Canonical Form"
+    assert bpy.context.selected_objects == [added]
+    assert "Clear" in drawn(bpy.types.VIEW3D_PT_canonical_form_result)
