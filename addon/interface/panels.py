@@ -254,7 +254,9 @@ def _offer_shown(layout: bpy.types.UILayout, chosen: bpy.types.PropertyGroup, ob
     rig = armature_of(obj) if obj is not None and obj.type == "MESH" else None
     if rig is not None and chosen.mesh != "SHOWN":
         layout.label(text=f"{rig.name} poses the mesh:", icon="ARMATURE_DATA")
-        layout.prop_enum(chosen, "mesh", "SHOWN", text="Take the Pose as Shown")
+        row = layout.row()
+        row.use_property_split = False
+        row.prop_enum(chosen, "mesh", "SHOWN", text="Take the Pose as Shown")
 
 
 def _draw_warnings(layout: bpy.types.UILayout, warnings: list[str], length: int) -> None:

@@ -33,6 +33,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--blender", default=os.environ.get("BLENDER") or "blender")
     parser.add_argument("--mesh", type=Path, help="an .obj to work on; the project's own figure when left out")
+    parser.add_argument("--character", type=Path, help="a rigged .glb for the last step; one of our own when left out")
     parser.add_argument("--pictures", type=Path, default=ROOT / "build" / "pictures")
     parser.add_argument("--session", type=Path, default=ROOT / "tests" / "window" / "session.py")
     options = parser.parse_args()
@@ -42,7 +43,7 @@ def main() -> int:
         return NO_BLENDER
     subprocess.run([sys.executable, ROOT / "tools" / "package.py", "--here"], check=True, stdout=subprocess.DEVNULL)
     package = next((ROOT / "build" / "here").glob("canonical_form-*.zip"))
-    mesh = [options.mesh.resolve()] if options.mesh else []
+    mesh = [each.resolve() for each in (options.mesh, options.character) if each]
     resources = ROOT / "build" / "window-home"
     shutil.rmtree(resources, ignore_errors=True)
     resources.mkdir(parents=True)

@@ -1,8 +1,8 @@
 """A session in a real Blender with a window, driven by mouse and keyboard: `make test-window`.
 
-Run by Blender itself: ``blender --enable-event-simulate --python tests/window/session.py -- ZIP PICTURES [MESH]``. An
-artist's way through the extension, with the mesh compared after every step and, where ImageMagick's ``import`` is at
-hand, a picture of the screen.
+Run by Blender itself: ``blender --enable-event-simulate --python tests/window/session.py -- ZIP PICTURES [MESH.obj]
+[CHARACTER.glb]``. An artist's way through the extension, with the mesh compared after every step and, where
+ImageMagick's ``import`` is at hand, a picture of the screen.
 """
 
 import os
@@ -14,9 +14,12 @@ from time import perf_counter
 
 import bpy
 
-PACKAGE, PICTURES, *MESH = (Path(word).resolve() for word in sys.argv[sys.argv.index("--") + 1 :])
+PACKAGE, PICTURES, *FILES = (Path(word).resolve() for word in sys.argv[sys.argv.index("--") + 1 :])
+MESH = [path for path in FILES if path.suffix != ".glb"]
+CHARACTER = [path for path in FILES if path.suffix == ".glb"]
 sys.path[:0] = [str(Path(__file__).resolve().parent), str(Path(__file__).resolve().parents[2])]
 
+from tests.window.character import add_character  # noqa: E402
 from tests.window.hand import UNIT, Hand  # noqa: E402
 
 ROWS = {"compute": 50, "slider": 247, "clear": 414, "toggle": 482, "cancel": 50}  # below the top, at version 4.3
@@ -220,6 +223,8 @@ def session():
     yield from meanwhile(before)
     step("the longest gap on the main thread")
     yield from gaps()
+    step("a character of many pieces, its armature active")
+    yield from character()
 
 
 def meanwhile(before):
@@ -322,6 +327,34 @@ def gaps():
     assert longest <= float(os.environ.get("CANONICAL_FORM_MOST_GAP", 10 * MOST_GAP)), "Blender stands still"
     assert "Canonical Form" in obj.data.shape_keys.key_blocks
     yield from hand.picture("11-large")
+
+
+def character():
+    """Compute on the meshes of the active armature, look, and clear."""
+    rig = add_character(CHARACTER)
+    bpy.context.view_layer.update()
+    for obj in bpy.context.view_layer.objects:
+        obj.select_set(False)
+    rig.select_set(True)
+    bpy.context.view_layer.objects.active = rig
+    with bpy.context.temp_override(window=hand.window, area=hand.area(), region=hand.region("WINDOW")):
+        bpy.ops.view3d.view_all()
+    bpy.ops.ed.undo_push(message="Character")
+    yield 1.0
+    before = state()
+    yield from hand.over_view()
+    yield from hand.click_until(running, range(ROWS["compute"] - 4, ROWS["compute"] + 20, 6))
+    yield from wait_for_the_end()
+    assert form().value == 1.0
+    told("patches of the character", len(figure().data.canonical_form_patches))
+    assert len(figure().data.canonical_form_patches) <= 10, "the pieces are not one body"
+    with bpy.context.temp_override(window=hand.window, area=hand.area(), region=hand.region("WINDOW")):
+        bpy.ops.view3d.view_all()
+    yield 0.5
+    yield from hand.picture("12-character")
+    bpy.ops.object.canonical_form_clear()
+    yield 0.5
+    assert state() == before, "clear does not leave the character as it was"
 
 
 def tick():
