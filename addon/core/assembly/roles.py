@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
+from heapq import heapify, heappop, heappush
 from typing import NamedTuple
 
 import numpy as np
@@ -91,7 +93,11 @@ class _Cast:
         return self.known_loops[piece]
 
     def area(self, piece: int) -> float:
-        return len(self.samples[piece].points) / sum(len(each.points) for each in self.samples)
+        return len(self.samples[piece].points) / self.sample_count
+
+    @cached_property
+    def sample_count(self) -> int:
+        return sum(len(each.points) for each in self.samples)
 
     def distance(self, piece: int, others: Iterable[int]) -> FloatArray:
         """Measure the distance of every sample of a piece from some others."""
@@ -195,16 +201,20 @@ def _with_riders(cast: _Cast, bodies: list[list[int]], others: list[int]) -> Rol
         for (i, j), contact in cast.contacts.items()
         if i in others
     }
-    left = list(others)
-    while left:
-        ways = [(hold[i, j], -i, -j) for i in left for j in placed if (i, j) in hold]
-        if not ways:
-            break
-        _, i, j = max(ways)
-        riders.append((-i, -j))
-        placed.add(-i)
-        left.remove(-i)
-    bodies += [[piece] for piece in left]
+    ways = [(-how, i, j) for (i, j), how in hold.items() if j in placed]
+    heapify(ways)
+    beside: dict[int, list[int]] = {}
+    for i, j in hold:
+        beside.setdefault(j, []).append(i)
+    while ways:
+        _, i, j = heappop(ways)
+        if i in placed:
+            continue
+        riders.append((i, j))
+        placed.add(i)
+        for other in beside.get(i, ()):
+            heappush(ways, (-hold[other, i], other, i))
+    bodies += [[piece] for piece in others if piece not in placed]
     return Roles(bodies, riders)
 
 
