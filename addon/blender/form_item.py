@@ -209,5 +209,6 @@ def _report(reading: Reading, found: CanonicalForm | FeaturePatches, request: Re
         report.stress = StressReport(float(stress[0]), float(stress[-1]), len(stress) - 1)
         report.method, report.pieces = request.settings.method, request.settings.pieces
         report.pair_count, report.pair_reduction = found.pair_count, found.pair_reduction
+        report.frame = reading.frame
         report.measures = {name: None if np.isnan(value) else value for name, value in measures.items()}
     return report

@@ -50,6 +50,8 @@ class FormReport:
         Share of all pairs that this saves.
     measures : dict of str to float or None
         Quality measures of the form; None where one is undefined, such as the compactness of an open mesh.
+    frame : int or None
+        The frame whose pose was taken out; None where it is that of the base mesh.
     """
 
     vertices: int
@@ -64,6 +66,7 @@ class FormReport:
     pair_count: int = 0
     pair_reduction: float = 0.0
     measures: dict[str, float | None] = field(default_factory=dict)
+    frame: int | None = None
 
     @property
     def has_form(self) -> bool:
@@ -119,6 +122,7 @@ class FormReport:
             report.pair_count = int(data["pair_count"])
             report.pair_reduction = float(data["pair_reduction"])
             report.measures = dict(data["measures"])
+            report.frame = data.get("frame")
         return report
 
     def as_json(self) -> dict[str, Any]:
@@ -145,4 +149,6 @@ class FormReport:
             }
         if self.stress is not None and self.pieces == "together":  # as apart as in version 0.1 where nothing is said
             data["pieces"] = self.pieces
+        if self.frame is not None:
+            data["frame"] = self.frame
         return data | {"timings": self.timings, "warnings": self.warnings}

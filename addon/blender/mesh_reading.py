@@ -33,6 +33,8 @@ class Reading(NamedTuple):
         Fingerprint of positions and polygons of the base mesh.
     deformed : bool
         Whether the vertices are those of the evaluated mesh: with modifiers, pose and shape keys.
+    frame : int or None
+        The frame of the evaluated mesh.
     """
 
     name: str
@@ -41,6 +43,7 @@ class Reading(NamedTuple):
     faces: IntArray
     fingerprint: str
     deformed: bool = False
+    frame: int | None = None
 
 
 def refusal(obj: bpy.types.Object | None) -> str | None:
@@ -125,7 +128,8 @@ def read_object(obj: bpy.types.Object, deformed: bool = False) -> Reading:
     if deformed:
         with muted_result(obj.data):
             vertices, faces = read_evaluated(obj)
-    return Reading(obj.name, obj.session_uid, vertices, faces, known, deformed)
+    frame = bpy.context.scene.frame_current if deformed else None
+    return Reading(obj.name, obj.session_uid, vertices, faces, known, deformed, frame)
 
 
 def read_evaluated(obj: bpy.types.Object) -> tuple[FloatArray, IntArray]:

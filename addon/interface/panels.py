@@ -103,6 +103,7 @@ class VIEW3D_PT_canonical_form_result(_Tab, bpy.types.Panel):
             )
             button.count = chosen.in_betweens
             row.prop(chosen, "in_betweens")
+        _draw_frame(layout, record.report.frame, context.scene)
         _draw_report(layout.column(align=True), record)
         _draw_warnings(layout, record.report.warnings, _line_length(context))
         layout.prop(context.scene.canonical_form, "show_points")
@@ -257,6 +258,18 @@ def _offer_shown(layout: bpy.types.UILayout, chosen: bpy.types.PropertyGroup, ob
         row = layout.row()
         row.use_property_split = False
         row.prop_enum(chosen, "mesh", "SHOWN", text="Take the Pose as Shown")
+
+
+def _draw_frame(layout: bpy.types.UILayout, frame: int | None, scene: bpy.types.Scene) -> None:
+    """Tell of which frame the form is, and offer another run where a different one is shown."""
+    if frame is None:
+        return
+    row = layout.row()
+    row.label(text=f"The pose of frame {frame}")
+    if scene.frame_current != frame:
+        button = row.operator(OBJECT_OT_canonical_form.bl_idname, text=f"Again at {scene.frame_current}")
+        hand_over(scene.canonical_form, button)
+        button.mesh = "SHOWN"
 
 
 def _draw_warnings(layout: bpy.types.UILayout, warnings: list[str], length: int) -> None:

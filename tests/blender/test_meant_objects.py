@@ -89,3 +89,15 @@ def test_a_new_object_becomes_active_and_shows_its_result(figure_object):
     assert added.name == "Figure Canonical Form"
     assert bpy.context.selected_objects == [added]
     assert "Clear" in drawn(bpy.types.VIEW3D_PT_canonical_form_result)
+
+
+def test_the_form_as_shown_tells_its_frame_and_offers_another_run(figure_object):
+    scene, panel = bpy.context.scene, bpy.types.VIEW3D_PT_canonical_form_result
+    scene.frame_set(3)
+    bpy.ops.object.canonical_form(quality="draft", mesh="SHOWN")
+    assert "The pose of frame 3" in drawn(panel)
+    assert "Again at 3" not in drawn(panel)
+    scene.frame_set(5)
+    assert "Again at 5" in drawn(panel)
+    bpy.ops.object.canonical_form(quality="draft")
+    assert not any("frame" in line for line in drawn(panel))
