@@ -166,9 +166,9 @@ class Bodies:
             for rider, shape in zip(body.riders, body.with_riders(each, monitor), strict=True):
                 whole[rider.piece.vertices] = shape
             if area_kept and body.riders:
-                faces = body.all_faces
-                used = np.unique(faces)
-                before, after = (of_unit_area(points, faces)[2] for points in (self.vertices, whole))
+                used, corners = np.unique(body.all_faces, return_inverse=True)  # loose vertices may be far away
+                corners = corners.reshape(-1, 3)
+                before, after = (of_unit_area(points[used], corners)[2] for points in (self.vertices, whole))
                 centre = whole[used].mean(axis=0)
                 whole[used] = centre + (whole[used] - centre) * (before / after)
         return self._with_copies(whole)

@@ -175,3 +175,10 @@ def test_it_does_not_depend_on_the_order_of_the_pieces(character, form):
     other = canonical_form(made.vertices, np.roll(made.faces, 300, axis=0))
     off = np.linalg.norm(other.vertices - form.vertices, axis=1)
     assert np.quantile(off, 0.95) < 0.05 * np.sqrt(surface_area(made.vertices, made.faces))
+
+
+@pytest.mark.filterwarnings("error::RuntimeWarning")
+def test_loose_vertices_far_away_do_not_matter(character, form):
+    made = character[2]
+    far = np.vstack([1e-22 * made.vertices, [[1.0, 1, 1]]])
+    np.testing.assert_allclose(1e22 * canonical_form(far, made.faces).vertices[:-1], form.vertices, atol=1e-4)
