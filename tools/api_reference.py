@@ -14,7 +14,7 @@ from typing import Any
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 TARGET = ROOT / "docs" / "api.md"
-DOORS = ("canonical", "features", "distance_fields", "limbs", "results")
+DOORS = ("canonical", "features", "distance_fields", "limbs", "opening", "results")
 ROOMS = (
     "run", "numerics", "mesh", "surface", "distances", "detection", "patching", "deformation", "embedding", "measures",
     "method_api", "methods", "posing", "assembly",

@@ -5,17 +5,16 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .assembly.bodies import Chosen, bodies_of
+from .assembly.bodies import Chosen
 from .assembly.body import Body
-from .features import OPENING
 from .measures.alignment import rigid_fit
 from .mesh.geometry import surface_area, vertex_areas
 from .method_api.catalogue import method_named
-from .method_api.costs import require_memory
 from .method_api.method_result import MethodResult
 from .method_api.settings import Settings
-from .method_api.surface_features import DETECTION, SurfaceFeatures, detected
+from .method_api.surface_features import DETECTION, SurfaceFeatures
 from .numerics.arrays import FloatArray, IntArray
+from .opening import OPENING, features_of, opened
 from .results import CanonicalForm
 from .run.monitor import Cancelled, Monitor, Progress
 
@@ -78,22 +77,16 @@ def canonical_form(
     method = method_named(settings.method)
     settings = method.settings(settings)
     monitor = Monitor(progress, cancelled, OPENING)
-    with monitor.stage("Surface"):
-        bodies = bodies_of(vertices, faces, monitor, together=settings.together, features=settings.feature_points)
-        require_memory(bodies.largest, settings)
-    monitor.extend(bodies.pieces.repairs + bodies.apart)
+    bodies = opened(vertices, faces, settings, monitor)
 
     def work(body: Body, chosen: Chosen | None, own: Monitor) -> tuple[Found, FloatArray, MethodResult]:
-        given = None if chosen is None else chosen.vertices
-        found = detected(body.points, body.faces, given, settings, own, reduced=body.working_surface)
+        found = features_of(body, chosen, settings, own)
         embedded = method.unfold(found, settings, own)
         with own.stage("Alignment"):
             return found.prolonged(own), _laid_onto_input(embedded.points, found), embedded
 
     plan = {**DETECTION, **method.stages, "Alignment": 1}
     results = bodies.map(work, monitor, plan, bodies.chosen)
-    if bodies.detected_elsewhere:
-        monitor.warn("features_detected_elsewhere", count=bodies.detected_elsewhere)
     histories = [embedded.history for _, _, embedded in results]
     steps = max(map(len, histories))  # each stays at its end value once it has ended
     pair_count = sum(embedded.pair_count for _, _, embedded in results)

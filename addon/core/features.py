@@ -4,17 +4,15 @@ from __future__ import annotations
 
 from numpy.typing import ArrayLike
 
-from .assembly.bodies import Chosen, bodies_of
+from .assembly.bodies import Chosen
 from .assembly.body import Body
 from .method_api.catalogue import method_named
-from .method_api.costs import require_memory
 from .method_api.settings import Settings
-from .method_api.surface_features import DETECTION, detected
+from .method_api.surface_features import DETECTION
 from .numerics.arrays import FloatArray, IntArray
+from .opening import OPENING, features_of, opened
 from .results import FeaturePatches
-from .run.monitor import Cancelled, Monitor, Plan, Progress
-
-OPENING: Plan = {"Surface": 2, "Pieces": 98}  # the stages of every door
+from .run.monitor import Cancelled, Monitor, Progress
 
 
 def feature_patches(
@@ -56,17 +54,10 @@ def feature_patches(
     settings = settings or Settings()
     settings = method_named(settings.method).settings(settings)
     monitor = Monitor(progress, cancelled, OPENING)
-    with monitor.stage("Surface"):
-        bodies = bodies_of(vertices, faces, monitor, together=settings.together, features=settings.feature_points)
-        require_memory(bodies.largest, settings)
-    monitor.extend(bodies.pieces.repairs + bodies.apart)
+    bodies = opened(vertices, faces, settings, monitor)
 
     def work(body: Body, chosen: Chosen | None, own: Monitor) -> tuple[IntArray, IntArray, FloatArray]:
-        given = None if chosen is None else chosen.vertices
-        found = detected(body.points, body.faces, given, settings, own, reduced=body.working_surface)
-        return found.prolonged(own)
+        return features_of(body, chosen, settings, own).prolonged(own)
 
     found = bodies.map(work, monitor, DETECTION, bodies.chosen)
-    if bodies.detected_elsewhere:
-        monitor.warn("features_detected_elsewhere", count=bodies.detected_elsewhere)
     return FeaturePatches(*bodies.gathered_features(found), monitor.timings, monitor.warnings)

@@ -46,7 +46,7 @@ class Bodies:
     Attributes
     ----------
     bodies : list of Body
-        The bodies, largest area first.
+        The bodies: by neighbourhood, in each the largest area first.
     pieces : Pieces
         The connected surfaces of the mesh.
     chosen : list of Chosen or None

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ..mesh.connectivity import component_labels, edge_table, vertex_pairs
+from ..mesh.connectivity import border_labels, component_labels, edge_table, vertex_pairs
 from ..mesh.geometry import vertex_area_vectors
 from ..numerics.arrays import FloatArray, IntArray
 from .roles import AROUND, TOUCH, WIDEST_GAP
@@ -65,7 +65,7 @@ def bridges_between(points: FloatArray, faces: IntArray, part: IntArray, surface
     pairs = vertex_pairs(faces)
     normals = vertex_area_vectors(points, faces)
     normals /= np.maximum(np.linalg.norm(normals, axis=1), np.finfo(float).tiny)[:, None]
-    contacts = _contacts(points, pairs, normals, _border_loops(faces), part, surfaces)
+    contacts = _contacts(points, pairs, normals, border_labels(faces, edge_table(faces)), part, surfaces)
     links = _chosen(points, pairs, part, contacts)
     return _triangles(points, pairs, links)
 
@@ -212,18 +212,6 @@ def _triangles(points: FloatArray, pairs: IntArray, links: IntArray) -> IntArray
     triangles = np.concatenate(made)
     _, single = np.unique(np.sort(triangles, axis=1), axis=0, return_index=True)
     return triangles[np.sort(single)]
-
-
-def _border_loops(faces: IntArray) -> IntArray:
-    """Find for every vertex the number of the border that it lies on; -1 inside."""
-    edges = edge_table(faces)
-    alone = edges.order[edges.start[edges.count == 1]]
-    pairs = np.column_stack([edges.tail[alone], edges.head[alone]])
-    loop = np.full(int(faces.max()) + 1, -1, dtype=np.int64)
-    if len(pairs):
-        vertices, ends = np.unique(pairs, return_inverse=True)
-        loop[vertices] = component_labels(len(vertices), ends.reshape(-1, 2))
-    return loop
 
 
 def _shares(loop: IntArray, whole: IntArray) -> FloatArray:

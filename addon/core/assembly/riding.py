@@ -28,6 +28,7 @@ _NEIGHBOURS = 24  # samples that tell how the surface turns at one of them
 _NEAREST = 6  # samples under a vertex of a rider that move it
 _WORKED_ON = 400  # vertices of a rider that are worked on
 _SPREAD = 0.002  # diffusion time of the motion over a rider, as a share of its area
+_FAR, _FAR_SHARE = 100, 1e-4  # times that time, and its weight: for what is far from all that lies on something
 _PULL, _STEPS = 60.0, 8  # towards where the ground takes it, in 1/area; alternations
 
 
@@ -205,9 +206,8 @@ def _draped(points: FloatArray, faces: IntArray, ground: Ground, monitor: Monito
     motion = np.einsum("ck,ckd->cd", weight, motion)
     body = ElasticBody(surface.triangulation, surface.points, surface.faces)
     trust = np.exp(-((nearest[:, 0] / _REACH) ** 2)) + 1e-9
-    spread = body.smoothed(np.column_stack([motion * trust[:, None], trust]) * body.mass[:, None], _SPREAD)
-    far = body.smoothed(np.column_stack([motion * trust[:, None], trust]) * body.mass[:, None], 100 * _SPREAD)
-    spread = spread + 1e-4 * far
+    trusted = np.column_stack([motion * trust[:, None], trust]) * body.mass[:, None]
+    spread = body.smoothed(trusted, _SPREAD) + _FAR_SHARE * body.smoothed(trusted, _FAR * _SPREAD)
     motion = spread[:, :12] / spread[:, 12:]
     monitor.check()
     target = moved_by_frames(kept, motion[:, :9].reshape(-1, 3, 3), motion[:, 9:])

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..mesh.connectivity import component_labels, edge_table
+from ..mesh.connectivity import border_labels, component_labels, edge_table
 from ..numerics.arrays import FloatArray, IntArray
 from .contacts import Contact, Samples
 from .pieces import Piece
@@ -220,12 +220,6 @@ def _with_riders(cast: _Cast, bodies: list[list[int]], others: list[int]) -> Rol
 
 def _border_loops(faces: IntArray) -> list[IntArray]:
     """List the vertices along each border of some length."""
-    edges = edge_table(faces)
-    alone = edges.order[edges.start[edges.count == 1]]
-    pairs = np.column_stack([edges.tail[alone], edges.head[alone]])
-    if not len(pairs):
-        return []
-    vertices, ends = np.unique(pairs, return_inverse=True)
-    label = component_labels(len(vertices), ends.reshape(-1, 2))
-    loops = [vertices[label == index] for index in range(int(label.max()) + 1)]
+    label = border_labels(faces, edge_table(faces))
+    loops = [np.flatnonzero(label == index) for index in range(int(label.max()) + 1)]
     return [loop for loop in loops if len(loop) >= _LOOP]

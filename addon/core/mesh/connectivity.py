@@ -175,6 +175,36 @@ def edge_table(faces: IntArray) -> EdgeTable:
     return EdgeTable(order, start, np.diff(np.append(start, len(key))), tail, head)
 
 
+def border_labels(faces: IntArray, edges: EdgeTable) -> IntArray:
+    """Label the borders of a mesh.
+
+    Parameters
+    ----------
+    faces : (m, 3) ndarray of int
+        Triangles.
+    edges : EdgeTable
+        Their edges.
+
+    Returns
+    -------
+    (n,) ndarray of int
+        For every vertex up to the last that a triangle names: the border that it lies on, from 0; -1 inside.
+
+    Examples
+    --------
+    >>> two = np.array([[0, 1, 2], [3, 4, 5]])
+    >>> border_labels(two, edge_table(two)).tolist()
+    [0, 0, 0, 1, 1, 1]
+    """
+    alone = edges.order[edges.start[edges.count == 1]]
+    pairs = np.column_stack([edges.tail[alone], edges.head[alone]])
+    label = np.full(int(faces.max(initial=-1)) + 1, -1, dtype=np.int64)
+    if len(pairs):
+        vertices, ends = np.unique(pairs, return_inverse=True)
+        label[vertices] = component_labels(len(vertices), ends.reshape(-1, 2))
+    return label
+
+
 def without_repeated_corners(faces: IntArray) -> IntArray:
     """Drop the triangles that name a vertex twice.
 

@@ -1,0 +1,96 @@
+"""What the doors to features and forms share: finding the bodies of a mesh, and the features of one."""
+
+from __future__ import annotations
+
+from numpy.typing import ArrayLike
+
+from .assembly.bodies import Bodies, Chosen, bodies_of
+from .assembly.body import Body
+from .method_api.costs import require_memory
+from .method_api.settings import Settings
+from .method_api.surface_features import SurfaceFeatures, detected
+from .run.monitor import Monitor, Plan
+
+OPENING: Plan = {"Surface": 2, "Pieces": 98}  # stages
+
+
+def opened(vertices: ArrayLike, faces: ArrayLike, settings: Settings, monitor: Monitor) -> Bodies:
+    """Find the bodies in a mesh, refuse what does not fit into memory, and tell what was done to the mesh.
+
+    Parameters
+    ----------
+    vertices, faces
+        As in `canonical_form`.
+    settings : Settings
+        Options of the method.
+    monitor : Monitor
+        Of the whole run, with the stages `OPENING`; receives warnings.
+
+    Returns
+    -------
+    Bodies
+        The bodies.
+
+    Raises
+    ------
+    InvalidMeshError
+        If the mesh cannot be used; the message says what to do.
+    InvalidSettingsError
+        If a feature point given by hand is not a vertex of a surface, or is given twice.
+    TooLargeError
+        If all pairs inside the patches do not fit into the memory limit.
+    CancelledError
+        If the run is cancelled.
+
+    Examples
+    --------
+    >>> tetrahedron = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+    >>> faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]
+    >>> len(opened(tetrahedron, faces, Settings(), Monitor(plan=OPENING)).bodies)
+    1
+    """
+    with monitor.stage("Surface"):
+        bodies = bodies_of(vertices, faces, monitor, together=settings.together, features=settings.feature_points)
+        require_memory(bodies.largest, settings)
+    monitor.extend(bodies.pieces.repairs + bodies.apart)
+    if bodies.detected_elsewhere:
+        monitor.warn("features_detected_elsewhere", count=bodies.detected_elsewhere)
+    return bodies
+
+
+def features_of(body: Body, chosen: Chosen | None, settings: Settings, monitor: Monitor) -> SurfaceFeatures:
+    """Find the feature points and patches of a body.
+
+    Parameters
+    ----------
+    body : Body
+        The body.
+    chosen : Chosen or None
+        Its feature points, where they are chosen by hand.
+    settings : Settings
+        Options of the method.
+    monitor : Monitor
+        With the stages `DETECTION`; receives warnings.
+
+    Returns
+    -------
+    SurfaceFeatures
+        What was found.
+
+    Raises
+    ------
+    SolverError
+        If the spectrum cannot be computed accurately.
+    CancelledError
+        If the run is cancelled.
+
+    Examples
+    --------
+    >>> from addon.core.method_api.surface_features import DETECTION
+    >>> tetrahedron = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+    >>> body = bodies_of(tetrahedron, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]).bodies[0]
+    >>> features_of(body, None, Settings(), Monitor(plan=DETECTION)).cells.shape
+    (4,)
+    """
+    given = None if chosen is None else chosen.vertices
+    return detected(body.points, body.faces, given, settings, monitor, reduced=body.working_surface)
