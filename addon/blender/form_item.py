@@ -1,23 +1,28 @@
-"""The form of one object: read, computed apart from Blender, written."""
+"""The form of one object, or of several that are one body: read, computed apart from Blender, written."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import bpy
 import numpy as np
 
 from ..core import Settings, TooLargeError
-from .advice import all_advised
-from .form_report import FormReport, StressReport
+from .combining import Combined, combined
+from .companions import lead, own_sliders
+from .form_report import FormReport
+from .form_result import FormResult, results_of
 from .in_betweens import fractions_between, write_in_betweens
 from .mesh_reading import Reading, find_object, read_object, require_unchanged
 from .new_objects import add_result_object
 from .object_states import object_mode
 from .object_warnings import object_warnings
-from .palette import Colours, colours_of
+from .record import Part
 from .request import Request
+from .result_clearing import clear_results
 from .result_writing import write_results
 from .undeforming import positions_before
 
@@ -27,53 +32,31 @@ if TYPE_CHECKING:
     from ..core.run.monitor import Cancelled, Progress
 
 
-@dataclass(frozen=True, eq=False)
-class FormResult:
-    """What was computed for one object.
-
-    Attributes
-    ----------
-    found : CanonicalForm or FeaturePatches
-        The form, or the patches where the request stops there.
-    report : FormReport
-        The report; writing the result adds warnings about the object.
-    colours : Colours
-        Colours of the fields and patches.
-    shapes : list of (n, 3) ndarray of float
-        Shapes between pose and form, for the keys of an earlier run that are computed again.
-    """
-
-    found: CanonicalForm | FeaturePatches
-    report: FormReport
-    colours: Colours
-    shapes: list[FloatArray]
-
-
 @dataclass(eq=False)
 class FormItem:
-    """One object of a task.
+    """One body of a task: an object, or several.
 
     Attributes
     ----------
-    reading : Reading
-        The object's arrays.
+    readings : list of Reading
+        The arrays of each object.
     settings : Settings
-        Options of the method for this object.
+        Options of the method, with feature points on the first object or those of all, one after the other.
     in_between_count : int
         Number of keys between pose and form, of an earlier run, that are computed again.
-    result : FormResult or None
-        What was computed; None before the computation and where it failed.
-    written_to : str or None
-        Name of the object that shows the result; None where nothing was written.
+    results : list of FormResult
+        What was computed for each object; empty before the computation and where it failed.
+    written_to : list of str
+        Names of the objects that show the results; empty where nothing was written.
     error : str or None
         Why there is no result, or why it could not be written.
     """
 
-    reading: Reading
+    readings: list[Reading]
     settings: Settings
     in_between_count: int = 0
-    result: FormResult | None = None
-    written_to: str | None = None
+    results: list[FormResult] = field(default_factory=list)
+    written_to: list[str] = field(default_factory=list)
     error: str | None = None
 
     @classmethod
@@ -98,10 +81,47 @@ class FormItem:
             If the request does not suit the object; the message names the remedy.
         """
         settings, in_betweens = request.settings_for(obj), request.in_between_count(obj)
-        return cls(read_object(obj, request.deformed), settings, in_betweens)
+        return cls([read_object(obj, request.deformed)], settings, in_betweens)
+
+    @classmethod
+    def joined(cls, items: Sequence[FormItem], request: Request) -> FormItem:
+        """Make one body of several items.
+
+        Parameters
+        ----------
+        items : sequence of FormItem
+            The items, at least one.
+        request : Request
+            What is to be computed: feature points are those of the vertex group of every object, or vertices of the
+            first.
+
+        Returns
+        -------
+        FormItem
+            One item with all their objects.
+        """
+        readings = [reading for item in items for reading in item.readings]
+        settings = items[0].settings
+        if request.feature_group:
+            starts = np.cumsum([0, *(len(each.vertices) for each in readings)])[:-1].tolist()
+            chosen = [item.settings.feature_points or [] for item in items]
+            points = [start + point for start, own in zip(starts, chosen, strict=True) for point in own]
+            settings = replace(settings, feature_points=points or None)
+        return cls(readings, settings, max(item.in_between_count for item in items))
+
+    @property
+    def name(self) -> str:
+        """Name of the object, or of the first and how many more there are."""
+        more = len(self.readings) - 1
+        return self.readings[0].name + (f" and {more} more" if more else "")
+
+    @property
+    def report(self) -> FormReport | None:
+        """The report of the first object; its stress, measures and warnings are of all."""
+        return self.results[0].report if self.results else None
 
     def compute(self, request: Request, progress: Progress | None = None, cancelled: Cancelled | None = None) -> None:
-        """Compute the result; touches no data of Blender's.
+        """Compute the results; touches no data of Blender's.
 
         Parameters
         ----------
@@ -117,98 +137,118 @@ class FormItem:
         """
         from ..core import canonical_form, feature_patches
 
-        reading = self.reading
         work = canonical_form if request.step == "FORM" else feature_patches
+        request.require_points(self.name, self.settings)
         try:
-            found = work(reading.vertices, reading.faces, self.settings, progress=progress, cancelled=cancelled)
-            shapes = self._shapes_between(found, cancelled)
-            colours = colours_of(found.adf, found.patches, reading.faces)
-            self.result = FormResult(found, _report(reading, found, request), colours, shapes)
+            whole = combined(self.readings)
+            found = work(whole.vertices, whole.faces, self.settings, progress=progress, cancelled=cancelled)
+            shapes = self._shapes_between(whole, found, cancelled)
+            self.results = results_of(self.readings, whole, found, shapes, request)
         except MemoryError as error:
             raise TooLargeError(
-                f"Not enough memory for {reading.name}. Close other files, or decimate the mesh."
+                f"Not enough memory for {self.name}. Close other files, or decimate the mesh."
             ) from error
 
-    def write(self, request: Request) -> None:
-        """Write the result, on the main thread; the report gets the warnings about the object.
-
-        Parameters
-        ----------
-        request : Request
-            Where the result goes.
+    def require_unchanged(self) -> None:
+        """Refuse to write to objects that have changed since they were read.
 
         Raises
         ------
         CanonicalFormError
-            If the result cannot be written; the message says why.
+            If one is gone, was changed, or cannot be written to; the message says which and why.
         """
-        if self.result is None:
-            return
-        reading, result = self.reading, self.result
-        obj = find_object(reading)
-        with object_mode(obj):
-            require_unchanged(obj, reading)
-            warnings = result.report.warnings
-            warnings += object_warnings(obj, reading.deformed)
-            target, found = obj, result.found
-            resized = reading.deformed and len(reading.vertices) != len(obj.data.vertices)
-            if resized and not request.new_object:
-                warnings.append(
-                    "Modifiers change the number of vertices, so that no shape key can hold the form: it is on a new "
-                    "object."
-                )
-            if resized or request.new_object:
-                target = add_result_object(obj, reading)
-            elif reading.deformed and request.step == "FORM":
-                found = replace(found, vertices=positions_before(obj, found.vertices))  # type: ignore[arg-type, union-attr]
-            patches = request.step != "FEATURES"
-            write_results(target, found, result.colours, result.report, value=request.value, patches=patches)
-            self.written_to = target.name
-            if result.shapes:
-                write_in_betweens(obj, result.shapes)
+        for reading in self.readings:
+            obj = find_object(reading)
+            with object_mode(obj):
+                require_unchanged(obj, reading)
 
-    def _shapes_between(self, found: CanonicalForm | FeaturePatches, cancelled: Cancelled | None) -> list[FloatArray]:
+    def write(self, request: Request) -> None:
+        """Write the results, on the main thread; the reports get the warnings about the objects.
+
+        Parameters
+        ----------
+        request : Request
+            Where the results go.
+
+        Raises
+        ------
+        CanonicalFormError
+            If a result cannot be written; the message says why.
+        """
+        objects = [find_object(reading) for reading in self.readings]
+        with ExitStack() as modes:
+            for obj in objects:
+                modes.enter_context(object_mode(obj))
+            self._write_to(objects, request)
+
+    def _write_to(self, objects: list[bpy.types.Object], request: Request) -> None:
+        """Write the results; the objects are in Object Mode."""
+        warnings = self.results[0].report.warnings  # those of all
+        new = request.new_object
+        resized = [
+            obj.name
+            for obj, reading in zip(objects, self.readings, strict=True)
+            if reading.deformed and len(reading.vertices) != len(obj.data.vertices)
+        ]
+        for obj, reading in zip(objects, self.readings, strict=True):
+            warnings += object_warnings(obj, reading.deformed, scaled=len(objects) > 1)
+        if resized and not new:
+            warnings.append(
+                f"Modifiers change the number of vertices of {', '.join(resized)}, so that no shape key can hold the "
+                "form: it is on a new object."
+            )
+            new = True
+        if request.step == "FORM" and not new:
+            warnings += own_sliders(objects)
+        found = [result.found for result in self.results]
+        if self.readings[0].deformed and request.step == "FORM" and not new:
+            found = [
+                replace(each, vertices=positions_before(obj, each.vertices))  # type: ignore[arg-type, union-attr]
+                for obj, each in zip(objects, found, strict=True)
+            ]
+        targets: list[bpy.types.Object] = []
+        done = False
+        try:
+            for number, obj in enumerate(objects):
+                targets.append(add_result_object(obj, self.readings[number]) if new else obj)
+                self._write_one(number, targets[-1], found[number], request)
+            if request.step == "FORM":
+                lead(targets)
+            done = True
+        finally:
+            for target in targets if not done else ():
+                clear_results(target)
+        self.written_to = [target.name for target in targets]
+
+    def _write_one(
+        self, number: int, target: bpy.types.Object, found: CanonicalForm | FeaturePatches, request: Request
+    ) -> None:
+        """Write the result of one object."""
+        result = self.results[number]
+        part = Part(number, self.readings[number].placement.tolist()) if len(self.readings) > 1 else None
+        patches = request.step != "FEATURES"
+        write_results(target, found, result.colours, result.report, value=request.value, patches=patches, part=part)
+        if result.shapes:
+            write_in_betweens(target, result.shapes)
+
+    def _shapes_between(
+        self, whole: Combined, found: CanonicalForm | FeaturePatches, cancelled: Cancelled | None
+    ) -> list[FloatArray]:
         """Compute the shapes between pose and form; their warnings join those of the form."""
         if not self.in_between_count:
             return []
         from ..core.limbs import limb_shapes
         from ..core.run.monitor import Monitor
 
-        reading, monitor = self.reading, Monitor(None, cancelled)
-        everything = np.ones(len(reading.vertices), dtype=bool)
-        fractions = fractions_between(self.in_between_count)
-        form = found.vertices  # type: ignore[union-attr]
+        monitor = Monitor(None, cancelled)
         shapes = limb_shapes(
-            reading.vertices,
-            reading.faces,
-            form,
-            everything,
-            ways=fractions,
+            whole.vertices,
+            whole.faces,
+            found.vertices,  # type: ignore[union-attr]
+            np.ones(len(whole.vertices), dtype=bool),
+            ways=fractions_between(self.in_between_count),
             together=self.settings.together,
             monitor=monitor,
         )
         found.warnings.extend(monitor.warnings)
         return shapes
-
-
-def _report(reading: Reading, found: CanonicalForm | FeaturePatches, request: Request) -> FormReport:
-    from ..core import CanonicalForm
-    from ..core.measures.form_measures import summary
-
-    report = FormReport(
-        vertices=len(reading.vertices),
-        faces=len(reading.faces),
-        feature_points=found.feature_points.tolist(),
-        patch_sizes=np.bincount(found.patches[found.patches >= 0], minlength=len(found.feature_points)).tolist(),
-        timings=found.timings,
-        warnings=all_advised(found.warnings),
-    )
-    if isinstance(found, CanonicalForm):
-        measures = summary(reading.vertices, found.vertices, found.faces, request.hausdorff)
-        stress = found.stress
-        report.stress = StressReport(float(stress[0]), float(stress[-1]), len(stress) - 1)
-        report.method, report.pieces = request.settings.method, request.settings.pieces
-        report.pair_count, report.pair_reduction = found.pair_count, found.pair_reduction
-        report.frame = reading.frame
-        report.measures = {name: None if np.isnan(value) else value for name, value in measures.items()}
-    return report

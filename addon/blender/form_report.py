@@ -31,9 +31,9 @@ class FormReport:
     vertices, faces : int
         Size of the mesh, faces counted as triangles.
     feature_points : list of int
-        Vertex indices, most prominent first.
+        Vertex indices, most prominent first; -1 for those on another object of the body.
     patch_sizes : list of int
-        Vertices in each patch.
+        Vertices of this mesh in each patch.
     timings : dict of str to float
         Seconds by stage.
     warnings : list of str
@@ -52,6 +52,8 @@ class FormReport:
         Quality measures of the form; None where one is undefined, such as the compactness of an open mesh.
     frame : int or None
         The frame whose pose was taken out; None where it is that of the base mesh.
+    objects : list of str
+        Names of the objects of the body, where it was several; the stress, pairs and measures are of them all.
     """
 
     vertices: int
@@ -67,6 +69,7 @@ class FormReport:
     pair_reduction: float = 0.0
     measures: dict[str, float | None] = field(default_factory=dict)
     frame: int | None = None
+    objects: list[str] = field(default_factory=list)
 
     @property
     def has_form(self) -> bool:
@@ -123,6 +126,7 @@ class FormReport:
             report.pair_reduction = float(data["pair_reduction"])
             report.measures = dict(data["measures"])
             report.frame = data.get("frame")
+        report.objects = [str(name) for name in data.get("objects", [])]
         return report
 
     def as_json(self) -> dict[str, Any]:
@@ -151,4 +155,6 @@ class FormReport:
             data["pieces"] = self.pieces
         if self.frame is not None:
             data["frame"] = self.frame
+        if self.objects:
+            data["objects"] = self.objects
         return data | {"timings": self.timings, "warnings": self.warnings}

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 import bpy
 
-from ..core import CanonicalFormError
+from ..core import CanonicalFormError, InvalidMeshError
 from .advice import explained
+from .combining import touching
 from .form_item import FormItem
-from .object_states import object_mode
+from .object_states import muted_results, object_mode
 from .request import Request
 
 if TYPE_CHECKING:
@@ -35,7 +36,7 @@ class FormTask:
     Attributes
     ----------
     items : list of FormItem
-        One item for each object that could be read.
+        One item for each object that could be read; after the computation, for each body.
 
     Raises
     ------
@@ -47,21 +48,28 @@ class FormTask:
         self.request = request
         self.items: list[FormItem] = []
         self._unread: list[str] = []
-        separate = request.deformed or request.new_object  # objects that share a mesh have results of their own
+        # where the mesh of several objects does not hold the result, each has its own
+        separate = request.new_object or (request.deformed and request.objects == "EACH")
         first = {obj if separate else obj.data: obj for obj in reversed(objects)}
-        with object_mode(objects[0]):
-            for obj in reversed(list(first.values())):
+        taken = list(reversed(first.values()))
+        for obj in objects:
+            if request.objects != "EACH" and obj not in taken:
+                self._unread.append(f"{obj.name} has the mesh of {first[obj.data].name} and shows the same form.")
+        with object_mode(objects[0]), muted_results(obj.data for obj in taken if request.deformed):
+            for obj in taken:
                 try:
                     self.items.append(FormItem.read(obj, request))
                 except CanonicalFormError as error:
                     if len(first) == 1:
                         raise
                     self._unread.append(explained(error))
+        if len(self.items) == 1:
+            request.require_points(self.items[0].name, self.items[0].settings)
 
     @property
     def taken(self) -> set[str]:
         """Names of the objects that were read; a result on another one is on a new object."""
-        return {item.reading.name for item in self.items}
+        return {reading.name for item in self.items for reading in item.readings}
 
     @property
     def errors(self) -> list[str]:
@@ -72,9 +80,9 @@ class FormTask:
     def written(self) -> dict[str, FormReport]:
         """Reports of the results that were written, by the name of the object that shows them."""
         return {
-            item.written_to: item.result.report
+            name: result.report
             for item in self.items
-            if item.result is not None and item.written_to is not None
+            for name, result in zip(item.written_to, item.results, strict=False)
         }
 
     def compute(self, progress: Progress | None = None, cancelled: Cancelled | None = None) -> None:
@@ -90,10 +98,11 @@ class FormTask:
         CanonicalFormError
             If the only mesh cannot be used, or the run was cancelled; the message names the remedy.
         """
+        self._join(cancelled)
         count = len(self.items)
         for number, item in enumerate(self.items):
 
-            def report(done: float, stage: str, number: int = number, name: str = item.reading.name) -> None:
+            def report(done: float, stage: str, number: int = number, name: str = item.name) -> None:
                 if progress is not None:
                     progress((number + done) / count, stage if count == 1 else f"{name}: {stage}")
 
@@ -102,7 +111,7 @@ class FormTask:
             except CanonicalFormError as error:
                 if count == 1 or (cancelled is not None and cancelled()):
                     raise
-                item.error = f"{item.reading.name}: {explained(error)}"
+                item.error = f"{item.name}: {explained(error)}"
 
     def write(self) -> list[str]:
         """Write the results, on the main thread.
@@ -117,14 +126,39 @@ class FormTask:
         CanonicalFormError
             If nothing could be written; the message says why.
         """
-        for item in self.items:
-            try:
-                item.write(self.request)
-            except CanonicalFormError as error:
-                item.error = explained(error)
+        computed = [item for item in self.items if item.results]
+        self._try_each(computed, FormItem.require_unchanged, muted=self.request.deformed)
+        ready = [item for item in computed if item.error is None]
+        self._try_each(ready, lambda item: item.write(self.request))
         if not self.written:
             raise CanonicalFormError(" ".join(self.errors))
         return list(self.written)
+
+    def _join(self, cancelled: Cancelled | None) -> None:
+        """Make one item of the objects that are one body."""
+        if self.request.objects == "EACH" or len(self.items) < 2:
+            return
+        groups = [list(range(len(self.items)))]
+        if self.request.objects == "TOUCHING":
+            try:
+                readings = [item.readings[0] for item in self.items]
+                groups = touching(readings, together=self.request.settings.together, cancelled=cancelled)
+            except InvalidMeshError as error:
+                self._unread.append(f"The objects were computed one by one, since together they cannot be. {error}")
+                return
+        self.items = [FormItem.joined([self.items[index] for index in group], self.request) for group in groups]
+
+    @staticmethod
+    def _try_each(items: list[FormItem], work: Callable[[FormItem], None], *, muted: bool = False) -> None:
+        """Work on items; those that fail tell why."""
+        names = [reading.name for item in items for reading in item.readings if muted]
+        there = [bpy.data.objects[name].data for name in names if name in bpy.data.objects]
+        with muted_results(mesh for mesh in there if isinstance(mesh, bpy.types.Mesh)):
+            for item in items:
+                try:
+                    work(item)
+                except CanonicalFormError as error:
+                    item.error = explained(error)
 
 
 def compute_on(
@@ -159,6 +193,5 @@ def compute_on(
     task = FormTask([obj], request)
     task.compute(progress, cancelled)
     task.write()
-    result = task.items[0].result
-    assert result is not None  # compute raises for a single object
+    (result,) = task.items[0].results  # compute raises for a single object
     return result.found, result.report

@@ -11,6 +11,7 @@ from ..core import CanonicalFormError
 from .fingerprints import key_fingerprint
 from .form_key import form_key, require_form_key
 from .record import InBetweens, read_record, require_record, write_record
+from .slider import is_following
 
 if TYPE_CHECKING:
     from ..core.numerics.arrays import FloatArray
@@ -192,7 +193,8 @@ def animated(mesh: bpy.types.Mesh) -> str | None:
     if keys.animation_data is None:
         return None
     path = f'key_blocks["{bpy.utils.escape_identifier(form.name)}"].value'
-    curves = list(keys.animation_data.drivers)
+    drivers = keys.animation_data.drivers
+    curves = [curve for curve in drivers if not (is_following(curve) or _is_own_driver(curve, keys))]
     actions = [keys.animation_data.action]
     actions += [strip.action for track in keys.animation_data.nla_tracks for strip in track.strips]
     for action in actions:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import bpy
 
 from ..core import CanonicalFormError
+from .companions import with_companions
 
 
 def meant_object(context: bpy.types.Context) -> bpy.types.Object | None:
@@ -63,15 +64,15 @@ def meant_objects(context: bpy.types.Context) -> list[bpy.types.Object]:
     Returns
     -------
     list of bpy.types.Object
-        The active mesh first, then, in Object Mode, the other selected ones. Where the active object is no mesh, the
-        selected meshes; where none is selected, the visible ones that the active armature moves. The active object
-        alone where none of that is a mesh.
+        The active mesh first, then, in Object Mode, the other selected ones, and those whose forms are of one body with
+        theirs. Where the active object is no mesh, the selected meshes; where none is selected, the visible ones that
+        the active armature moves. The active object alone where none of that is a mesh.
     """
     active = context.object
     if active is None or active.type != "MESH":
-        return _others(context) or [active]
+        return with_companions(_others(context)) or [active]
     others = context.selected_objects if active.mode == "OBJECT" else ()
-    return [active, *(obj for obj in others if obj.type == "MESH" and obj != active)]
+    return with_companions([active, *(obj for obj in others if obj.type == "MESH" and obj != active)])
 
 
 def armature_of(obj: bpy.types.Object) -> bpy.types.Object | None:

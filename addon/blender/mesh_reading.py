@@ -10,7 +10,8 @@ import numpy as np
 from ..core import CanonicalFormError
 from .fingerprints import fingerprint
 from .form_key import form_key
-from .object_states import muted_result
+from .object_states import muted_results
+from .placement import placement_of
 
 if TYPE_CHECKING:
     from ..core.numerics.arrays import FloatArray, IntArray
@@ -35,6 +36,8 @@ class Reading(NamedTuple):
         Whether the vertices are those of the evaluated mesh: with modifiers, pose and shape keys.
     frame : int or None
         The frame of the evaluated mesh.
+    placement : (4, 4) ndarray of float
+        The transform to the space that the object shares with others.
     """
 
     name: str
@@ -42,8 +45,9 @@ class Reading(NamedTuple):
     vertices: FloatArray
     faces: IntArray
     fingerprint: str
-    deformed: bool = False
-    frame: int | None = None
+    deformed: bool
+    frame: int | None
+    placement: FloatArray
 
 
 def refusal(obj: bpy.types.Object | None) -> str | None:
@@ -126,10 +130,11 @@ def read_object(obj: bpy.types.Object, deformed: bool = False) -> Reading:
     vertices, faces = read_mesh(obj.data)
     known = _mesh_fingerprint(obj.data)
     if deformed:
-        with muted_result(obj.data):
+        with muted_results([obj.data]):
             vertices, faces = read_evaluated(obj)
     frame = bpy.context.scene.frame_current if deformed else None
-    return Reading(obj.name, obj.session_uid, vertices, faces, known, deformed, frame)
+    placement = placement_of(obj, deformed)
+    return Reading(obj.name, obj.session_uid, vertices, faces, known, deformed, frame, placement)
 
 
 def read_evaluated(obj: bpy.types.Object) -> tuple[FloatArray, IntArray]:
@@ -231,7 +236,7 @@ def require_unchanged(obj: bpy.types.Object, reading: Reading) -> None:
     """
     same = _mesh_fingerprint(obj.data) == reading.fingerprint
     if same and reading.deformed:
-        with muted_result(obj.data):
+        with muted_results([obj.data]):
             vertices, faces = read_evaluated(obj)
         same = np.array_equal(vertices, reading.vertices) and np.array_equal(faces, reading.faces)
     if not same:

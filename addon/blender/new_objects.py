@@ -7,7 +7,7 @@ import numpy as np
 
 from .form_key import remove_all_keys
 from .mesh_reading import Reading
-from .object_states import muted_result
+from .object_states import muted_results
 from .record import read_record, write_record
 from .result_clearing import clear_results
 
@@ -28,7 +28,7 @@ def add_result_object(obj: bpy.types.Object, reading: Reading) -> bpy.types.Obje
         The new object, with the same transform and collections, without modifiers and shape keys.
     """
     if reading.deformed:
-        with muted_result(obj.data):
+        with muted_results([obj.data]):
             graph = bpy.context.evaluated_depsgraph_get()
             mesh = bpy.data.meshes.new_from_object(
                 obj.evaluated_get(graph), preserve_all_data_layers=True, depsgraph=graph

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 
 import bpy
@@ -58,24 +58,24 @@ def object_mode(obj: bpy.types.Object) -> Iterator[None]:
 
 
 @contextmanager
-def muted_result(mesh: bpy.types.Mesh) -> Iterator[None]:
-    """Mute the shape keys of an earlier run, so that a form is computed of the pose and not of a form.
+def muted_results(meshes: Iterable[bpy.types.Mesh]) -> Iterator[None]:
+    """Mute the shape keys of earlier runs, so that a form is computed of the pose and not of a form.
 
     Parameters
     ----------
-    mesh : bpy.types.Mesh
-        The mesh.
+    meshes : iterable of bpy.types.Mesh
+        The meshes.
 
     Yields
     ------
     None
         Control, while they are muted.
     """
-    record = read_record(mesh)
-    names = [] if record is None else [*record.keys, *record.in_between_keys]
-    keys = [
-        mesh.shape_keys.key_blocks[name] for name in names if mesh.shape_keys and name in mesh.shape_keys.key_blocks
-    ]
+    keys = []
+    for mesh in meshes:
+        record, blocks = read_record(mesh), mesh.shape_keys.key_blocks if mesh.shape_keys else {}
+        names = [] if record is None else [*record.keys, *record.in_between_keys]
+        keys += [blocks[name] for name in names if name in blocks]
     muted = [key.mute for key in keys]
     try:
         for key in keys:

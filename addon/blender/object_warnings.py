@@ -33,7 +33,7 @@ _BENDING = (
 )
 
 
-def object_warnings(obj: bpy.types.Object, deformed: bool) -> list[str]:
+def object_warnings(obj: bpy.types.Object, deformed: bool, *, scaled: bool = False) -> list[str]:
     """List what the form of an object leaves out: its scale and modifiers.
 
     Parameters
@@ -42,6 +42,8 @@ def object_warnings(obj: bpy.types.Object, deformed: bool) -> list[str]:
         The object.
     deformed : bool
         Whether the form is computed of the evaluated mesh, not of the base mesh.
+    scaled : bool
+        Whether the form is computed with the object's scale, together with other objects.
 
     Returns
     -------
@@ -50,23 +52,23 @@ def object_warnings(obj: bpy.types.Object, deformed: bool) -> list[str]:
     """
     warnings = []
     scale = np.abs(np.array(obj.matrix_world.to_scale()))
-    if scale.max() > 1.001 * scale.min():
+    if not scaled and scale.max() > 1.001 * scale.min():
         warnings.append(
-            "The object's scale is not uniform, and the form was computed on the mesh without it. Apply the scale "
-            "(Ctrl+A > Scale) and run again for the form of what you see."
+            f"The scale of {obj.name} is not uniform, and the form was computed on the mesh without it. Apply the "
+            "scale (Ctrl+A > Scale) and run again for the form of what you see."
         )
     modifiers = [] if deformed else [each for each in obj.modifiers if each.show_viewport]
     bending = [each.name for each in modifiers if each.type in _BENDING or (each.type == "ARMATURE" and _in_pose(each))]
     if bending:
         warnings.append(
-            f"Some modifiers bend the form as they bend the mesh: {', '.join(bending)}. Set Mesh to As Shown to take "
-            "out the pose that you see."
+            f"Some modifiers of {obj.name} bend the form as they bend the mesh: {', '.join(bending)}. Set Mesh to As "
+            "Shown to take out the pose that you see."
         )
     adding = [each.name for each in modifiers if each.type in _ADDING]
     if adding:
         warnings.append(
-            f"Some modifiers add to the mesh, and the form is of the mesh without them: {', '.join(adding)}. Apply "
-            "them, or set Mesh to As Shown."
+            f"Some modifiers of {obj.name} add to the mesh, and the form is of it without them: {', '.join(adding)}. "
+            "Apply them, or set Mesh to As Shown."
         )
     return warnings
 

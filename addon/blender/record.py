@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import bpy
 
@@ -40,6 +40,21 @@ class InBetweens:
     value: float
 
 
+class Part(NamedTuple):
+    """An object as a part of a body of several objects.
+
+    Attributes
+    ----------
+    number : int
+        Its number in the body, from 0: the first has the slider.
+    placement : list of list of float
+        The transform from its own space to that of the body, 4 by 4.
+    """
+
+    number: int
+    placement: list[list[float]]
+
+
 @dataclass
 class Record:
     """What the last run wrote to a mesh.
@@ -63,6 +78,8 @@ class Record:
         For each patch whether the key takes the pose out of it; empty while it does so for all.
     in_betweens : InBetweens or None
         The keys between pose and form, if there are any.
+    part : Part or None
+        Which part of a body of several objects this one is; None where the form is of this object alone.
     """
 
     report: FormReport
@@ -76,6 +93,7 @@ class Record:
     palette: list[list[float]] = field(default_factory=list)
     limbs: list[bool] = field(default_factory=list)
     in_betweens: InBetweens | None = None
+    part: Part | None = None
 
     @property
     def has_form(self) -> bool:
@@ -155,6 +173,8 @@ class Record:
             )
             if "between" in data:
                 record.in_betweens = InBetweens(dict(data["between"]), data["animated_before"], float(data["value"]))
+            if "part" in data:
+                record.part = Part(**data["part"])
         except (AttributeError, KeyError, TypeError) as error:
             raise ValueError("These are not the data of a record.") from error
         return record
@@ -185,6 +205,8 @@ class Record:
             data["between"] = self.in_betweens.keys
             data["animated_before"] = self.in_betweens.animated_before
             data["value"] = self.in_betweens.value
+        if self.part is not None:
+            data["part"] = self.part._asdict()
         return data
 
 

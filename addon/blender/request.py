@@ -32,6 +32,8 @@ class Request:
         Put the result on a new object.
     hausdorff : bool
         Measure the Hausdorff distance too.
+    objects : {'TOUCHING', 'TOGETHER', 'EACH'}
+        Which of several objects are one body: those that touch, all, or none.
     """
 
     settings: Settings = field(default_factory=Settings)
@@ -42,6 +44,7 @@ class Request:
     deformed: bool = False
     new_object: bool = False
     hausdorff: bool = False
+    objects: str = "EACH"
 
     def settings_for(self, obj: bpy.types.Object) -> Settings:
         """Return the settings for an object, with the feature points of the vertex group, if one is named.
@@ -54,30 +57,46 @@ class Request:
         Returns
         -------
         Settings
-            The settings.
+            The settings; without feature points where the object has no such group.
 
         Raises
         ------
         CanonicalFormError
-            If the group is missing, empty or too large, or the evaluated mesh is wanted.
+            If the group is too large, or the evaluated mesh is wanted.
         """
         if not self.feature_group:
             return self.settings
-        group = obj.vertex_groups.get(self.feature_group)
-        if group is None:
-            raise CanonicalFormError(
-                f"{obj.name} has no vertex group {self.feature_group}. Choose one, or set Feature Points to Detected."
-            )
         if self.deformed:
             raise CanonicalFormError("Feature points from a group need the mesh itself. Set Mesh to Base Mesh.")
-        members = members_of(obj, group.name)
-        if not members:
-            raise CanonicalFormError(f"The vertex group {group.name} of {obj.name} is empty. Add feature points to it.")
+        group = obj.vertex_groups.get(self.feature_group)
+        members = [] if group is None else members_of(obj, group.name)
         if len(members) > MOST_FEATURES:
             raise CanonicalFormError(
-                f"The vertex group {group.name} has {len(members):,} vertices. Choose one of {MOST_FEATURES} at most."
+                f"The vertex group {self.feature_group} of {obj.name} has {len(members):,} vertices. Choose one of "
+                f"{MOST_FEATURES} at most."
             )
-        return replace(self.settings, feature_points=members)
+        return replace(self.settings, feature_points=members or None)
+
+    def require_points(self, name: str, settings: Settings) -> None:
+        """Refuse to detect feature points where those of a vertex group are wanted.
+
+        Parameters
+        ----------
+        name : str
+            Name of the object, or of what it is together with others.
+        settings : Settings
+            Its settings.
+
+        Raises
+        ------
+        CanonicalFormError
+            If there are none.
+        """
+        if self.feature_group and not settings.feature_points:
+            raise CanonicalFormError(
+                f"{name} has no vertex group {self.feature_group} with vertices in it. Choose another one, add feature "
+                "points to it, or set Feature Points to Detected."
+            )
 
     def in_between_count(self, obj: bpy.types.Object) -> int:
         """Return the number of keys between pose and form that the run has to compute again with the form.

@@ -11,6 +11,7 @@ from .form_key import remove_all_keys, remove_drivers
 from .in_betweens import remove_in_betweens
 from .object_states import object_mode
 from .record import RECORD_PROPERTY, Record, read_record
+from .slider import release
 
 
 def clear_from(obj: bpy.types.Object) -> list[str]:
@@ -78,6 +79,7 @@ def remove_results(obj: bpy.types.Object, record: Record, keep_key: bool = False
         Names of items that stay because they have been changed since they were written.
     """
     mesh = obj.data
+    release(mesh.shape_keys)
     left = remove_in_betweens(obj)
     if not keep_key:
         left += _remove_keys(obj, record)

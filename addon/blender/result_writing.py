@@ -18,7 +18,7 @@ from .colour_attributes import add_colours
 from .fingerprints import colour_fingerprint, key_fingerprint, members_fingerprint
 from .form_key import require_form_key, unchanged_form_key
 from .hidden_attributes import HIDDEN_FORM, HIDDEN_PATCHES, patches_of
-from .record import Record, read_record, require_record, write_record
+from .record import Part, Record, read_record, require_record, write_record
 from .result_clearing import clear_results, remove_results
 
 if TYPE_CHECKING:
@@ -42,6 +42,7 @@ def write_results(
     *,
     value: float = 1.0,
     patches: bool = True,
+    part: Part | None = None,
 ) -> None:
     """Write results to a mesh as shape key, vertex groups and colours, in place of those of an earlier run.
 
@@ -62,6 +63,8 @@ def write_results(
         Value of the shape key, 0 to 1.
     patches : bool
         Write the patches too, not only the feature points.
+    part : Part or None
+        Which part of a body of several objects the object is.
     """
     from ..core import CanonicalForm
 
@@ -69,7 +72,7 @@ def write_results(
     form = found.vertices if isinstance(found, CanonicalForm) else None
     old, active, elsewhere = read_record(mesh), active_items(obj), active_keys_elsewhere(obj)
     kept_key = unchanged_form_key(mesh) if form is not None else None
-    record = Record(report, active)
+    record = Record(report, active, part=part)
     if old is not None:
         if kept_key is not None:
             record.basis, record.basis_fingerprint = old.basis, old.basis_fingerprint
@@ -173,7 +176,7 @@ def _write_key(
 
 
 def _write_groups(obj: bpy.types.Object, record: Record, found: CanonicalForm | FeaturePatches, patches: bool) -> None:
-    members = [found.feature_points]
+    members = [found.feature_points[found.feature_points >= 0]]
     if patches:
         members += [np.flatnonzero(found.patches == index) for index in range(len(found.feature_points))]
     for number, vertices in enumerate(members):

@@ -10,7 +10,7 @@ import numpy as np
 from ..core import CanonicalFormError
 from .active_items import active_keys_elsewhere, restore_active_keys
 from .mesh_reading import read_evaluated, read_mesh
-from .object_states import muted_result
+from .object_states import muted_results
 
 if TYPE_CHECKING:
     from ..core.numerics.arrays import FloatArray
@@ -53,7 +53,7 @@ def positions_before(obj: bpy.types.Object, wanted: FloatArray) -> FloatArray:
     try:
         key.relative_key = mesh.shape_keys.reference_key
         key.value, obj.show_only_shape_key = 1.0, False
-        with muted_result(mesh):
+        with muted_results([mesh]):
             return _solve(obj, key, wanted)
     finally:
         obj.shape_key_remove(key)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
 import bpy
@@ -9,6 +10,8 @@ import numpy as np
 
 from ..core import CanonicalFormError
 from .advice import all_advised
+from .combining import combined
+from .companions import companions_of, lead
 from .form_key import form_key, require_form_key
 from .hidden_attributes import patches_of, whole_form_of
 from .in_betweens import (
@@ -24,6 +27,7 @@ from .mesh_reading import find_object, read_object, require_unchanged
 from .object_states import object_mode
 from .record import read_record, require_record, write_record
 from .result_writing import refill_key
+from .slider import release
 
 if TYPE_CHECKING:
     from ..core.numerics.arrays import FloatArray
@@ -68,7 +72,7 @@ def variant_refusal(obj: bpy.types.Object | None) -> str | None:
 
 
 class VariantTask:
-    """The form of some limbs only, and the shapes between pose and form.
+    """The form of some limbs only, and the shapes between pose and form, of an object and all that follow its slider.
 
     Parameters
     ----------
@@ -81,10 +85,10 @@ class VariantTask:
 
     Attributes
     ----------
-    positions : (n, 3) ndarray of float
-        Positions of the form's key.
-    shapes : list of (n, 3) ndarray of float
-        Positions of the keys between.
+    limbs : list of bool
+        For each patch whether to take the pose out of it.
+    in_betweens : int
+        Number of keys between pose and form.
     warnings : list of str
         Sentences for the user.
 
@@ -95,23 +99,36 @@ class VariantTask:
     """
 
     def __init__(self, obj: bpy.types.Object, limbs: list[bool] | None = None, in_betweens: int | None = None) -> None:
-        mesh = obj.data
-        reason = variant_refusal(obj)
-        if reason is None and in_betweens and not has_in_betweens(mesh):
-            reason = animated(mesh)
-        if reason is not None:
-            raise CanonicalFormError(reason)
-        require_form_key(mesh)
-        self.limbs = limbs_of(mesh) if limbs is None else limbs
-        self.in_betweens = len(require_record(mesh).in_between_keys) if in_betweens is None else in_betweens
+        objects = companions_of(obj)
+        for each in objects:
+            reason = variant_refusal(each)
+            if reason is None and in_betweens and not has_in_betweens(each.data):
+                reason = animated(each.data)
+            if reason is not None:
+                raise CanonicalFormError(reason)
+            require_form_key(each.data)
+        record = require_record(obj.data)
+        self.limbs = record.straightened if limbs is None else limbs
+        self.in_betweens = len(record.in_between_keys) if in_betweens is None else in_betweens
+        self._together = record.report.pieces == "together"
+        self._readings, patches, forms = [], [], []
         with object_mode(obj):
-            self._reading = read_object(obj)
-            patches, form = patches_of(mesh), whole_form_of(mesh)
-        if patches is None or form is None:
-            raise CanonicalFormError(f"The mesh of {obj.name} was changed since the run. Compute the form again first.")
-        self._together = require_record(obj.data).report.pieces == "together"
-        self._patches, self._form, self.positions = patches, form, form
-        self.shapes: list[FloatArray] = []
+            for each in objects:
+                reading, own, form = read_object(each), patches_of(each.data), whole_form_of(each.data)
+                part = require_record(each.data).part
+                if own is None or form is None:
+                    raise CanonicalFormError(
+                        f"The mesh of {each.name} was changed since the run. Compute the form again first."
+                    )
+                if part is not None:  # where it was at the run: it may have been moved since
+                    reading = reading._replace(placement=np.array(part.placement))
+                self._readings.append(reading)
+                patches.append(own)
+                forms.append(form)
+        self._whole = combined(self._readings)
+        self._patches, self._form = np.concatenate(patches), self._whole.put_together(forms)
+        self._positions = forms
+        self._shapes: list[list[FloatArray]] = []  # by way, of each object
         self.warnings: list[str] = []
 
     def compute(self, progress: Progress | None = None, cancelled: Cancelled | None = None) -> None:
@@ -130,45 +147,56 @@ class VariantTask:
         from ..core.limbs import limb_shapes
         from ..core.run.monitor import Monitor
 
-        reading, monitor = self._reading, Monitor(progress, cancelled)
+        monitor = Monitor(progress, cancelled)
         chosen = np.array([*self.limbs, False])[self._patches]  # -1, no patch, is the last
-        *self.shapes, self.positions = limb_shapes(
-            reading.vertices,
-            reading.faces,
+        shapes = limb_shapes(
+            self._whole.vertices,
+            self._whole.faces,
             self._form,
             chosen,
             ways=[*fractions_between(self.in_betweens), 1.0],
             together=self._together,
             monitor=monitor,
         )
+        *self._shapes, self._positions = (self._whole.brought_back(shape) for shape in shapes)
         self.warnings = all_advised(monitor.warnings)
 
     def write(self) -> None:
-        """Write the positions to the shape key and add the keys between, on the main thread.
+        """Write the positions to the shape keys and add the keys between, on the main thread.
 
         Raises
         ------
         CanonicalFormError
-            If the object is gone or was changed; the message says why.
+            If an object is gone or was changed; the message says why.
         """
-        obj = find_object(self._reading)
-        with object_mode(obj):
-            require_unchanged(obj, self._reading)
-            require_form_key(obj.data)
-            left = changed_in_betweens(obj.data)
-            if left:
-                raise CanonicalFormError(
-                    f"Changed since they were made: {', '.join(left)}. Rename them to keep them, or delete them, first."
-                )
-            value = shown_value(obj.data)
-            remove_in_betweens(obj)
-            refill_key(obj, self.positions)
-            record = require_record(obj.data)
-            record.limbs = self.limbs
-            write_record(obj.data, record)
-            require_form_key(obj.data).value = value
-            if self.shapes:
-                write_in_betweens(obj, self.shapes)
+        objects = [find_object(reading) for reading in self._readings]
+        with ExitStack() as modes:
+            for obj, reading in zip(objects, self._readings, strict=True):
+                modes.enter_context(object_mode(obj))
+                require_unchanged(obj, reading)
+                require_form_key(obj.data)
+                left = changed_in_betweens(obj.data)
+                if left:
+                    raise CanonicalFormError(
+                        f"Changed since they were made: {', '.join(left)}. Rename them to keep them, or delete them, "
+                        "first."
+                    )
+            for number, obj in enumerate(objects):
+                self._write_one(obj, self._positions[number], [shape[number] for shape in self._shapes])
+            lead(objects)
+
+    def _write_one(self, obj: bpy.types.Object, positions: FloatArray, shapes: list[FloatArray]) -> None:
+        """Write the positions of one object and the keys between."""
+        value = shown_value(obj.data)
+        release(obj.data.shape_keys)
+        remove_in_betweens(obj)
+        refill_key(obj, positions)
+        record = require_record(obj.data)
+        record.limbs = self.limbs
+        write_record(obj.data, record)
+        require_form_key(obj.data).value = value
+        if shapes:
+            write_in_betweens(obj, shapes)
 
 
 def shown_value(mesh: bpy.types.Mesh) -> float:

@@ -8,6 +8,7 @@ import bpy
 import numpy as np
 from bpy.props import BoolProperty, IntProperty
 
+from ..blender.companions import companions_of
 from ..blender.hidden_attributes import patches_of
 from ..blender.meant_objects import meant_object, require_object
 from ..blender.mesh_reading import refusal
@@ -109,12 +110,14 @@ class OBJECT_OT_canonical_form_select_patch(bpy.types.Operator):
         """Select the vertices, and the edges and faces between them."""
         obj = require_object(context)
         with object_mode(obj):
-            patches = patches_of(obj.data)
-            if patches is None:
-                self.report({"ERROR"}, "The mesh was changed since the run. Compute it again first.")
-                return {"CANCELLED"}
-            select_vertices(obj.data, patches == self.patch - 1, self.extend)
-        obj.data.canonical_form_patch = self.patch - 1
+            for each in companions_of(obj):
+                patches = patches_of(each.data)
+                if patches is None and each == obj:
+                    self.report({"ERROR"}, "The mesh was changed since the run. Compute it again first.")
+                    return {"CANCELLED"}
+                if patches is not None and refusal(each) is None:
+                    select_vertices(each.data, patches == self.patch - 1, self.extend)
+                    each.data.canonical_form_patch = self.patch - 1
         return {"FINISHED"}
 
 

@@ -65,14 +65,18 @@ class OBJECT_OT_canonical_form(JobOperator, MethodProperties, FormerProperties, 
             feature_group=self.feature_group,
             deformed=self.mesh == "SHOWN",
             new_object=self.result == "OBJECT",
+            objects=self.objects,
         )
         return FormTask(objects, request)
 
     def written(self, context: bpy.types.Context, task: "FormTask", outcome: list[str], interactive: bool) -> None:
         """Report the warnings, then the results in one line."""
         self.warn([*self._refused, *task.errors])
-        for name, report in task.written.items():
-            self.warn(report.warnings)
+        bodies = [item for item in task.items if item.written_to]
+        for item in bodies:
+            about = f"{item.name}: " if len(bodies) > 1 else ""
+            self.warn([about + warning for warning in item.results[0].report.warnings])
+        for name in task.written:
             list_patches(bpy.data.objects[name].data)
         self.report({"INFO"}, _summary(task))
         if interactive:
@@ -100,7 +104,7 @@ class OBJECT_OT_canonical_form_clear(bpy.types.Operator):
         """Remove the results."""
         from ..blender.result_clearing import clear_from
 
-        for obj in chosen_objects(context)[0]:
+        for obj in chosen_objects(context)[0]:  # with those that are of one body with them
             try:
                 left = clear_from(obj)
             except CanonicalFormError as error:
@@ -162,17 +166,22 @@ def allowed(operator: type, reason: str | None) -> bool:
 
 def _summary(task: "FormTask") -> str:
     """Summarise the results in one line."""
-    seconds = sum(report.seconds for report in task.written.values())
-    if len(task.written) > 1:
-        return f"{len(task.written)} objects, {seconds:.1f} s."
-    ((name, report),) = task.written.items()
-    obj = bpy.data.objects[name]
+    reports = [item.results[0].report for item in task.items if item.written_to]
+    seconds = sum(report.seconds for report in reports)
+    if len(reports) > 1:
+        bodies = f" as {len(reports)} bodies" if len(reports) < len(task.written) else ""
+        return f"{len(task.written)} objects{bodies}, {seconds:.1f} s."
+    (report,), (name, *others) = reports, task.written
     sentence = f"{len(report.feature_points)} feature points, {seconds:.1f} s"
     if report.has_form:
         sentence += f", {report.pair_reduction:.0%} of the pairs saved"
-    users = obj.data.users - (1 if obj.data.use_fake_user else 0)
     if name not in task.taken:
-        return f"{sentence}. The result is on {obj.name}."
+        where = f"{len(others) + 1} new objects" if others else name
+        return f"{sentence}. The result is on {where}."
+    if others:
+        return f"{sentence}. {len(others) + 1} objects are one body."
+    mesh = bpy.data.objects[name].data
+    users = mesh.users - (1 if mesh.use_fake_user else 0)
     return f"{sentence}." + (f" {users} objects share this mesh and show it." if users > 1 else "")
 
 

@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 
 import bpy
 
+from ..blender.companions import companions_of
 from ..blender.meant_objects import meant_object
 from ..blender.record import read_record
 
@@ -23,7 +24,7 @@ class VIEW3D_GGT_canonical_form:
 
 
 def feature_labels(obj: bpy.types.Object | None, graph: bpy.types.Depsgraph) -> list[tuple[Any, tuple, str]]:
-    """List the feature points of an object where the evaluated mesh has them.
+    """List the feature points of an object, and of all that follow its slider, where the evaluated meshes have them.
 
     Parameters
     ----------
@@ -37,10 +38,15 @@ def feature_labels(obj: bpy.types.Object | None, graph: bpy.types.Depsgraph) -> 
     list of (mathutils.Vector, tuple of float, str)
         World position, sRGB colour and label of each.
     """
-    if obj is None or obj.type != "MESH" or not obj.visible_get():
+    if obj is None or obj.type != "MESH":
         return []
+    return [label for each in companions_of(obj) for label in _labels_on(each, graph)]
+
+
+def _labels_on(obj: bpy.types.Object, graph: bpy.types.Depsgraph) -> list[tuple[Any, tuple, str]]:
+    """List the feature points that lie on one object."""
     record = read_record(obj.data)
-    if record is None:
+    if record is None or not obj.visible_get():
         return []
     if obj.mode == "EDIT":
         import bmesh
@@ -56,7 +62,7 @@ def feature_labels(obj: bpy.types.Object | None, graph: bpy.types.Depsgraph) -> 
     return [
         (obj.matrix_world @ vertices[point].co, (*_srgb(colour), 1.0), str(number))
         for number, (point, colour) in enumerate(zip(points, palette, strict=True), start=1)
-        if point < len(vertices)
+        if 0 <= point < len(vertices)
     ]
 
 

@@ -5,6 +5,7 @@ import textwrap
 import bpy
 
 from ..blender.chosen_features import CHOSEN_GROUP
+from ..blender.companions import companions_of
 from ..blender.form_key import form_key
 from ..blender.in_betweens import PROPERTY, has_in_betweens
 from ..blender.meant_objects import armature_of, meant_object, meant_objects, require_object
@@ -12,7 +13,7 @@ from ..blender.record import Record, read_record, require_record
 from ..blender.variants import limbs_of
 from ..core import Settings
 from ..core.method_api.catalogue import FEATURE_OPTIONS, OURS, methods
-from ..core.method_api.costs import memory_estimate, time_estimate
+from ..core.method_api.costs import PIECE_SECONDS, memory_estimate, time_estimate
 from .job_operator import OBJECT_OT_canonical_form_cancel
 from .limb_operators import (
     OBJECT_OT_canonical_form_in_betweens,
@@ -47,7 +48,7 @@ class VIEW3D_PT_canonical_form(_Tab, bpy.types.Panel):
         layout = self.layout
         layout.use_property_split = True
         layout.use_property_decorate = False
-        chosen, obj = context.scene.canonical_form, meant_object(context)
+        chosen, obj, objects = context.scene.canonical_form, meant_object(context), meant_objects(context)
         job = OBJECT_OT_canonical_form_cancel.job
         if job is not None:
             row = layout.row(align=True)
@@ -55,22 +56,20 @@ class VIEW3D_PT_canonical_form(_Tab, bpy.types.Panel):
             row.progress(factor=job.fraction, text=f"{job.fraction:.0%}  {job.stage}", type="BAR")
             row.operator(OBJECT_OT_canonical_form_cancel.bl_idname, text="", icon="X")
         else:
-            count = len(meant_objects(context))
             row = layout.row()
             row.scale_y = _BUTTON_SCALE
-            label = f"Compute {count} Objects" if count > 1 else "Compute"
+            label = f"Compute {len(objects)} Objects" if len(objects) > 1 else "Compute"
             button = row.operator(OBJECT_OT_canonical_form.bl_idname, text=label, icon="ARMATURE_DATA")
             hand_over(chosen, button)
         if chosen.method != OURS:
             layout.prop(chosen, "method")
         for name in (*_MAIN, "mesh", "result"):
             layout.prop(chosen, name)
+        if len(objects) > 1:
+            layout.prop(chosen, "objects")
         _offer_shown(layout, chosen, obj)
         if obj is not None and obj.type == "MESH":
-            count = len(obj.data.vertices)
-            settings = Settings(method=chosen.method, quality=chosen.quality, landmark_count=chosen.landmark_count)
-            memory, seconds = memory_estimate(count, settings), time_estimate(count, settings)
-            layout.label(text=f"{count:,} vertices, about {memory:.1f} GB, {max(seconds, 1.0):,.0f} s", icon="MEMORY")
+            layout.label(text=_estimate(chosen, objects), icon="MEMORY")
 
 
 class VIEW3D_PT_canonical_form_result(_Tab, bpy.types.Panel):
@@ -86,8 +85,8 @@ class VIEW3D_PT_canonical_form_result(_Tab, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         """Draw the slider, the measures, the warnings and Clear."""
-        layout, mesh = self.layout, require_object(context).data
-        record = require_record(mesh)
+        layout, objects = self.layout, companions_of(require_object(context))
+        mesh, record = objects[0].data, require_record(require_object(context).data)
         layout.use_property_decorate = False
         key = form_key(mesh)
         if has_in_betweens(mesh):
@@ -103,6 +102,8 @@ class VIEW3D_PT_canonical_form_result(_Tab, bpy.types.Panel):
             )
             button.count = chosen.in_betweens
             row.prop(chosen, "in_betweens")
+        if len(objects) > 1:
+            layout.label(text=f"{len(objects)} objects are one body", icon="OBJECT_DATA")
         _draw_frame(layout, record.report.frame, context.scene)
         _draw_report(layout.column(align=True), record)
         _draw_warnings(layout, record.report.warnings, _line_length(context))
@@ -229,6 +230,19 @@ class VIEW3D_PT_canonical_form_advanced(_Tab, bpy.types.Panel):
                 row.prop(chosen, name)
 
 
+def _estimate(chosen: bpy.types.PropertyGroup, objects: list[bpy.types.Object]) -> str:
+    """Estimate memory and time of a run."""
+    settings = Settings(
+        method=chosen.method, quality=chosen.quality, landmark_count=chosen.landmark_count, pieces=chosen.pieces
+    )
+    counts = [len(obj.data.vertices) for obj in objects]
+    runs = counts if chosen.objects == "EACH" else [sum(counts)]
+    memory = max(memory_estimate(count, settings) for count in runs)
+    seconds = max(sum(time_estimate(count, settings) for count in runs), 1.0)
+    more = "" if settings.together else f" and {PIECE_SECONDS:g} s a loose part"
+    return f"{sum(counts):,} vertices, about {memory:.1f} GB, {seconds:,.0f} s{more}"
+
+
 def _record(context: bpy.types.Context) -> Record | None:
     obj = meant_object(context)
     return read_record(obj.data) if obj is not None and obj.type == "MESH" else None
@@ -241,7 +255,8 @@ def _draw_report(column: bpy.types.UILayout, record: Record) -> None:
     if report.has_form:
         if report.method != OURS:
             lines.insert(0, f"Method: {report.method.replace('_', ' ')}")
-        lines.append(f"{report.pair_reduction:.1%} of {report.vertices**2 / 1e6:.3g} million pairs saved")
+        pairs = report.pair_count / (1 - report.pair_reduction) if report.pair_reduction < 1 else report.pair_count
+        lines.append(f"{report.pair_reduction:.1%} of {pairs / 1e6:.3g} million pairs saved")
         if report.edge_distortion is not None:
             lines.append(f"Edge distortion: median {report.edge_distortion:.1%}")
         if report.compactness_error is not None:

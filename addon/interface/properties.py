@@ -117,6 +117,16 @@ class RequestProperties:
         ),
         default="KEY",
     )
+    objects: EnumProperty(  # type: ignore[valid-type]
+        name="Several Objects",
+        description="Which of several selected objects are one body, with one slider",
+        items=(
+            ("TOUCHING", "Together Where They Touch", "Objects that lie on, in or inside each other are one body"),
+            ("TOGETHER", "Together", "All are one run, with one report and one slider"),
+            ("EACH", "Each", "Every object has a form of its own, whatever is beside it"),
+        ),
+        default="TOUCHING",
+    )
     feature_group: StringProperty(  # type: ignore[valid-type]
         name="Vertex Group",
         description="Vertex group that holds the feature points, one vertex per limb; empty to detect them",

@@ -309,9 +309,9 @@ def test_a_run_works_or_refuses_and_changes_nothing_else(figure_object, state, t
 @pytest.mark.parametrize(
     ("state", "words"),
     [
-        ("non-uniform scale", "scale is not uniform"),
+        ("non-uniform scale", "scale of Figure is not uniform"),
         ("armature in pose", "bend the form as they bend the mesh: Rig"),
-        ("mirror modifier", "add to the mesh, and the form is of the mesh without them: Mirror"),
+        ("mirror modifier", "add to the mesh, and the form is of it without them: Mirror"),
         ("subdivision modifier", None),
         ("multires", None),
         ("negative scale", None),

@@ -136,8 +136,7 @@ def test_the_summary_is_of_what_was_written(figure_object, arrays):
     assert len(task.errors) == 1
     assert "was edited" in task.errors[0]
     points = len(task.written["Other"].feature_points)
-    assert task.items[0].result is not None
-    assert points != len(task.items[0].result.report.feature_points)
+    assert points != len(task.items[0].results[0].report.feature_points)
     assert _summary(task).startswith(f"{points} feature point")
 
 

@@ -314,7 +314,7 @@ def test_a_stretched_object_is_warned_about(figure_object):
     figure_object.scale = (1, 1, 3)
     bpy.context.view_layer.update()
     compute()
-    assert any("scale is not uniform" in each for each in require_record(figure_object.data).report.warnings)
+    assert any("scale of Figure is not uniform" in each for each in require_record(figure_object.data).report.warnings)
 
 
 @pytest.mark.parametrize("method", ["classical", "skeleton"])

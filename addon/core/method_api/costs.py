@@ -11,6 +11,7 @@ _SMALL = (0.055, 0.6e-6)  # gigabytes, and by vertex: the work on the coarse mes
 _LARGE = (0.015, 1.27e-6)  # the rounds of the coarse mesh, which take more from about 60,000 vertices on
 _LANDMARK_BYTES = 40.0  # a distance of each vertex from each landmark, and the work to place the vertex by them
 _USUAL_PATCHES = 5
+PIECE_SECONDS = 0.25  # what a loose part with a form of its own takes however small it is, measured
 
 
 def memory_estimate(vertex_count: int, settings: Settings) -> float:

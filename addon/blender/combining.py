@@ -1,0 +1,216 @@
+"""Several objects as one mesh, in the space that they share, and back."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from ..core import CanonicalFormError
+from ..core.numerics.arrays import FloatArray, IntArray
+from .mesh_reading import Reading
+
+if TYPE_CHECKING:
+    from ..core.run.monitor import Cancelled
+
+_FLATTEST = 1e-9  # smallest determinant of a transform, as a share of its largest scale cubed
+
+
+class Combined(NamedTuple):
+    """Some objects as one mesh. A single one is as it is in its own space.
+
+    Attributes
+    ----------
+    vertices : (n, 3) ndarray of float
+        Positions of all.
+    faces : (m, 3) ndarray of int
+        Triangles of all.
+    starts : (k + 1,) ndarray of int
+        Where the vertices of each object begin, and their number.
+    placements : list of (4, 4) ndarray of float
+        Transforms from each object's own space.
+    """
+
+    vertices: FloatArray
+    faces: IntArray
+    starts: IntArray
+    placements: list[FloatArray]
+
+    def split(self, values: np.ndarray) -> list[np.ndarray]:
+        """Split values on all vertices by object.
+
+        Parameters
+        ----------
+        values : (n, ...) ndarray
+            The values.
+
+        Returns
+        -------
+        list of ndarray
+            Those of each object.
+        """
+        return [values[start:end] for start, end in zip(self.starts[:-1], self.starts[1:], strict=True)]
+
+    def owned(self, vertices: IntArray) -> list[IntArray]:
+        """Find some vertices on each object.
+
+        Parameters
+        ----------
+        vertices : (s,) ndarray of int
+            Vertices of the combined mesh.
+
+        Returns
+        -------
+        list of (s,) ndarray of int
+            Their numbers on each object; -1 for those of another one.
+        """
+        ends = zip(self.starts[:-1], self.starts[1:], strict=True)
+        return [np.where((start <= vertices) & (vertices < end), vertices - start, -1) for start, end in ends]
+
+    def put_together(self, shapes: Sequence[FloatArray]) -> FloatArray:
+        """Put positions of the objects together.
+
+        Parameters
+        ----------
+        shapes : sequence of (p, 3) ndarray of float
+            Positions of the vertices of each object, in its own space.
+
+        Returns
+        -------
+        (n, 3) ndarray of float
+            Positions of all.
+        """
+        if len(shapes) == 1:
+            return shapes[0]
+        return np.concatenate([moved(points, each) for points, each in zip(shapes, self.placements, strict=True)])
+
+    def brought_back(self, shape: FloatArray) -> list[FloatArray]:
+        """Split positions by object, each in its own space.
+
+        Parameters
+        ----------
+        shape : (n, 3) ndarray of float
+            Positions of all vertices.
+
+        Returns
+        -------
+        list of ndarray of float
+            Those of each object.
+        """
+        if len(self.placements) == 1:
+            return [shape]
+        inverses = [np.linalg.inv(each) for each in self.placements]
+        return [moved(points, each) for points, each in zip(self.split(shape), inverses, strict=True)]
+
+
+def combined(readings: Sequence[Reading]) -> Combined:
+    """Put objects together into one mesh.
+
+    Parameters
+    ----------
+    readings : sequence of Reading
+        The objects, at least one.
+
+    Returns
+    -------
+    Combined
+        The mesh.
+
+    Raises
+    ------
+    CanonicalFormError
+        If an object is scaled to nothing along an axis.
+    """
+    starts = np.cumsum([0, *(len(each.vertices) for each in readings)])
+    placements = [each.placement for each in readings]
+    if len(readings) == 1:
+        return Combined(readings[0].vertices, readings[0].faces, starts, placements)
+    for each in readings:
+        require_thick(each.name, each.placement)
+    faces = [
+        (each.faces[:, ::-1] if np.linalg.det(each.placement[:3, :3]) < 0 else each.faces) + start
+        for each, start in zip(readings, starts[:-1], strict=True)
+    ]
+    none = np.zeros((0, 3))
+    whole = Combined(none, np.concatenate(faces), starts, placements)
+    return whole._replace(vertices=whole.put_together([each.vertices for each in readings]))
+
+
+def touching(readings: Sequence[Reading], *, together: bool, cancelled: Cancelled | None = None) -> list[list[int]]:
+    """Find which objects are one body: those that share one.
+
+    Parameters
+    ----------
+    readings : sequence of Reading
+        The objects, at least one.
+    together : bool
+        Whether pieces that belong together are one body; otherwise every object is by itself.
+    cancelled : callable, optional
+        As in `canonical_form`.
+
+    Returns
+    -------
+    list of list of int
+        Groups of objects; in each, and among them, the order of the objects is kept.
+
+    Raises
+    ------
+    CanonicalFormError
+        If the meshes cannot be used, or the run was cancelled; the message names the remedy.
+    """
+    from ..core.assembly.bodies import bodies_of
+    from ..core.mesh.connectivity import component_labels
+    from ..core.run.monitor import Monitor
+
+    if not together:
+        return [[index] for index in range(len(readings))]
+    whole = combined(readings)
+    bodies = bodies_of(whole.vertices, whole.faces, Monitor(None, cancelled))
+    labels = [np.full(len(body.vertices), number) for number, body in enumerate(bodies.bodies)]
+    body_of = bodies.gathered(labels, np.full(len(whole.vertices), -1))
+    own = np.repeat(np.arange(len(readings)), np.diff(whole.starts))
+    shared = np.unique(np.column_stack([own, len(readings) + body_of])[body_of >= 0], axis=0)
+    label = component_labels(len(readings) + len(labels), shared)[: len(readings)]
+    _, first = np.unique(label, return_index=True)
+    return [np.flatnonzero(label == label[index]).tolist() for index in np.sort(first)]
+
+
+def moved(points: FloatArray, transform: FloatArray) -> FloatArray:
+    """Transform points.
+
+    Parameters
+    ----------
+    points : (n, 3) ndarray of float
+        The points.
+    transform : (4, 4) ndarray of float
+        The transform, for columns.
+
+    Returns
+    -------
+    (n, 3) ndarray of float
+        Where they go.
+    """
+    return points @ transform[:3, :3].T + transform[:3, 3]
+
+
+def require_thick(name: str, placement: FloatArray) -> None:
+    """Refuse an object that its transform makes flat.
+
+    Parameters
+    ----------
+    name : str
+        Name of the object.
+    placement : (4, 4) ndarray of float
+        Its transform.
+
+    Raises
+    ------
+    CanonicalFormError
+        If it is scaled to nothing along an axis.
+    """
+    axes = placement[:3, :3]
+    if not abs(np.linalg.det(axes)) > _FLATTEST * float(np.abs(axes).max()) ** 3:
+        raise CanonicalFormError(
+            f"{name} is scaled to nothing along an axis. Give it a scale, or set Several Objects to Each."
+        )

@@ -1,0 +1,142 @@
+"""What a run computes for each object of a body: its part of the form, its report, its colours."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from .advice import all_advised
+from .combining import Combined
+from .form_report import FormReport, StressReport
+from .mesh_reading import Reading
+from .palette import Colours, colours_of
+from .request import Request
+
+if TYPE_CHECKING:
+    from ..core import CanonicalForm, FeaturePatches
+    from ..core.numerics.arrays import FloatArray, IntArray
+
+
+class FormResult(NamedTuple):
+    """What was computed for one object.
+
+    Attributes
+    ----------
+    found : CanonicalForm or FeaturePatches
+        The form, or the patches where the request stops there, in the object's own space; feature points on another
+        object of the body are -1.
+    report : FormReport
+        The report; writing the result adds warnings about the object.
+    colours : Colours
+        Colours of the fields and patches.
+    shapes : list of (n, 3) ndarray of float
+        Shapes between pose and form, for the keys of an earlier run that are computed again.
+    """
+
+    found: CanonicalForm | FeaturePatches
+    report: FormReport
+    colours: Colours
+    shapes: list[FloatArray]
+
+
+def results_of(
+    readings: Sequence[Reading],
+    whole: Combined,
+    found: CanonicalForm | FeaturePatches,
+    shapes: Sequence[FloatArray],
+    request: Request,
+) -> list[FormResult]:
+    """Split what was computed for a body by object.
+
+    Parameters
+    ----------
+    readings : sequence of Reading
+        The objects.
+    whole : Combined
+        The same as one mesh.
+    found : CanonicalForm or FeaturePatches
+        What was found on it.
+    shapes : sequence of (n, 3) ndarray of float
+        Shapes between its pose and form.
+    request : Request
+        What was to be computed.
+
+    Returns
+    -------
+    list of FormResult
+        One per object. Their reports share the stress, the measures and the list of warnings.
+    """
+    report = _report(whole, found, request)
+    report.frame = readings[0].frame if report.has_form else None
+    colours = colours_of(found.adf, found.patches, whole.faces)
+    if len(readings) == 1:
+        return [FormResult(found, report, colours, list(shapes))]
+    report.objects = [each.name for each in readings]
+    points = whole.owned(found.feature_points)
+    shown = zip(whole.split(colours.field), whole.split(colours.patches), strict=True)
+    between = [whole.brought_back(shape) for shape in shapes]
+    return [
+        FormResult(
+            own,
+            replace(
+                report,
+                vertices=len(reading.vertices),
+                faces=len(reading.faces),
+                feature_points=points[number].tolist(),
+                patch_sizes=_sizes(own.patches, len(report.feature_points)),
+            ),
+            Colours(*each, colours.palette),
+            [shape[number] for shape in between],
+        )
+        for number, (reading, own, each) in enumerate(zip(readings, _split(found, readings, whole), shown, strict=True))
+    ]
+
+
+def _split(
+    found: CanonicalForm | FeaturePatches, readings: Sequence[Reading], whole: Combined
+) -> list[CanonicalForm | FeaturePatches]:
+    """Split forms or patches by object."""
+    from ..core import CanonicalForm
+
+    surfaces = list(
+        zip(whole.owned(found.feature_points), whole.split(found.patches), whole.split(found.adf), strict=True)
+    )
+    if not isinstance(found, CanonicalForm):
+        return [replace(found, feature_points=points, patches=patches, adf=adf) for points, patches, adf in surfaces]
+    forms = whole.brought_back(found.vertices)
+    return [
+        replace(found, vertices=form, faces=reading.faces, feature_points=points, patches=patches, adf=adf)
+        for form, reading, (points, patches, adf) in zip(forms, readings, surfaces, strict=True)
+    ]
+
+
+def _report(whole: Combined, found: CanonicalForm | FeaturePatches, request: Request) -> FormReport:
+    """Report on a whole body."""
+    from ..core import CanonicalForm
+    from ..core.measures.form_measures import summary
+
+    report = FormReport(
+        vertices=len(whole.vertices),
+        faces=len(whole.faces),
+        feature_points=found.feature_points.tolist(),
+        patch_sizes=_sizes(found.patches, len(found.feature_points)),
+        timings=found.timings,
+        warnings=all_advised(found.warnings),
+    )
+    if isinstance(found, CanonicalForm):
+        measures = summary(whole.vertices, found.vertices, found.faces, request.hausdorff)
+        stress = found.stress
+        report.stress = StressReport(float(stress[0]), float(stress[-1]), len(stress) - 1)
+        report.method, report.pieces = request.settings.method, request.settings.pieces
+        report.pair_count, report.pair_reduction = found.pair_count, found.pair_reduction
+        report.measures = {name: None if np.isnan(value) else value for name, value in measures.items()}
+    return report
+
+
+def _sizes(patches: IntArray, count: int) -> list[int]:
+    """Count the vertices in each patch."""
+    sizes: list[int] = np.bincount(patches[patches >= 0], minlength=count).tolist()
+    return sizes

@@ -1,0 +1,41 @@
+"""The driver by which the slider of one object moves the form of another."""
+
+from __future__ import annotations
+
+import bpy
+
+FOLLOWING = "canonical_form"  # name of the driver's variable
+
+
+def is_following(curve: bpy.types.FCurve) -> bool:
+    """Return whether a driver lets the slider of another object move a form.
+
+    Parameters
+    ----------
+    curve : bpy.types.FCurve
+        The driver.
+
+    Returns
+    -------
+    bool
+        True if this extension added it for that.
+    """
+    return curve.driver is not None and [each.name for each in curve.driver.variables] == [FOLLOWING]
+
+
+def release(keys: bpy.types.Key | None) -> None:
+    """Remove the driver by which another object moves the form, and animation data that nothing else uses.
+
+    Parameters
+    ----------
+    keys : bpy.types.Key or None
+        The shape keys; None where there are none.
+    """
+    if keys is None or keys.animation_data is None:
+        return
+    data = keys.animation_data
+    own = [curve for curve in data.drivers if is_following(curve)]
+    for curve in own:
+        data.drivers.remove(curve)
+    if own and not (data.drivers or data.action or data.nla_tracks):
+        keys.animation_data_clear()
