@@ -98,7 +98,7 @@ def write_results(
     restore_active_items(obj, active.kept(existing_items(obj), otherwise=record.active_before))
     if form is not None and active.shape_key is None:
         obj.active_shape_key_index = mesh.shape_keys.key_blocks.find(next(iter(record.keys)))
-    if active.colour is None or record.active_before.colour is None:
+    if old is None or active.colour is None or record.active_before.colour is None:  # a later choice is the user's
         mesh.color_attributes.active_color_name = shown
     restore_active_keys(elsewhere)
     mesh.update()

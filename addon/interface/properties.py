@@ -121,8 +121,8 @@ class RequestProperties:
         name="Several Objects",
         description="Which of several selected objects are one body, with one slider",
         items=(
-            ("TOUCHING", "Together Where They Touch", "Objects that lie on, in or inside each other are one body"),
-            ("TOGETHER", "Together", "All are one run, with one report and one slider"),
+            ("TOUCHING", "Touching as One", "Objects that lie on, in or inside each other are one body"),
+            ("TOGETHER", "All as One", "All are one run, with one report and one slider"),
             ("EACH", "Each", "Every object has a form of its own, whatever is beside it"),
         ),
         default="TOUCHING",

@@ -19,7 +19,7 @@ MESH = [path for path in FILES if path.suffix != ".glb"]
 CHARACTER = [path for path in FILES if path.suffix == ".glb"]
 sys.path[:0] = [str(Path(__file__).resolve().parent), str(Path(__file__).resolve().parents[2])]
 
-from tests.window.character import add_character  # noqa: E402
+from tests.window.character import character, several_objects, state  # noqa: E402
 from tests.window.hand import UNIT, Hand  # noqa: E402
 
 ROWS = {"compute": 50, "slider": 247, "clear": 414, "toggle": 482, "cancel": 50}  # below the top, at version 4.3
@@ -55,22 +55,6 @@ def cancel_class():
     )
 
 
-def state():
-    """Everything of the mesh that a run may touch; addresses change with undo, so values only."""
-    obj, mesh = figure(), figure().data
-    return {
-        "vertices": [tuple(vertex.co) for vertex in mesh.vertices],
-        "keys": mesh.shape_keys and {
-            key.name: (key.value, [tuple(point.co) for point in key.data]) for key in mesh.shape_keys.key_blocks
-        },
-        "groups": [group.name for group in obj.vertex_groups],
-        "colours": [colours.name for colours in mesh.color_attributes],
-        "attributes": sorted(each.name for each in mesh.attributes),
-        "properties": sorted(mesh.keys()),
-        "mode": obj.mode,
-    }  # fmt: skip
-
-
 def form():
     return bpy.data.objects[figure().name].data.shape_keys.key_blocks["Canonical Form"]
 
@@ -85,6 +69,13 @@ def wait_for_the_end(seconds=60):
         assert perf_counter() - began < seconds, "the job does not end"
         yield 0.05
     yield 0.3
+
+
+def compute():
+    """Click on Compute and wait for the form."""
+    yield from hand.over_view()
+    yield from hand.click_until(running, range(ROWS["compute"] - 4, ROWS["compute"] + 20, 6))
+    yield from wait_for_the_end()
 
 
 def session():
@@ -113,7 +104,7 @@ def session():
             break
     assert tabs.active_panel_category == "Canonical Form", "the tab was not found"
     yield from hand.picture("1-tab")
-    before = state()
+    before = state(figure())
 
     step("compute, orbit while it runs, cancel half-way")
     shading = hand.area().spaces.active.shading.color_type
@@ -135,7 +126,7 @@ def session():
     hand.event("ESC", "RELEASE")
     assert perf_counter() - asked < 5, "cancelling takes too long"  # the figure is in the docs; machines are noisy
     yield 0.3
-    assert state() == before, "a cancelled run leaves something behind"
+    assert state(figure()) == before, "a cancelled run leaves something behind"
     assert hand.area().spaces.active.shading.color_type == shading
     yield from hand.picture("3-cancelled")
 
@@ -146,7 +137,7 @@ def session():
     yield from hand.click_until(lambda: not running(), [ROWS["cancel"]] * 3, 0.905, seconds=4)
     bpy.context.scene.canonical_form.quality = "normal"
     yield 0.3
-    assert state() == before, "the button did not cancel the run"
+    assert state(figure()) == before, "the button did not cancel the run"
 
     step("compute")
     assert not running()
@@ -157,7 +148,7 @@ def session():
     told("stages seen", sorted({stage for _, stage in seen}))
     assert len(set(seen)) > 2, "no progress is shown"
     assert seen == sorted(seen, key=lambda each: each[0]), "progress goes back"
-    after = state()
+    after = state(figure())
     assert form().value == 1.0
     assert hand.area().spaces.active.shading.color_type == "VERTEX"
     yield from hand.picture("4-computed")
@@ -203,11 +194,11 @@ def session():
     assert positions() == whole, "undo does not bring the limb back"
     yield from hand.key("Z", ctrl=True)
     yield 0.7
-    assert state() == before, "undo does not bring the mesh back"
+    assert state(figure()) == before, "undo does not bring the mesh back"
     yield from hand.picture("7-undone")
     yield from hand.key("Z", ctrl=True, shift=True)
     yield 0.7
-    assert state() == after, "redo does not bring the form back"
+    assert state(figure()) == after, "redo does not bring the form back"
     yield from hand.picture("8-redone")
     assert value < 1
 
@@ -215,7 +206,7 @@ def session():
     yield from hand.click_until(
         lambda: figure().data.shape_keys is None, range(ROWS["clear"] - 6, ROWS["clear"] + 12, 6)
     )
-    assert state() == before, "clear does not leave the mesh as it was"
+    assert state(figure()) == before, "clear does not leave the mesh as it was"
     assert hand.area().spaces.active.shading.color_type == shading, "the shading was not switched back"
     yield from hand.picture("9-cleared")
 
@@ -224,7 +215,9 @@ def session():
     step("the longest gap on the main thread")
     yield from gaps()
     step("a character of many pieces, its armature active")
-    yield from character()
+    yield from character(hand, CHARACTER, compute)
+    step("the same as several objects")
+    yield from several_objects(hand, CHARACTER, compute)
 
 
 def meanwhile(before):
@@ -242,13 +235,13 @@ def meanwhile(before):
     yield from wait_for_the_end()
     yield from hand.picture("10-renamed")
     obj.name = name
-    assert state() == before, "a renamed object was written to"
+    assert state(figure()) == before, "a renamed object was written to"
     yield from start()
     obj.data.vertices[0].co.x += 0.1
     yield from wait_for_the_end()
     assert figure().data.shape_keys is None, "an edited mesh was written to"
     obj.data.vertices[0].co = before["vertices"][0]
-    assert state() == before
+    assert state(figure()) == before
     yield from start()
     yield from hand.over_view()
     yield from hand.key("TAB")
@@ -327,34 +320,6 @@ def gaps():
     assert longest <= float(os.environ.get("CANONICAL_FORM_MOST_GAP", 10 * MOST_GAP)), "Blender stands still"
     assert "Canonical Form" in obj.data.shape_keys.key_blocks
     yield from hand.picture("11-large")
-
-
-def character():
-    """Compute on the meshes of the active armature, look, and clear."""
-    rig = add_character(CHARACTER)
-    bpy.context.view_layer.update()
-    for obj in bpy.context.view_layer.objects:
-        obj.select_set(False)
-    rig.select_set(True)
-    bpy.context.view_layer.objects.active = rig
-    with bpy.context.temp_override(window=hand.window, area=hand.area(), region=hand.region("WINDOW")):
-        bpy.ops.view3d.view_all()
-    bpy.ops.ed.undo_push(message="Character")
-    yield 1.0
-    before = state()
-    yield from hand.over_view()
-    yield from hand.click_until(running, range(ROWS["compute"] - 4, ROWS["compute"] + 20, 6))
-    yield from wait_for_the_end()
-    assert form().value == 1.0
-    told("patches of the character", len(figure().data.canonical_form_patches))
-    assert len(figure().data.canonical_form_patches) <= 10, "the pieces are not one body"
-    with bpy.context.temp_override(window=hand.window, area=hand.area(), region=hand.region("WINDOW")):
-        bpy.ops.view3d.view_all()
-    yield 0.5
-    yield from hand.picture("12-character")
-    bpy.ops.object.canonical_form_clear()
-    yield 0.5
-    assert state() == before, "clear does not leave the character as it was"
 
 
 def tick():
