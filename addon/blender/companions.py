@@ -81,10 +81,9 @@ def lead(objects: Sequence[bpy.types.Object]) -> None:
     objects : sequence of bpy.types.Object
         Objects with forms.
     """
-    leading, *others = objects
-    for obj in others:
+    for obj in objects[1:]:
         if animated(obj.data) is None:
-            _follow(obj.data, leading.data)
+            _follow(obj.data, objects[0].data)
 
 
 def _follow(mesh: bpy.types.Mesh, leading: bpy.types.Mesh) -> None:

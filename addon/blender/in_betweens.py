@@ -80,13 +80,15 @@ def write_in_betweens(obj: bpy.types.Object, shapes: list[FloatArray]) -> None:
     mesh.update()
 
 
-def remove_in_betweens(obj: bpy.types.Object) -> list[str]:
+def remove_in_betweens(obj: bpy.types.Object, *, changed_too: bool = False) -> list[str]:
     """Remove the keys between pose and form, their drivers and the property.
 
     Parameters
     ----------
     obj : bpy.types.Object
         The object, in Object Mode.
+    changed_too : bool
+        Remove also keys that have been changed since they were written. Renamed ones stay, and add nothing.
 
     Returns
     -------
@@ -102,14 +104,12 @@ def remove_in_betweens(obj: bpy.types.Object) -> list[str]:
         active = obj.active_shape_key
         active_name = active.name if active else None
         value = keys.get(PROPERTY, record.in_betweens.value)
-        for curve in list(keys.animation_data.drivers) if keys.animation_data is not None else ():
-            if _is_own_driver(curve, keys):
-                keys.animation_data.drivers.remove(curve)  # also that of a key which the user has renamed
+        _remove_own_drivers(keys, value)
         for name, known in record.in_betweens.keys.items():
             key = keys.key_blocks.get(name)
             if key is None:
                 continue
-            if known == key_fingerprint(key):
+            if changed_too or known == key_fingerprint(key):
                 obj.shape_key_remove(key)
             else:
                 left.append(name)
@@ -128,6 +128,25 @@ def remove_in_betweens(obj: bpy.types.Object) -> list[str]:
     write_record(mesh, record)
     mesh.update()
     return left
+
+
+def renamed_keys(mesh: bpy.types.Mesh) -> bool:
+    """Return whether the form's key or one between has been renamed or removed while one property drives them.
+
+    Parameters
+    ----------
+    mesh : bpy.types.Mesh
+        The mesh.
+
+    Returns
+    -------
+    bool
+        True if so; what they hold is not looked at, which is fast enough for a panel.
+    """
+    record = read_record(mesh)
+    if record is None or not has_in_betweens(mesh):
+        return False
+    return any(name not in mesh.shape_keys.key_blocks for name in (*record.keys, *record.in_between_keys))
 
 
 def changed_in_betweens(mesh: bpy.types.Mesh) -> list[str]:
@@ -214,6 +233,17 @@ def _drive(key: bpy.types.ShapeKey, keys: bpy.types.Key, expression: str) -> Non
     variable.targets[0].id = keys
     variable.targets[0].data_path = f'["{PROPERTY}"]'
     driver.expression = expression
+
+
+def _remove_own_drivers(keys: bpy.types.Key, value: float) -> None:
+    """Remove the drivers that `_drive` added; keys that the user has renamed are left at what they show of the form."""
+    own = [curve for curve in keys.animation_data.drivers if _is_own_driver(curve, keys)] if keys.animation_data else []
+    last = [curve.driver.expression for curve in own][-1:]  # that of the form
+    for curve in own:
+        name = curve.data_path.split('"')[1]
+        if name in keys.key_blocks:
+            keys.key_blocks[name].value = value if [curve.driver.expression] == last else 0.0
+        keys.animation_data.drivers.remove(curve)
 
 
 def _is_own_driver(curve: bpy.types.FCurve, keys: bpy.types.Key) -> bool:

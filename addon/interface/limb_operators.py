@@ -8,11 +8,14 @@ import bpy
 import numpy as np
 from bpy.props import BoolProperty, IntProperty
 
-from ..blender.companions import companions_of
+from ..blender.companions import companions_of, lead
+from ..blender.form_key import form_key
 from ..blender.hidden_attributes import patches_of
+from ..blender.in_betweens import has_in_betweens, remove_in_betweens
 from ..blender.meant_objects import meant_object, require_object
 from ..blender.mesh_reading import refusal
 from ..blender.object_states import object_mode
+from ..blender.slider import release
 from ..blender.variants import VariantTask, limbs_of, variant_refusal
 from ..core import InvalidSettingsError
 from .job_operator import JobOperator
@@ -82,6 +85,33 @@ class OBJECT_OT_canonical_form_in_betweens(JobOperator, bpy.types.Operator):
         count = task.in_betweens
         self.report({"INFO"}, f"{count} keys lie between pose and form." if count else "In-betweens removed.")
         self.warn(task.warnings)
+
+
+class OBJECT_OT_canonical_form_remove_in_betweens(bpy.types.Operator):
+    """Remove the slider and the keys between pose and form although some were renamed or changed. Renamed keys stay"""  # noqa: D400
+
+    bl_idname = "object.canonical_form_remove_in_betweens"
+    bl_label = "Remove In-betweens Anyway"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Disable the button, with a reason, where there are none."""
+        obj = meant_object(context)
+        nothing = obj is None or obj.type != "MESH" or not has_in_betweens(obj.data)
+        reason = "The active object has no in-betweens." if nothing else refusal(obj)
+        return allowed(cls, JobOperator.busy() or reason)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Remove them from the object and all that follow its slider."""
+        obj = require_object(context)
+        with object_mode(obj):
+            objects = [each for each in companions_of(obj) if refusal(each) is None]
+            for each in objects:
+                release(each.data.shape_keys)
+                remove_in_betweens(each, changed_too=True)
+            lead([each for each in objects if form_key(each.data) is not None])
+        return {"FINISHED"}
 
 
 class OBJECT_OT_canonical_form_select_patch(bpy.types.Operator):
@@ -160,6 +190,7 @@ def _set_selection(mesh: bpy.types.Mesh, name: str, domain: str, values: Any) ->
 CLASSES = (
     OBJECT_OT_canonical_form_limb,
     OBJECT_OT_canonical_form_in_betweens,
+    OBJECT_OT_canonical_form_remove_in_betweens,
     OBJECT_OT_canonical_form_select_patch,
 )
 

@@ -7,7 +7,7 @@ import bpy
 from ..blender.chosen_features import CHOSEN_GROUP
 from ..blender.companions import companions_of
 from ..blender.form_key import form_key
-from ..blender.in_betweens import PROPERTY, has_in_betweens
+from ..blender.in_betweens import PROPERTY, has_in_betweens, renamed_keys
 from ..blender.meant_objects import armature_of, meant_object, meant_objects, require_object
 from ..blender.record import Record, read_record, require_record
 from ..blender.variants import limbs_of
@@ -18,6 +18,7 @@ from .job_operator import OBJECT_OT_canonical_form_cancel
 from .limb_operators import (
     OBJECT_OT_canonical_form_in_betweens,
     OBJECT_OT_canonical_form_limb,
+    OBJECT_OT_canonical_form_remove_in_betweens,
     OBJECT_OT_canonical_form_select_patch,
 )
 from .operators import OBJECT_OT_canonical_form, OBJECT_OT_canonical_form_clear
@@ -93,6 +94,9 @@ class VIEW3D_PT_canonical_form_result(_Tab, bpy.types.Panel):
             row = layout.row(align=True)
             row.prop(mesh.shape_keys, f'["{PROPERTY}"]', text="Pose to Form", slider=True)
             row.operator(OBJECT_OT_canonical_form_in_betweens.bl_idname, text="", icon="X").count = 0
+            if renamed_keys(mesh):
+                layout.label(text="A shape key was renamed: name it back, or", icon="ERROR")
+                layout.operator(OBJECT_OT_canonical_form_remove_in_betweens.bl_idname, text="Remove Anyway")
         elif key is not None:
             layout.prop(key, "value", text="Pose to Form", slider=True)
             row = layout.row(align=True)

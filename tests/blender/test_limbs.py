@@ -211,3 +211,24 @@ def test_warnings_of_variants_are_reported(formed, monkeypatch, capfd):
     bpy.ops.object.canonical_form(**QUICK)
     bpy.ops.object.canonical_form_limb(patch=1, only=True)
     assert "Warning: Some long, thin triangles could not be improved" in capfd.readouterr().out
+
+
+@pytest.mark.parametrize("name", ["Canonical Form", "Canonical Form 33%"])
+def test_in_betweens_of_which_one_was_renamed_can_be_removed_anyway(formed, name):
+    bpy.ops.object.canonical_form_in_betweens(count=2)
+    keys = formed.data.shape_keys
+    assert "Remove Anyway" not in drawn(panels.VIEW3D_PT_canonical_form_result)
+    keys.key_blocks[name].name = "Mine"
+    assert "Remove Anyway" in drawn(panels.VIEW3D_PT_canonical_form_result)
+    keys.key_blocks["Canonical Form 67%"].data[0].co.x += 1
+    keys[PROPERTY] = 0.75
+    bpy.context.view_layer.update()
+    assert bpy.ops.object.canonical_form_remove_in_betweens() == {"FINISHED"}
+    assert PROPERTY not in keys
+    assert keys.animation_data is None
+    left = {"Basis", "Mine"} if name == "Canonical Form" else {"Basis", "Mine", "Canonical Form"}
+    assert set(keys.key_blocks.keys()) == left
+    values = {key.name: key.value for key in keys.key_blocks}
+    assert values["Mine" if name == "Canonical Form" else "Canonical Form"] == 0.75
+    assert name == "Canonical Form" or values["Mine"] == 0.0
+    assert not bpy.ops.object.canonical_form_remove_in_betweens.poll()
