@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from ..core import CanonicalFormError
+from ..core.mesh.mirroring import Mirrored, mirrored
 from ..core.numerics.arrays import FloatArray, IntArray
 from .mesh_reading import Reading
 
@@ -18,7 +20,7 @@ _FLATTEST = 1e-9  # smallest determinant of a transform, as a share of its large
 
 
 class Combined(NamedTuple):
-    """Some objects as one mesh. A single one is as it is in its own space.
+    """Some objects as one mesh, with the images that mirror modifiers show. A single one is as it is in its own space.
 
     Attributes
     ----------
@@ -28,6 +30,8 @@ class Combined(NamedTuple):
         Triangles of all.
     starts : (k + 1,) ndarray of int
         Where the vertices of each object begin, and their number.
+    objects : list of Mirrored
+        The mesh of each object in its own space, with its images.
     placements : list of (4, 4) ndarray of float
         Transforms from each object's own space.
     """
@@ -35,6 +39,7 @@ class Combined(NamedTuple):
     vertices: FloatArray
     faces: IntArray
     starts: IntArray
+    objects: list[Mirrored]
     placements: list[FloatArray]
 
     def split(self, values: np.ndarray) -> list[np.ndarray]:
@@ -48,9 +53,9 @@ class Combined(NamedTuple):
         Returns
         -------
         list of ndarray
-            Those of each object.
+            Those of each object, without its images.
         """
-        return [values[start:end] for start, end in zip(self.starts[:-1], self.starts[1:], strict=True)]
+        return [values[start : start + each.half] for start, each in zip(self.starts, self.objects, strict=False)]
 
     def owned(self, vertices: IntArray) -> list[IntArray]:
         """Find some vertices on each object.
@@ -63,10 +68,48 @@ class Combined(NamedTuple):
         Returns
         -------
         list of (s,) ndarray of int
-            Their numbers on each object; -1 for those of another one.
+            Their numbers on each object; -1 for those of another one or of an image.
         """
-        ends = zip(self.starts[:-1], self.starts[1:], strict=True)
-        return [np.where((start <= vertices) & (vertices < end), vertices - start, -1) for start, end in ends]
+        pairs = zip(self.starts, self.objects, strict=False)
+        return [
+            np.where((start <= vertices) & (vertices < start + each.half), vertices - start, -1)
+            for start, each in pairs
+        ]
+
+    def spread(self, values: Sequence[np.ndarray]) -> np.ndarray:
+        """Put values on the vertices of the objects together; images have those of what they are images of.
+
+        Parameters
+        ----------
+        values : sequence of ndarray
+            Those of each object.
+
+        Returns
+        -------
+        (n, ...) ndarray
+            Values on all vertices.
+        """
+        return np.concatenate([own[each.source] for own, each in zip(values, self.objects, strict=True)])
+
+    def numbers_of(self, vertices: Sequence[Sequence[int]]) -> list[int]:
+        """Find vertices of the objects, and their images, on the combined mesh.
+
+        Parameters
+        ----------
+        vertices : sequence of sequence of int
+            Those of each object.
+
+        Returns
+        -------
+        list of int
+            Their numbers, those of each object in their order, then those of its images.
+        """
+        found: list[int] = []
+        for start, own, each in zip(self.starts, vertices, self.objects, strict=False):
+            images = np.flatnonzero(np.isin(each.source, own))
+            images = images[images >= each.half]
+            found += [int(start) + vertex for vertex in (*own, *images.tolist())]
+        return found
 
     def put_together(self, shapes: Sequence[FloatArray]) -> FloatArray:
         """Put positions of the objects together.
@@ -81,12 +124,15 @@ class Combined(NamedTuple):
         (n, 3) ndarray of float
             Positions of all.
         """
-        if len(shapes) == 1:
-            return shapes[0]
-        return np.concatenate([moved(points, each) for points, each in zip(shapes, self.placements, strict=True)])
+        whole = [
+            each.spread(points) if each.mirrors else points for points, each in zip(shapes, self.objects, strict=True)
+        ]
+        if len(whole) == 1:
+            return whole[0]
+        return np.concatenate([moved(points, each) for points, each in zip(whole, self.placements, strict=True)])
 
     def brought_back(self, shape: FloatArray) -> list[FloatArray]:
-        """Split positions by object, each in its own space.
+        """Split positions by object, each in its own space; what mirrors show is made symmetric first.
 
         Parameters
         ----------
@@ -98,10 +144,31 @@ class Combined(NamedTuple):
         list of ndarray of float
             Those of each object.
         """
-        if len(self.placements) == 1:
-            return [shape]
-        inverses = [np.linalg.inv(each) for each in self.placements]
-        return [moved(points, each) for points, each in zip(self.split(shape), inverses, strict=True)]
+        parts = self._own_parts(shape)
+        return [each.symmetrised(own)[: each.half] for own, each in zip(parts, self.objects, strict=True)]
+
+    def asymmetries(self, shape: FloatArray) -> list[float]:
+        """Measure how far the mirrored objects are from their images.
+
+        Parameters
+        ----------
+        shape : (n, 3) ndarray of float
+            Positions of all vertices.
+
+        Returns
+        -------
+        list of float
+            Distance of each object, in units of sqrt(area) of the object; 0 without a mirror.
+        """
+        parts = zip(self._own_parts(shape), self.objects, strict=True)
+        return [each.asymmetry(own) if each.mirrors else 0.0 for own, each in parts]
+
+    def _own_parts(self, shape: FloatArray) -> list[FloatArray]:
+        """Split positions by object, images included, each in its own space."""
+        parts = [shape[start:end] for start, end in pairwise(self.starts)]
+        if len(parts) == 1:
+            return parts
+        return [moved(own, np.linalg.inv(each)) for own, each in zip(parts, self.placements, strict=True)]
 
 
 def combined(readings: Sequence[Reading]) -> Combined:
@@ -122,18 +189,18 @@ def combined(readings: Sequence[Reading]) -> Combined:
     CanonicalFormError
         If an object is scaled to nothing along an axis.
     """
-    starts = np.cumsum([0, *(len(each.vertices) for each in readings)])
+    objects = [mirrored(each.vertices, each.faces, each.mirrors) for each in readings]
+    starts = np.cumsum([0, *(len(each.vertices) for each in objects)])
     placements = [each.placement for each in readings]
     if len(readings) == 1:
-        return Combined(readings[0].vertices, readings[0].faces, starts, placements)
-    for each in readings:
-        require_thick(each.name, each.placement)
+        return Combined(objects[0].vertices, objects[0].faces, starts, objects, placements)
+    for reading in readings:
+        require_thick(reading.name, reading.placement)
     faces = [
-        (each.faces[:, ::-1] if np.linalg.det(each.placement[:3, :3]) < 0 else each.faces) + start
-        for each, start in zip(readings, starts[:-1], strict=True)
+        (each.faces[:, ::-1] if np.linalg.det(place[:3, :3]) < 0 else each.faces) + start
+        for each, place, start in zip(objects, placements, starts[:-1], strict=True)
     ]
-    none = np.zeros((0, 3))
-    whole = Combined(none, np.concatenate(faces), starts, placements)
+    whole = Combined(np.zeros((0, 3)), np.concatenate(faces), starts, objects, placements)
     return whole._replace(vertices=whole.put_together([each.vertices for each in readings]))
 
 

@@ -40,8 +40,10 @@ class FormItem:
     ----------
     readings : list of Reading
         The arrays of each object.
+    chosen : list of list of int
+        Feature points chosen by hand on each object.
     settings : Settings
-        Options of the method, with feature points on the first object or those of all, one after the other.
+        Options of the method.
     in_between_count : int
         Number of keys between pose and form, of an earlier run, that are computed again.
     results : list of FormResult
@@ -53,6 +55,7 @@ class FormItem:
     """
 
     readings: list[Reading]
+    chosen: list[list[int]]
     settings: Settings
     in_between_count: int = 0
     results: list[FormResult] = field(default_factory=list)
@@ -81,7 +84,8 @@ class FormItem:
             If the request does not suit the object; the message names the remedy.
         """
         settings, in_betweens = request.settings_for(obj), request.in_between_count(obj)
-        return cls([read_object(obj, request.deformed)], settings, in_betweens)
+        chosen = [] if settings.feature_points is None else list(settings.feature_points)
+        return cls([read_object(obj, request.deformed)], [chosen], settings, in_betweens)
 
     @classmethod
     def joined(cls, items: Sequence[FormItem], request: Request) -> FormItem:
@@ -100,14 +104,10 @@ class FormItem:
         FormItem
             One item with all their objects.
         """
+        first = items[0]
+        chosen = [item.chosen[0] if request.feature_group or item is first else [] for item in items]
         readings = [reading for item in items for reading in item.readings]
-        settings = items[0].settings
-        if request.feature_group:
-            starts = np.cumsum([0, *(len(each.vertices) for each in readings)])[:-1].tolist()
-            chosen = [item.settings.feature_points or [] for item in items]
-            points = [start + point for start, own in zip(starts, chosen, strict=True) for point in own]
-            settings = replace(settings, feature_points=points or None)
-        return cls(readings, settings, max(item.in_between_count for item in items))
+        return cls(readings, chosen, first.settings, max(item.in_between_count for item in items))
 
     @property
     def name(self) -> str:
@@ -138,10 +138,13 @@ class FormItem:
         from ..core import canonical_form, feature_patches
 
         work = canonical_form if request.step == "FORM" else feature_patches
-        request.require_points(self.name, self.settings)
+        request.require_points(self.name, self.chosen)
         try:
             whole = combined(self.readings)
-            found = work(whole.vertices, whole.faces, self.settings, progress=progress, cancelled=cancelled)
+            settings = self.settings
+            if any(self.chosen) and len(whole.vertices) > len(self.readings[0].vertices):
+                settings = replace(settings, feature_points=whole.numbers_of(self.chosen))
+            found = work(whole.vertices, whole.faces, settings, progress=progress, cancelled=cancelled)
             shapes = self._shapes_between(whole, found, cancelled)
             self.results = results_of(self.readings, whole, found, shapes, request)
         except MemoryError as error:

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from ..core import CanonicalForm, FeaturePatches
     from ..core.numerics.arrays import FloatArray, IntArray
 
+_ASYMMETRIC = 0.02  # units of sqrt(area): halves farther apart deserve a warning
+
 
 class FormResult(NamedTuple):
     """What was computed for one object.
@@ -69,12 +71,15 @@ def results_of(
     list of FormResult
         One per object. Their reports share the stress, the measures and the list of warnings.
     """
+    if any(reading.mirrors for reading in readings):
+        found = _folded(found, whole)
     report = _report(whole, found, request)
     report.frame = readings[0].frame if report.has_form else None
     colours = colours_of(found.adf, found.patches, whole.faces)
-    if len(readings) == 1:
+    if len(readings) == 1 and not readings[0].mirrors:
         return [FormResult(found, report, colours, list(shapes))]
-    report.objects = [each.name for each in readings]
+    if len(readings) > 1:
+        report.objects = [each.name for each in readings]
     points = whole.owned(found.feature_points)
     shown = zip(whole.split(colours.field), whole.split(colours.patches), strict=True)
     between = [whole.brought_back(shape) for shape in shapes]
@@ -93,6 +98,16 @@ def results_of(
         )
         for number, (reading, own, each) in enumerate(zip(readings, _split(found, readings, whole), shown, strict=True))
     ]
+
+
+def _folded(found: CanonicalForm | FeaturePatches, whole: Combined) -> CanonicalForm | FeaturePatches:
+    """Give the patch of a feature point on an image to that of what it is an image of."""
+    sources = np.concatenate([start + each.source for start, each in zip(whole.starts, whole.objects, strict=False)])
+    points, patches = sources[found.feature_points], found.patches
+    own = points == found.feature_points
+    kept = np.where(own | ~own[patches[points]], np.arange(len(points)), patches[points])
+    used, number = np.unique(kept, return_inverse=True)
+    return replace(found, feature_points=points[used], patches=np.append(number, -1)[patches])
 
 
 def _split(
@@ -127,6 +142,12 @@ def _report(whole: Combined, found: CanonicalForm | FeaturePatches, request: Req
         warnings=all_advised(found.warnings),
     )
     if isinstance(found, CanonicalForm):
+        apart = max(whole.asymmetries(found.vertices))
+        if apart > _ASYMMETRIC:
+            report.warnings.append(
+                f"The halves of the mirrored mesh unfold differently, by {apart:.0%} of its size; the form is their "
+                "mean."
+            )
         measures = summary(whole.vertices, found.vertices, found.faces, request.hausdorff)
         stress = found.stress
         report.stress = StressReport(float(stress[0]), float(stress[-1]), len(stress) - 1)

@@ -64,7 +64,7 @@ class FormTask:
                         raise
                     self._unread.append(explained(error))
         if len(self.items) == 1:
-            request.require_points(self.items[0].name, self.items[0].settings)
+            request.require_points(self.items[0].name, self.items[0].chosen)
 
     @property
     def taken(self) -> set[str]:

@@ -10,10 +10,14 @@ import numpy as np
 from ..core import CanonicalFormError
 from .fingerprints import fingerprint
 from .form_key import form_key
+from .mirrors import mirrors_of
 from .object_states import muted_results
 from .placement import placement_of
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from ..core.mesh.mirroring import Mirror
     from ..core.numerics.arrays import FloatArray, IntArray
 
 
@@ -38,6 +42,8 @@ class Reading(NamedTuple):
         The frame of the evaluated mesh.
     placement : (4, 4) ndarray of float
         The transform to the space that the object shares with others.
+    mirrors : sequence of Mirror
+        Mirrors of modifiers, which the vertices and faces are without.
     """
 
     name: str
@@ -48,6 +54,7 @@ class Reading(NamedTuple):
     deformed: bool
     frame: int | None
     placement: FloatArray
+    mirrors: Sequence[Mirror]
 
 
 def refusal(obj: bpy.types.Object | None) -> str | None:
@@ -134,7 +141,8 @@ def read_object(obj: bpy.types.Object, deformed: bool = False) -> Reading:
             vertices, faces = read_evaluated(obj)
     frame = bpy.context.scene.frame_current if deformed else None
     placement = placement_of(obj, deformed)
-    return Reading(obj.name, obj.session_uid, vertices, faces, known, deformed, frame, placement)
+    mirrors = () if deformed else mirrors_of(obj)
+    return Reading(obj.name, obj.session_uid, vertices, faces, known, deformed, frame, placement, mirrors)
 
 
 def read_evaluated(obj: bpy.types.Object) -> tuple[FloatArray, IntArray]:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
+from .mirrors import is_followed
+
 _ADDING = (
     "ARRAY",
     "BOOLEAN",
@@ -64,7 +66,7 @@ def object_warnings(obj: bpy.types.Object, deformed: bool, *, scaled: bool = Fal
             f"Some modifiers of {obj.name} bend the form as they bend the mesh: {', '.join(bending)}. Set Mesh to As "
             "Shown to take out the pose that you see."
         )
-    adding = [each.name for each in modifiers if each.type in _ADDING]
+    adding = [each.name for each in modifiers if each.type in _ADDING and not is_followed(each)]
     if adding:
         warnings.append(
             f"Some modifiers of {obj.name} add to the mesh, and the form is of it without them: {', '.join(adding)}. "

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass, field, replace
 
 import bpy
@@ -77,22 +78,22 @@ class Request:
             )
         return replace(self.settings, feature_points=members or None)
 
-    def require_points(self, name: str, settings: Settings) -> None:
+    def require_points(self, name: str, chosen: Sequence[Sequence[int]]) -> None:
         """Refuse to detect feature points where those of a vertex group are wanted.
 
         Parameters
         ----------
         name : str
             Name of the object, or of what it is together with others.
-        settings : Settings
-            Its settings.
+        chosen : sequence of sequence of int
+            Feature points on each object.
 
         Raises
         ------
         CanonicalFormError
             If there are none.
         """
-        if self.feature_group and not settings.feature_points:
+        if self.feature_group and not any(chosen):
             raise CanonicalFormError(
                 f"{name} has no vertex group {self.feature_group} with vertices in it. Choose another one, add feature "
                 "points to it, or set Feature Points to Detected."

@@ -126,7 +126,7 @@ class VariantTask:
                 patches.append(own)
                 forms.append(form)
         self._whole = combined(self._readings)
-        self._patches, self._form = np.concatenate(patches), self._whole.put_together(forms)
+        self._patches, self._form = self._whole.spread(patches), self._whole.put_together(forms)
         self._positions = forms
         self._shapes: list[list[FloatArray]] = []  # by way, of each object
         self.warnings: list[str] = []

@@ -5,13 +5,11 @@ import numpy as np
 import pytest
 
 from addon.blender.mesh_reading import read_mesh
-from addon.blender.palette import patch_colours, ramp
 from addon.blender.record import read_record, require_record
 from addon.core import Settings, canonical_form
 from addon.interface import panels
 from addon.interface.properties import METHOD_NAMES, settings_of
 from tests.blender.conftest import QUICK, add_object, drawn, flat, snapshot
-from tests.meshes import shapes
 
 
 def compute(**options):
@@ -382,22 +380,3 @@ def test_unregistering_leaves_nothing_behind(blender):
     assert not hasattr(bpy.types, "OBJECT_OT_canonical_form")
     assert not hasattr(bpy.types, "VIEW3D_PT_canonical_form")
     addon.register()
-
-
-def test_neighbouring_patches_look_different():
-    vertices, faces = shapes.grid(40, 40)
-    cells = (vertices[:, 0] * 4.999).astype(int) * 5 + (vertices[:, 1] * 4.999).astype(int)
-    colours = patch_colours(cells, faces)
-    ends = cells[np.concatenate([faces[:, :2], faces[:, 1:]])]
-    ends = ends[ends[:, 0] != ends[:, 1]]
-    assert np.linalg.norm(colours[ends[:, 0]] - colours[ends[:, 1]], axis=1).min() > 0.15
-    assert ((colours >= 0) & (colours <= 1)).all()
-
-
-def test_the_ramp_grows_lighter_evenly():
-    colours = ramp(np.linspace(0, 1, 50))
-    luminance = colours[:, :3] @ [0.2126, 0.7152, 0.0722]
-    lightness = np.cbrt(luminance)
-    steps = np.diff(lightness)
-    assert steps.min() > 0
-    assert steps.max() < 2.5 * steps.min()
