@@ -13,6 +13,7 @@ from .form_key import form_key
 from .mirrors import mirrors_of
 from .object_states import muted_results
 from .placement import placement_of
+from .seams import closed_seams, evaluated_places, has_seams, longest_border_edge
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -137,8 +138,7 @@ def read_object(obj: bpy.types.Object, deformed: bool = False) -> Reading:
     vertices, faces = read_mesh(obj.data)
     known = _mesh_fingerprint(obj.data)
     if deformed:
-        with muted_results([obj.data]):
-            vertices, faces = read_evaluated(obj)
+        vertices, faces = _read_shown(obj)
     frame = bpy.context.scene.frame_current if deformed else None
     placement = placement_of(obj, deformed)
     mirrors = () if deformed else mirrors_of(obj)
@@ -244,13 +244,25 @@ def require_unchanged(obj: bpy.types.Object, reading: Reading) -> None:
     """
     same = _mesh_fingerprint(obj.data) == reading.fingerprint
     if same and reading.deformed:
-        with muted_results([obj.data]):
-            vertices, faces = read_evaluated(obj)
+        vertices, faces = _read_shown(obj)
         same = np.array_equal(vertices, reading.vertices) and np.array_equal(faces, reading.faces)
     if not same:
         raise CanonicalFormError(
             f"{reading.name} was edited while its form was computed. Nothing was written; run again."
         )
+
+
+def _read_shown(obj: bpy.types.Object) -> tuple[FloatArray, IntArray]:
+    """Read the evaluated mesh without an earlier form; seams of the base mesh are closed where it has more vertices."""
+    with muted_results([obj.data]):
+        vertices, faces = read_evaluated(obj)
+        if len(vertices) == len(obj.data.vertices):
+            return vertices, faces
+        base = read_mesh(obj.data)
+        places = evaluated_places(obj) if has_seams(*base) else None
+    if places is not None and len(places) == len(vertices):
+        vertices = closed_seams(vertices, faces, places, longest_border_edge(*base))
+    return vertices, faces
 
 
 def _basis_positions(mesh: bpy.types.Mesh) -> np.ndarray:
