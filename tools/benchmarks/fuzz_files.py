@@ -27,25 +27,33 @@ NUMBERS = ["-1", "0", "1", "255", "256", "65536", "2147483647", "2147483648", "-
 
 
 def seeds(folder):
-    """Write a sound file of every kind."""
+    """Write sound files of every kind: a tube, and a body of several pieces."""
+    from tests.meshes import pieced, shapes
+
+    body = pieced.character()[2]
+    for name, (vertices, faces) in {"tube": shapes.joint(60, 14, 7), "body": (body.vertices, body.faces)}.items():
+        write_every_kind(folder, name, vertices, faces)
+    return sorted(folder.glob("*.*"))
+
+
+def write_every_kind(folder, name, vertices, faces):
+    """Write a mesh to files of every kind."""
     import bpy
 
     from tests.meshes import shapes
 
-    vertices, faces = shapes.joint(60, 14, 7)
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    mesh = bpy.data.meshes.new("Joint")
+    mesh = bpy.data.meshes.new("Mesh")
     mesh.from_pydata(vertices.tolist(), [], faces.tolist())
-    bpy.context.scene.collection.objects.link(bpy.data.objects.new("Joint", mesh))
-    bpy.ops.wm.obj_export(filepath=str(folder / "seed.obj"))
-    bpy.ops.wm.ply_export(filepath=str(folder / "seed.ply"), ascii_format=True)
-    bpy.ops.wm.ply_export(filepath=str(folder / "binary.ply"), ascii_format=False)
-    bpy.ops.wm.stl_export(filepath=str(folder / "seed.stl"), ascii_format=True)
-    bpy.ops.wm.stl_export(filepath=str(folder / "binary.stl"), ascii_format=False)
-    bpy.ops.export_scene.gltf(filepath=str(folder / "seed.glb"))
-    bpy.ops.wm.save_as_mainfile(filepath=str(folder / "seed.blend"), compress=False)
-    shapes.write_off(folder / "seed.off", vertices, faces)
-    return sorted(folder.glob("*.*"))
+    bpy.context.scene.collection.objects.link(bpy.data.objects.new("Mesh", mesh))
+    bpy.ops.wm.obj_export(filepath=str(folder / f"{name}.obj"))
+    bpy.ops.wm.ply_export(filepath=str(folder / f"{name}-text.ply"), ascii_format=True)
+    bpy.ops.wm.ply_export(filepath=str(folder / f"{name}-binary.ply"), ascii_format=False)
+    bpy.ops.wm.stl_export(filepath=str(folder / f"{name}-text.stl"), ascii_format=True)
+    bpy.ops.wm.stl_export(filepath=str(folder / f"{name}-binary.stl"), ascii_format=False)
+    bpy.ops.export_scene.gltf(filepath=str(folder / f"{name}.glb"))
+    bpy.ops.wm.save_as_mainfile(filepath=str(folder / f"{name}.blend"), compress=False)
+    shapes.write_off(folder / f"{name}.off", vertices, faces)
 
 
 def damaged(data, text, rng):
