@@ -141,7 +141,7 @@ def main(minutes, keep, seed=0):
             for _ in range(BATCH):
                 source = rng.choice(sound)
                 number += 1
-                text = source.suffix in (".off", ".obj", ".ply", ".stl") and source.stem == "seed"
+                text = source.suffix in (".off", ".obj", ".ply", ".stl") and not source.stem.endswith("binary")
                 path = box / f"f{number}{source.suffix}"
                 path.write_bytes(damaged(source.read_bytes(), text, rng))
                 files.append(path)
