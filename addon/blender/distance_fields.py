@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
 import bpy
@@ -11,6 +13,7 @@ from ..core import CanonicalFormError
 from ..core.distances.kinds import KINDS
 from .advice import advised
 from .colour_attributes import add_colours
+from .combining import Combined, combined, touching
 from .distance_record import WrittenField, read_distances, write_distances
 from .fingerprints import colour_fingerprint, group_fingerprints
 from .mesh_reading import find_object, read_object, require_unchanged, selected_vertices
@@ -25,12 +28,12 @@ WEIGHTS = "{} Weights"  # the vertex group; Blender shows a group in place of co
 
 
 class DistanceTask:
-    """A distance field from the selected vertices of an object.
+    """A distance field from the selected vertices of an object, over all objects that are one body with it.
 
     Parameters
     ----------
-    obj : bpy.types.Object
-        The object, accepted by `refusal`.
+    objects : sequence of bpy.types.Object
+        Objects accepted by `refusal`: the one with the selection first, then those that may be one body with it.
     kind : str
         One of `addon.core.distances.kinds.KINDS`.
     isolines : int
@@ -46,19 +49,23 @@ class DistanceTask:
     Raises
     ------
     CanonicalFormError
-        If no vertex is selected, or all are.
+        If no vertex of the first object is selected, or all are.
     """
 
-    def __init__(self, obj: bpy.types.Object, kind: str, isolines: int, *, memory_limit: float = 0.0) -> None:
+    def __init__(
+        self, objects: Sequence[bpy.types.Object], kind: str, isolines: int, *, memory_limit: float = 0.0
+    ) -> None:
         self.kind, self.isolines, self.memory_limit = kind, isolines, memory_limit
-        with object_mode(obj):
-            self._reading = read_object(obj)
-            self._sources = selected_vertices(obj.data)
+        first = {obj.data: obj for obj in reversed(objects)}  # objects that share a mesh show one field
+        with object_mode(objects[0]):
+            self._readings = [read_object(obj) for obj in reversed(first.values())]
+            self._sources = selected_vertices(objects[0].data)
         if not len(self._sources):
             raise CanonicalFormError("No vertex is selected. In Edit Mode, select the vertices to measure from.")
-        if len(self._sources) == len(self._reading.vertices):
+        if len(self._sources) == len(self._readings[0].vertices):
             raise CanonicalFormError("All vertices are selected. In Edit Mode, select only those to measure from.")
         self._field: FloatArray = np.zeros(0)
+        self._whole: Combined | None = None
         self.warnings: list[str] = []
 
     def compute(self, progress: Progress | None = None, cancelled: Cancelled | None = None) -> None:
@@ -76,17 +83,21 @@ class DistanceTask:
         """
         from ..core.distance_fields import distance_field
 
-        reading = self._reading
+        if len(self._readings) > 1:
+            body = touching(self._readings, together=True, cancelled=cancelled)[0]
+            self._readings = [self._readings[index] for index in body]
+        whole = combined(self._readings)
         self._field = distance_field(
-            reading.vertices,
-            reading.faces,
-            self._sources,
+            whole.vertices,
+            whole.faces,
+            whole.numbers_of([self._sources.tolist(), *([] for _ in self._readings[1:])]),
             self.kind,
             progress=progress,
             cancelled=cancelled,
             warned=lambda sentence: self.warnings.append(advised(sentence)),
             memory_limit=self.memory_limit,
         )
+        self._whole = whole
 
     @property
     def unreached(self) -> int:
@@ -104,23 +115,35 @@ class DistanceTask:
         Raises
         ------
         CanonicalFormError
-            If the object is gone or was changed; the message says why.
+            If an object is gone or was changed; the message says why.
         """
-        obj = find_object(self._reading)
-        with object_mode(obj):
-            require_unchanged(obj, self._reading)
-            return _write_field(obj, KINDS[self.kind].label, self._field, self.isolines)
+        assert self._whole is not None
+        objects = [find_object(reading) for reading in self._readings]
+        with ExitStack() as modes:
+            for obj, reading in zip(objects, self._readings, strict=True):
+                modes.enter_context(object_mode(obj))
+                require_unchanged(obj, reading)
+            colours = ramp(self._field)
+            if self.isolines:
+                colours = with_isolines(colours, self._field, self.isolines)
+            split = self._whole.split
+            parts = zip(objects, split(colours), split(_weights(self._field)), strict=True)
+            names = [_write_field(obj, KINDS[self.kind].label, *each) for obj, *each in parts]
+        return names[0]
 
 
-def _write_field(obj: bpy.types.Object, name: str, field: FloatArray, isolines: int) -> str:
+def _weights(field: FloatArray) -> FloatArray:
+    """Scale a field to weights from 0 to 1; nan where it is infinite."""
+    reached = np.isfinite(field)
+    largest = float(field[reached].max())
+    return np.round(np.where(reached, field, np.nan) / (largest if largest > 0 else 1.0), 3)
+
+
+def _write_field(obj: bpy.types.Object, name: str, field_colours: FloatArray, weights: FloatArray) -> str:
     written = read_distances(obj.data)
     earlier = written.get(name, WrittenField())
-    field_colours = ramp(field)
-    if isolines:
-        field_colours = with_isolines(field_colours, field, isolines)
     colours = _write_colours(obj, name, field_colours, earlier)
-    weights = _write_weights(obj, WEIGHTS.format(name), field, earlier)
-    written[name] = WrittenField(*colours, *weights)
+    written[name] = WrittenField(*colours, *_write_weights(obj, WEIGHTS.format(name), weights, earlier))
     write_distances(obj.data, written)
     obj.data.update()
     return colours[0]
@@ -138,17 +161,15 @@ def _write_colours(obj: bpy.types.Object, name: str, colours: FloatArray, earlie
     return written
 
 
-def _write_weights(obj: bpy.types.Object, name: str, field: FloatArray, earlier: WrittenField) -> tuple[str, str]:
+def _write_weights(obj: bpy.types.Object, name: str, weights: FloatArray, earlier: WrittenField) -> tuple[str, str]:
     """Write weights from 0 to 1, in place of unchanged earlier ones; return the group's name and fingerprint."""
     known = group_fingerprints(obj, [earlier.weights]).get(earlier.weights)
     if known is not None and known == earlier.weights_fingerprint:
         group = obj.vertex_groups[earlier.weights]
     else:
         group = obj.vertex_groups.new(name=name)
-    reached = np.isfinite(field)
+    reached = np.isfinite(weights)
     group.remove(np.flatnonzero(~reached).tolist())
-    largest = float(field[reached].max())
-    weights = np.round(np.where(reached, field, np.nan) / (largest if largest > 0 else 1.0), 3)
     for weight in np.unique(weights[reached]).tolist():  # at most 1,001 calls, whatever the number of vertices
         group.add(np.flatnonzero(weights == weight).tolist(), weight, "REPLACE")
     obj.vertex_groups.active_index = group.index

@@ -13,7 +13,7 @@ from ..blender.meant_objects import meant_object, require_object
 from ..blender.mesh_reading import refusal
 from ..core import CanonicalFormError
 from .job_operator import JobOperator
-from .operators import allowed
+from .operators import allowed, chosen_objects
 from .properties import DISTANCES
 from .viewport import show_colours
 
@@ -87,11 +87,12 @@ class OBJECT_OT_canonical_form_distance(JobOperator, bpy.types.Operator):
         return allowed(cls, cls.busy() or refusal(meant_object(context)))
 
     def task(self, context: bpy.types.Context) -> "DistanceTask":
-        """Read the mesh and its selection."""
+        """Read the mesh and its selection, and the other meshes meant."""
         from ..blender.distance_fields import DistanceTask
 
         memory_limit = context.scene.canonical_form.memory_limit
-        return DistanceTask(require_object(context), self.kind, self.isolines, memory_limit=memory_limit)
+        objects = chosen_objects(context)[0]
+        return DistanceTask(objects, self.kind, self.isolines, memory_limit=memory_limit)
 
     def written(self, context: bpy.types.Context, task: "DistanceTask", outcome: str, interactive: bool) -> None:
         """Report where the distances are, with the warnings."""

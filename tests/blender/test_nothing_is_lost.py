@@ -204,7 +204,7 @@ def test_the_distances_name_is_right_whatever_layers_there_are(figure_object, la
     for number in range(layers):
         figure_object.data.color_attributes.new(name=f"c{number}", type="FLOAT_COLOR", domain="POINT")
     select(figure_object, {10})
-    task = DistanceTask(figure_object, "heat", 0)
+    task = DistanceTask([figure_object], "heat", 0)
     task.compute()
     assert task.write() == "Heat Geodesic"
 

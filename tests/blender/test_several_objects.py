@@ -17,6 +17,7 @@ from addon.interface.overlay import feature_labels
 from tests.meshes import pieced, shapes
 
 from .conftest import QUICK, add_object, drawn, snapshot
+from .test_tools import select
 
 KEY = "Canonical Form"
 PLACES = {  # of each object: turned, scaled, mirrored
@@ -323,3 +324,24 @@ def test_it_survives_saving_and_opening(character, tmp_path):
     bpy.context.view_layer.objects.active = objects[1]
     bpy.ops.object.canonical_form_clear()
     assert all(obj.data.shape_keys is None for obj in objects)
+
+
+def test_distances_go_on_over_all_that_touch(character):
+    far = add_object("Far", *shapes.sphere(2))
+    far.location.x = 40
+    head = character["head"]
+    bpy.context.view_layer.objects.active = head
+    for obj in (far, *character.values()):
+        obj.select_set(True)
+    bpy.context.view_layer.update()
+    select(head, {0})
+    assert bpy.ops.object.canonical_form_distance(kind="fast_marching") == {"FINISHED"}
+    assert "Fast Marching" not in far.data.color_attributes
+    weights = {}
+    for name, obj in character.items():
+        group = obj.vertex_groups["Fast Marching Weights"].index
+        weights[name] = [part.weight for vertex in obj.data.vertices for part in vertex.groups if part.group == group]
+        assert len(weights[name]) == len(obj.data.vertices)
+    assert min(weights["head"]) == 0
+    assert max(weights["head"]) < max(weights["trunk"])
+    assert max(max(each) for each in weights.values()) == 1
