@@ -85,6 +85,7 @@ def _contacts(
     near = _within_two_edges(len(points), pairs)
     label = component_labels(len(links), _side_by_side(links, near))
     whole = np.bincount(loop[loop >= 0], minlength=1)
+    label = _rings_closed(links, label, loop, whole, part)
     found = []
     for index in range(int(label.max()) + 1):
         here = label == index
@@ -135,6 +136,28 @@ def _within_two_edges(count: int, pairs: IntArray) -> csr_matrix:
     one = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count)).tocsr()
     one = one + one.T + identity(count, format="csr")
     return one @ one
+
+
+def _rings_closed(links: IntArray, label: IntArray, loop: IntArray, whole: IntArray, part: IntArray) -> IntArray:
+    """Take as one the contacts that hold an open end only together, such as the front and the back of a neck."""
+    ends = np.concatenate([links[:, 0], links[:, 1]])
+    others = np.concatenate([part[links[:, 1]], part[links[:, 0]]])
+    labels = np.tile(label, 2)
+    on_border = loop[ends] >= 0
+    rows = np.unique(np.column_stack([loop[ends], others, labels, ends])[on_border], axis=0)  # each vertex once
+    held, count = np.unique(rows[:, [0, 2]], axis=0, return_counts=True)
+    alone = np.unique(held[count >= _HELD * whole[held[:, 0]], 1])  # contacts that hold an open end
+    rows = rows[~np.isin(rows[:, 2], alone)]
+    together = []
+    for ring, other in np.unique(rows[:, :2], axis=0):
+        here = rows[(rows[:, 0] == ring) & (rows[:, 1] == other)]
+        if len(np.unique(here[:, 3])) >= _HELD * whole[ring]:
+            own = np.unique(here[:, 2])
+            together.append(np.column_stack([own[:-1], own[1:]]))
+    if not together:
+        return label
+    merged: IntArray = component_labels(int(label.max()) + 1, np.concatenate(together))[label]
+    return merged
 
 
 def _side_by_side(links: IntArray, near: csr_matrix) -> IntArray:
