@@ -203,18 +203,15 @@ class FormItem:
             new = True
         if request.step == "FORM" and not new:
             warnings += own_sliders(objects)
-        found = [result.found for result in self.results]
+        found = [(result.found, result.shapes) for result in self.results]
         if self.readings[0].deformed and request.step == "FORM" and not new:
-            found = [
-                replace(each, vertices=positions_before(obj, each.vertices))  # type: ignore[arg-type, union-attr]
-                for obj, each in zip(objects, found, strict=True)
-            ]
+            found = [_before_modifiers(obj, *each) for obj, each in zip(objects, found, strict=True)]
         targets: list[bpy.types.Object] = []
         done = False
         try:
             for number, obj in enumerate(objects):
                 targets.append(add_result_object(obj, self.readings[number]) if new else obj)
-                self._write_one(number, targets[-1], found[number], request)
+                self._write_one(number, targets[-1], *found[number], request)
             if request.step == "FORM":
                 lead(targets)
             done = True
@@ -224,15 +221,20 @@ class FormItem:
         self.written_to = [target.name for target in targets]
 
     def _write_one(
-        self, number: int, target: bpy.types.Object, found: CanonicalForm | FeaturePatches, request: Request
+        self,
+        number: int,
+        target: bpy.types.Object,
+        found: CanonicalForm | FeaturePatches,
+        shapes: list[FloatArray],
+        request: Request,
     ) -> None:
         """Write the result of one object."""
         result = self.results[number]
         part = Part(number, self.readings[number].placement.tolist()) if len(self.readings) > 1 else None
         patches = request.step != "FEATURES"
         write_results(target, found, result.colours, result.report, value=request.value, patches=patches, part=part)
-        if result.shapes:
-            write_in_betweens(target, result.shapes)
+        if shapes:
+            write_in_betweens(target, shapes)
 
     def _shapes_between(
         self, whole: Combined, found: CanonicalForm | FeaturePatches, cancelled: Cancelled | None
@@ -255,3 +257,11 @@ class FormItem:
         )
         found.warnings.extend(monitor.warnings)
         return shapes
+
+
+def _before_modifiers(
+    obj: bpy.types.Object, found: CanonicalForm | FeaturePatches, shapes: list[FloatArray]
+) -> tuple[CanonicalForm | FeaturePatches, list[FloatArray]]:
+    """Find the form and the shapes between that the modifiers show as computed."""
+    form, *between = positions_before(obj, [found.vertices, *shapes])  # type: ignore[union-attr]
+    return replace(found, vertices=form), between  # type: ignore[arg-type, call-arg]

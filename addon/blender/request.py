@@ -122,6 +122,6 @@ class Request:
             raise CanonicalFormError(
                 f"This step would take the form of {obj.name} away, and it is animated or has in-betweens. Clear first."
             )
-        if self.new_object or self.deformed or self.step != "FORM" or not has_in_betweens(mesh):
+        if self.new_object or self.step != "FORM" or not has_in_betweens(mesh):
             return 0
         return len(require_record(mesh).in_between_keys)

@@ -23,11 +23,12 @@ from .in_betweens import (
     remove_in_betweens,
     write_in_betweens,
 )
-from .mesh_reading import find_object, read_object, require_unchanged
-from .object_states import object_mode
+from .mesh_reading import Reading, find_object, read_object, require_unchanged
+from .object_states import muted_results, object_mode
 from .record import read_record, require_record, write_record
 from .result_writing import refill_key
 from .slider import release
+from .undeforming import positions_before, shown_at
 
 if TYPE_CHECKING:
     from ..core.numerics.arrays import FloatArray
@@ -111,24 +112,22 @@ class VariantTask:
         self.limbs = record.straightened if limbs is None else limbs
         self.in_betweens = len(record.in_between_keys) if in_betweens is None else in_betweens
         self._together = record.report.pieces == "together"
-        self._readings, patches, forms = [], [], []
-        with object_mode(obj):
+        self._readings: list[Reading] = []
+        patches, forms = [], []
+        with object_mode(obj), muted_results(each.data for each in objects):
             for each in objects:
-                reading, own, form = read_object(each), patches_of(each.data), whole_form_of(each.data)
-                part = require_record(each.data).part
+                own, form = patches_of(each.data), whole_form_of(each.data)
                 if own is None or form is None:
                     raise CanonicalFormError(
                         f"The mesh of {each.name} was changed since the run. Compute the form again first."
                     )
-                if part is not None:  # where it was at the run: it may have been moved since
-                    reading = reading._replace(placement=np.array(part.placement))
+                reading, form = _as_at_the_run(each, form)
                 self._readings.append(reading)
                 patches.append(own)
                 forms.append(form)
         self._whole = combined(self._readings)
         self._patches, self._form = self._whole.spread(patches), self._whole.put_together(forms)
-        self._positions = forms
-        self._shapes: list[list[FloatArray]] = []  # by way, of each object
+        self._shapes = [forms]  # those between and the form, of each object
         self.warnings: list[str] = []
 
     def compute(self, progress: Progress | None = None, cancelled: Cancelled | None = None) -> None:
@@ -158,7 +157,7 @@ class VariantTask:
             together=self._together,
             monitor=monitor,
         )
-        *self._shapes, self._positions = (self._whole.brought_back(shape) for shape in shapes)
+        self._shapes = [self._whole.brought_back(shape) for shape in shapes]
         self.warnings = all_advised(monitor.warnings)
 
     def write(self) -> None:
@@ -171,9 +170,12 @@ class VariantTask:
         """
         objects = [find_object(reading) for reading in self._readings]
         with ExitStack() as modes:
-            for obj, reading in zip(objects, self._readings, strict=True):
+            for obj in objects:
                 modes.enter_context(object_mode(obj))
-                require_unchanged(obj, reading)
+            with muted_results(obj.data for obj in objects):
+                for obj, reading in zip(objects, self._readings, strict=True):
+                    require_unchanged(obj, reading)
+            for obj in objects:
                 require_form_key(obj.data)
                 left = changed_in_betweens(obj.data)
                 if left:
@@ -181,8 +183,11 @@ class VariantTask:
                         f"Changed since they were made: {', '.join(left)}. Rename them to keep them, or delete them, "
                         "first."
                     )
-            for number, obj in enumerate(objects):
-                self._write_one(obj, self._positions[number], [shape[number] for shape in self._shapes])
+            shapes = [list(each) for each in zip(*self._shapes, strict=True)]
+            if self._readings[0].deformed:
+                shapes = [positions_before(obj, each) for obj, each in zip(objects, shapes, strict=True)]
+            for obj, (*between, positions) in zip(objects, shapes, strict=True):
+                self._write_one(obj, positions, between)
             lead(objects)
 
     def _write_one(self, obj: bpy.types.Object, positions: FloatArray, shapes: list[FloatArray]) -> None:
@@ -197,6 +202,22 @@ class VariantTask:
         require_form_key(obj.data).value = value
         if shapes:
             write_in_betweens(obj, shapes)
+
+
+def _as_at_the_run(obj: bpy.types.Object, form: FloatArray) -> tuple[Reading, FloatArray]:
+    """Read the pose and the form of an object as the run did: the base mesh, or what is shown, where it was."""
+    record = require_record(obj.data)
+    reading = read_object(obj, record.report.frame is not None)
+    if len(reading.vertices) != len(obj.data.vertices):
+        raise CanonicalFormError(
+            f"Modifiers change the number of vertices of {obj.name} by now. Switch them off in the views, or compute "
+            "the form again."
+        )
+    if reading.deformed:
+        form = shown_at(obj, form)
+    if record.part is not None:  # the object may have been moved since
+        reading = reading._replace(placement=np.array(record.part.placement))
+    return reading, form
 
 
 def shown_value(mesh: bpy.types.Mesh) -> float:

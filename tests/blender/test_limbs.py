@@ -8,10 +8,13 @@ import pytest
 
 from addon.blender.hidden_attributes import patches_of, whole_form_of
 from addon.blender.in_betweens import PROPERTY
+from addon.blender.mesh_reading import read_evaluated
 from addon.blender.record import require_record
 from addon.blender.variants import limbs_of
+from addon.core import limb_shapes
 from addon.interface import panels
 from tests.blender.conftest import QUICK, Layout, drawn, flat, snapshot
+from tests.blender.test_tools import bent
 
 
 @pytest.fixture
@@ -232,3 +235,34 @@ def test_in_betweens_of_which_one_was_renamed_can_be_removed_anyway(formed, name
     assert values["Mine" if name == "Canonical Form" else "Canonical Form"] == 0.75
     assert name == "Canonical Form" or values["Mine"] == 0.0
     assert not bpy.ops.object.canonical_form_remove_in_betweens.poll()
+
+
+def test_limbs_and_in_betweens_of_what_is_shown_are_shapes_of_what_is_shown(figure_object):
+    bent(figure_object)
+    pose, faces = read_evaluated(figure_object)
+    bpy.ops.object.canonical_form(**{**QUICK, "mesh": "SHOWN", "quality": "draft"})
+    form = read_evaluated(figure_object)[0]
+    pairs = np.array([edge.vertices[:] for edge in figure_object.data.edges])
+
+    def stretched(points):
+        before, after = (np.linalg.norm(np.diff(each[pairs], axis=1), axis=2)[:, 0] for each in (pose, points))
+        return np.quantile(np.abs(after / before - 1), 0.95)
+
+    bpy.ops.object.canonical_form_limb(patch=1, only=True)
+    limb = read_evaluated(figure_object)[0]
+    still = np.abs(limb - pose).max(axis=1) < 1e-3 * np.ptp(pose)
+    assert len(pose) / 2 < still.sum() < len(pose)
+    assert stretched(limb) < 1.5 * stretched(form)
+    chosen = np.equal(patches_of(figure_object.data), 0)
+    (expected,) = limb_shapes(pose, faces, form, chosen)
+    assert limb == pytest.approx(expected, abs=1e-3 * float(np.ptp(pose)))
+    bpy.ops.object.canonical_form_limb(patch=0)
+    assert read_evaluated(figure_object)[0] == pytest.approx(form, abs=1e-3)
+    bpy.ops.object.canonical_form_in_betweens(count=1)
+    keys = figure_object.data.shape_keys
+    keys[PROPERTY] = 0.5
+    keys.update_tag()
+    bpy.context.view_layer.update()
+    assert stretched(read_evaluated(figure_object)[0]) < 1.5 * stretched(form)
+    bpy.ops.object.canonical_form(**{**QUICK, "mesh": "SHOWN", "quality": "draft"})
+    assert len(require_record(figure_object.data).in_between_keys) == 1

@@ -35,31 +35,26 @@ def run(name, **options):
 
 
 def session():
-    from tools.sample.posed_figure import build
-
     bpy.ops.extensions.package_install_files(
         filepath=str(PACKAGE), repo="user_default", enable_on_install=True, overwrite=True
     )
+    yield from panels_on_a_bare_figure()
+    yield from a_clothed_character()
+    bpy.ops.screen.userpref_show("INVOKE_DEFAULT", section="EXTENSIONS")
+    yield 2.0
+    yield from hand.picture("0-preferences")
+
+
+def panels_on_a_bare_figure():
+    """Feature points and distances."""
+    from tools.sample.posed_figure import build
+
     bpy.data.batch_remove([*bpy.data.objects])
     bpy.context.view_layer.update()
     build(levels=3)
     obj = figure()
     yield 1.0
-    with in_view():
-        bpy.ops.view3d.view_axis(type="FRONT")
-        bpy.ops.view3d.view_orbit(angle=-0.5, type="ORBITLEFT")
-        bpy.ops.view3d.view_orbit(angle=0.25, type="ORBITUP")
-        bpy.ops.view3d.view_selected()
-    yield from hand.over_view()
-    if not hand.area().spaces.active.show_region_ui:
-        yield from hand.key("N")
-    yield 0.7
-    hand.region("UI").active_panel_category = "Canonical Form"
-    with in_view():
-        bpy.ops.view3d.view_selected()
-    yield 0.7
-    yield from hand.picture("1-tab")
-
+    yield from open_tab()
     yield from hand.click(*hand.below_top(HEADERS["features"], 0.3))
     yield 0.5
     yield from hand.over_view()
@@ -79,47 +74,90 @@ def session():
     yield 0.5
     yield from hand.picture("3-distance")
     hand.area().spaces.active.shading.color_type = "MATERIAL"
-    obj.vertex_groups.clear()
-    obj.data.color_attributes.remove(obj.data.color_attributes[0])
     yield from hand.click(*hand.below_top(HEADERS["distance"], 0.3))
     yield 0.5
 
-    bpy.context.scene.canonical_form.quality = "full"
+
+def a_clothed_character():
+    """From the armature of several objects to the form, one limb, half-way."""
+    from tools.sample.clothed_figure import build
+
+    bpy.data.batch_remove([*bpy.data.objects])
+    bpy.context.view_layer.update()
+    armature = build(levels=3)
+    armature.data.display_type = "STICK"
+    yield 1.0
+    for obj in bpy.context.view_layer.objects:
+        obj.select_set(True)
     with in_view():
-        bpy.ops.object.canonical_form("INVOKE_DEFAULT", quality="full", memory_limit=1000.0)
+        bpy.ops.view3d.view_selected()
+    for obj in bpy.context.view_layer.objects:
+        obj.select_set(obj == armature)
+    yield from hand.over_view()
+    yield 0.7
+    yield from hand.picture("1-tab")
+
+    bpy.context.scene.canonical_form.mesh = "SHOWN"
+    with in_view():
+        bpy.ops.object.canonical_form("INVOKE_DEFAULT", quality="full", memory_limit=1000.0, mesh="SHOWN")
     yield 6.0
     yield from hand.picture("4-running")
     yield from hand.over_view()
     yield from hand.key("ESC")
-    yield 2.0
-    bpy.context.scene.canonical_form.quality = "normal"
+    yield 3.0
     with in_view():
-        bpy.ops.object.canonical_form("INVOKE_DEFAULT")
-    yield 8.0
-    with in_view():
-        bpy.ops.view3d.view_selected()
+        bpy.ops.object.canonical_form("INVOKE_DEFAULT", mesh="SHOWN")
+    yield 15.0
+    armature.hide_set(True)
+    body = bpy.data.objects["Body"]
+    bpy.context.view_layer.objects.active = body
+    body.select_set(True)
     yield 0.7
     yield from hand.picture("5-form")
 
-    sizes = [patch.size for patch in obj.data.canonical_form_patches]
-    heights = [points[[v.index for v in obj.data.vertices if any(p.group == g.index for p in v.groups)], 2].mean()
-               for g in obj.vertex_groups if g.name.startswith("Patch")]  # fmt: skip
-    arm = 1 + max((n for n in range(len(sizes)) if sizes[n] < max(sizes)), key=lambda n: heights[n])
+    points = np.array([vertex.co for vertex in body.data.vertices])
+    heights = {}
+    for group in body.vertex_groups:
+        own = [
+            vertex.index for vertex in body.data.vertices if any(part.group == group.index for part in vertex.groups)
+        ]
+        if group.name.startswith("Patch") and own:
+            heights[int(group.name.split()[1])] = points[own, 2].mean()
+    arm = sorted(heights, key=lambda number: -heights[number])[1]  # the head is higher
     run("canonical_form_limb", patch=arm, only=True)
     yield 1.0
     yield from hand.picture("6-one-limb")
     run("canonical_form_limb", patch=0)
     run("canonical_form_in_betweens", count=5)
-    keys = obj.data.shape_keys
+    lead = next(obj for obj in bpy.data.objects if obj.type == "MESH" and leads(obj))
+    keys = lead.data.shape_keys
     keys["Pose to Form"] = 0.5
     keys.update_tag()
-    obj.data.update()
     yield 1.0
     yield from hand.picture("7-half-way")
 
-    bpy.ops.screen.userpref_show("INVOKE_DEFAULT", section="EXTENSIONS")
-    yield 2.0
-    yield from hand.picture("0-preferences")
+
+def leads(obj):
+    """Whether the slider of this object moves the others."""
+    data = obj.data.shape_keys.animation_data
+    return not any(curve.data_path == '["Pose to Form"]' for curve in data.drivers)
+
+
+def open_tab():
+    """Look from the front, slightly above, and open the tab."""
+    with in_view():
+        bpy.ops.view3d.view_axis(type="FRONT")
+        bpy.ops.view3d.view_orbit(angle=-0.5, type="ORBITLEFT")
+        bpy.ops.view3d.view_orbit(angle=0.25, type="ORBITUP")
+        bpy.ops.view3d.view_selected()
+    yield from hand.over_view()
+    if not hand.area().spaces.active.show_region_ui:
+        yield from hand.key("N")
+    yield 0.7
+    hand.region("UI").active_panel_category = "Canonical Form"
+    with in_view():
+        bpy.ops.view3d.view_selected()
+    yield 0.7
 
 
 steps = session()
