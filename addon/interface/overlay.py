@@ -9,8 +9,9 @@ from typing import Any, ClassVar
 import bpy
 
 from ..blender.companions import companions_of
+from ..blender.form_key import form_key
 from ..blender.meant_objects import meant_object
-from ..blender.record import read_record
+from ..blender.record import Record, read_record
 
 _DOT = 5.0  # radius in pixels
 _TEXT = 13.0
@@ -48,22 +49,33 @@ def _labels_on(obj: bpy.types.Object, graph: bpy.types.Depsgraph) -> list[tuple[
     record = read_record(obj.data)
     if record is None or not obj.visible_get():
         return []
+    points = record.report.feature_points
+    places = _places(obj, graph, record)
+    palette = record.palette or [[1.0, 1.0, 1.0]] * len(points)
+    return [
+        (obj.matrix_world @ places[point], (*_srgb(colour), 1.0), str(number))
+        for number, (point, colour) in enumerate(zip(points, palette, strict=True), start=1)
+        if point in places
+    ]
+
+
+def _places(obj: bpy.types.Object, graph: bpy.types.Depsgraph, record: Record) -> dict[int, Any]:
+    """Find where the object shows its feature points."""
+    wanted = [point for point in record.report.feature_points if 0 <= point < record.report.vertices]
     if obj.mode == "EDIT":
         import bmesh
 
-        vertices = bmesh.from_edit_mesh(obj.data).verts
-        vertices.ensure_lookup_table()
-    else:
-        vertices = obj.evaluated_get(graph).data.vertices
-        if len(vertices) != record.report.vertices:  # modifiers change the number of vertices
-            vertices = obj.data.vertices
-    points = record.report.feature_points
-    palette = record.palette or [[1.0, 1.0, 1.0]] * len(points)
-    return [
-        (obj.matrix_world @ vertices[point].co, (*_srgb(colour), 1.0), str(number))
-        for number, (point, colour) in enumerate(zip(points, palette, strict=True), start=1)
-        if 0 <= point < len(vertices)
-    ]
+        edited = bmesh.from_edit_mesh(obj.data).verts
+        edited.ensure_lookup_table()
+        return {point: edited[point].co for point in wanted if point < len(edited)}
+    shown = obj.evaluated_get(graph).data.vertices
+    key = form_key(obj.data)
+    if len(shown) == record.report.vertices:
+        return {point: shown[point].co for point in wanted}
+    if key is None or key.mute:  # modifiers change the number of vertices
+        return {point: obj.data.vertices[point].co for point in wanted if point < len(obj.data.vertices)}
+    rest = key.relative_key.data
+    return {point: rest[point].co.lerp(key.data[point].co, key.value) for point in wanted if point < len(rest)}
 
 
 def _srgb(colour: Sequence[float]) -> tuple[float, ...]:

@@ -95,7 +95,7 @@ class VIEW3D_PT_canonical_form_result(_Tab, bpy.types.Panel):
             row.prop(mesh.shape_keys, f'["{PROPERTY}"]', text="Pose to Form", slider=True)
             row.operator(OBJECT_OT_canonical_form_in_betweens.bl_idname, text="", icon="X").count = 0
             if renamed_keys(mesh):
-                layout.label(text="A shape key was renamed: name it back, or", icon="ERROR")
+                layout.label(text="Renamed key: name it back, or", icon="ERROR")
                 layout.operator(OBJECT_OT_canonical_form_remove_in_betweens.bl_idname, text="Remove Anyway")
         elif key is not None:
             layout.prop(key, "value", text="Pose to Form", slider=True)

@@ -7,6 +7,7 @@ import pytest
 from addon.blender.mesh_reading import read_evaluated, read_mesh
 from addon.blender.record import require_record
 from addon.core.mesh.connectivity import component_labels, vertex_pairs
+from addon.interface.overlay import feature_labels
 from tests.meshes import shapes
 
 from .conftest import QUICK, add_object, snapshot
@@ -116,3 +117,12 @@ def test_other_mirrors_are_warned_about(half, change):
         modifier.use_bisect_axis[0] = True
     run()
     assert any("add to the mesh" in each for each in require_record(half.data).report.warnings)
+
+
+def test_labels_are_on_the_form(half):
+    run()
+    labels = feature_labels(half, bpy.context.evaluated_depsgraph_get())
+    shown = read_evaluated(half)[0]
+    assert len(labels) == len(require_record(half.data).report.feature_points)
+    for place, _, _ in labels:
+        assert np.linalg.norm(shown - np.array(place), axis=1).min() < 1e-5
