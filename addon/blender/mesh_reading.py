@@ -13,7 +13,6 @@ from .form_key import form_key
 from .mirrors import mirrors_of
 from .object_states import muted_results
 from .placement import placement_of
-from .seams import closed_seams, evaluated_places, has_seams, longest_border_edge
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -254,6 +253,8 @@ def require_unchanged(obj: bpy.types.Object, reading: Reading) -> None:
 
 def _read_shown(obj: bpy.types.Object) -> tuple[FloatArray, IntArray]:
     """Read the evaluated mesh without an earlier form; seams of the base mesh are closed where it has more vertices."""
+    from .seams import closed_seams, evaluated_places, has_seams, longest_border_edge
+
     with muted_results([obj.data]):
         vertices, faces = read_evaluated(obj)
         if len(vertices) == len(obj.data.vertices):

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import bpy
 
-from ..core.mesh.mirroring import Mirror
+if TYPE_CHECKING:
+    from ..core.mesh.mirroring import Mirror
 
 
 def mirrors_of(obj: bpy.types.Object) -> list[Mirror]:
@@ -20,6 +23,8 @@ def mirrors_of(obj: bpy.types.Object) -> list[Mirror]:
     list of Mirror
         One for each axis; without those about another object, those that cut, and second ones across an axis.
     """
+    from ..core.mesh.mirroring import Mirror
+
     found: dict[int, Mirror] = {}
     for modifier in obj.modifiers:
         if is_followed(modifier):

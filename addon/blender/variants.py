@@ -12,7 +12,7 @@ from ..core import CanonicalFormError
 from .advice import all_advised
 from .combining import combined
 from .companions import companions_of, lead
-from .form_key import form_key, require_form_key
+from .form_key import require_form_key
 from .hidden_attributes import patches_of, whole_form_of
 from .in_betweens import (
     PROPERTY,
@@ -23,9 +23,10 @@ from .in_betweens import (
     remove_in_betweens,
     write_in_betweens,
 )
+from .limb_states import variant_refusal
 from .mesh_reading import Reading, find_object, read_object, require_unchanged
 from .object_states import muted_results, object_mode
-from .record import read_record, require_record, write_record
+from .record import require_record, write_record
 from .result_writing import refill_key
 from .slider import release
 from .undeforming import positions_before, shown_at
@@ -33,43 +34,6 @@ from .undeforming import positions_before, shown_at
 if TYPE_CHECKING:
     from ..core.numerics.arrays import FloatArray
     from ..core.run.monitor import Cancelled, Progress
-
-
-def limbs_of(mesh: bpy.types.Mesh) -> list[bool]:
-    """Return for each patch whether the shape key takes the pose out of it.
-
-    Parameters
-    ----------
-    mesh : bpy.types.Mesh
-        The mesh.
-
-    Returns
-    -------
-    list of bool
-        One flag for each patch; empty without a form.
-    """
-    record = read_record(mesh)
-    return [] if record is None else record.straightened
-
-
-def variant_refusal(obj: bpy.types.Object | None) -> str | None:
-    """Return why the form of an object cannot be varied.
-
-    Parameters
-    ----------
-    obj : bpy.types.Object or None
-        The object.
-
-    Returns
-    -------
-    str or None
-        A sentence that names the remedy; None if the form can be varied.
-    """
-    if obj is None or obj.type != "MESH" or not limbs_of(obj.data):
-        return "The active object has no canonical form. Compute it first."
-    if form_key(obj.data) is None:
-        return "The shape key of the form was changed, renamed or removed. Compute the form again first."
-    return None
 
 
 class VariantTask:

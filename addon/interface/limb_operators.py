@@ -2,7 +2,7 @@
 
 # no `from __future__ import annotations`: Blender reads the annotations below as properties
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import bpy
 import numpy as np
@@ -12,14 +12,17 @@ from ..blender.companions import companions_of, lead
 from ..blender.form_key import form_key
 from ..blender.hidden_attributes import patches_of
 from ..blender.in_betweens import has_in_betweens, remove_in_betweens
+from ..blender.limb_states import limbs_of, variant_refusal
 from ..blender.meant_objects import meant_object, require_object
 from ..blender.mesh_reading import refusal
 from ..blender.object_states import object_mode
 from ..blender.slider import release
-from ..blender.variants import VariantTask, limbs_of, variant_refusal
 from ..core import InvalidSettingsError
 from .job_operator import JobOperator
 from .operators import allowed
+
+if TYPE_CHECKING:
+    from ..blender.variants import VariantTask
 
 
 class OBJECT_OT_canonical_form_limb(JobOperator, bpy.types.Operator):
@@ -41,8 +44,10 @@ class OBJECT_OT_canonical_form_limb(JobOperator, bpy.types.Operator):
         """Disable the button, with a reason, where there is no form."""
         return allowed(cls, cls.busy() or variant_refusal(meant_object(context)) or refusal(meant_object(context)))
 
-    def task(self, context: bpy.types.Context) -> VariantTask:
+    def task(self, context: bpy.types.Context) -> "VariantTask":
         """Read the mesh and change the flags of the patches."""
+        from ..blender.variants import VariantTask
+
         now = limbs_of(require_object(context).data)
         if self.patch > len(now):
             raise InvalidSettingsError(f"There are {len(now)} patches; {self.patch} is none of them.")
@@ -54,7 +59,7 @@ class OBJECT_OT_canonical_form_limb(JobOperator, bpy.types.Operator):
             limbs = [flag != (number == self.patch - 1) for number, flag in enumerate(now)]
         return VariantTask(require_object(context), limbs=limbs)
 
-    def written(self, context: bpy.types.Context, task: VariantTask, outcome: Any, interactive: bool) -> None:
+    def written(self, context: bpy.types.Context, task: "VariantTask", outcome: Any, interactive: bool) -> None:
         """Report from how many patches the pose is taken out."""
         self.report({"INFO"}, f"The pose is out of {sum(task.limbs)} of {len(task.limbs)} patches.")
         self.warn(task.warnings)
@@ -76,11 +81,13 @@ class OBJECT_OT_canonical_form_in_betweens(JobOperator, bpy.types.Operator):
         """Disable the button, with a reason, where there is no form."""
         return allowed(cls, cls.busy() or variant_refusal(meant_object(context)) or refusal(meant_object(context)))
 
-    def task(self, context: bpy.types.Context) -> VariantTask:
+    def task(self, context: bpy.types.Context) -> "VariantTask":
         """Read the mesh."""
+        from ..blender.variants import VariantTask
+
         return VariantTask(require_object(context), in_betweens=self.count)
 
-    def written(self, context: bpy.types.Context, task: VariantTask, outcome: Any, interactive: bool) -> None:
+    def written(self, context: bpy.types.Context, task: "VariantTask", outcome: Any, interactive: bool) -> None:
         """Report how many keys there are now; by now another object may be active."""
         count = task.in_betweens
         self.report({"INFO"}, f"{count} keys lie between pose and form." if count else "In-betweens removed.")

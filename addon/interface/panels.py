@@ -8,9 +8,9 @@ from ..blender.chosen_features import CHOSEN_GROUP
 from ..blender.companions import companions_of
 from ..blender.form_key import form_key
 from ..blender.in_betweens import PROPERTY, has_in_betweens, renamed_keys
+from ..blender.limb_states import limbs_of
 from ..blender.meant_objects import armature_of, meant_object, meant_objects, require_object
 from ..blender.record import Record, read_record, require_record
-from ..blender.variants import limbs_of
 from ..core import Settings
 from ..core.method_api.catalogue import FEATURE_OPTIONS, OURS, methods
 from ..core.method_api.costs import PIECE_SECONDS, memory_estimate, time_estimate
