@@ -214,13 +214,30 @@ def test_an_animated_key_keeps_its_animation_and_is_told(character):
     assert companions_of(character["trunk"]) == [character[name] for name in ("trunk", "hand", "shirt", "eye")]
 
 
-def test_a_flat_object_and_a_linked_one_are_named(character):
+def test_a_flat_object_is_named(character):
     before = snapshot(character["trunk"])
     character["hand"].scale.z = 0
     bpy.context.view_layer.update()
     with pytest.raises(RuntimeError, match="hand is scaled to nothing"):
         run()
     assert snapshot(character["trunk"]) == before
+
+
+def test_a_linked_object_is_named_and_left_out(character, tmp_path, capfd):
+    path = str(tmp_path / "belt.blend")
+    belt = add_object("belt", *shapes.sphere(2))
+    bpy.data.libraries.write(path, {belt})
+    bpy.data.objects.remove(belt)
+    with bpy.data.libraries.load(path, link=True) as (_, wanted):
+        wanted.objects = ["belt"]
+    linked = wanted.objects[0]
+    bpy.context.scene.collection.objects.link(linked)
+    bpy.context.view_layer.objects.active = character["trunk"]
+    for obj in (linked, *character.values()):
+        obj.select_set(True)
+    assert run() == {"FINISHED"}
+    assert "belt is linked from another file. Make it local first" in capfd.readouterr().out
+    assert len(companions_of(character["trunk"])) == 5
 
 
 def test_objects_that_share_a_mesh_are_told(character):
