@@ -80,15 +80,13 @@ def write_in_betweens(obj: bpy.types.Object, shapes: list[FloatArray]) -> None:
     mesh.update()
 
 
-def remove_in_betweens(obj: bpy.types.Object, *, changed_too: bool = False) -> list[str]:
+def remove_in_betweens(obj: bpy.types.Object) -> list[str]:
     """Remove the keys between pose and form, their drivers and the property.
 
     Parameters
     ----------
     obj : bpy.types.Object
         The object, in Object Mode.
-    changed_too : bool
-        Remove also keys that have been changed since they were written. Renamed ones stay, and add nothing.
 
     Returns
     -------
@@ -109,12 +107,12 @@ def remove_in_betweens(obj: bpy.types.Object, *, changed_too: bool = False) -> l
             key = keys.key_blocks.get(name)
             if key is None:
                 continue
-            if changed_too or known == key_fingerprint(key):
+            if known == key_fingerprint(key):
                 obj.shape_key_remove(key)
             else:
                 left.append(name)
         form = form_key(mesh)
-        if form is not None and not left:  # keys that stay would add to the form
+        if form is not None:
             form.value = value
         if PROPERTY in keys:
             del keys[PROPERTY]

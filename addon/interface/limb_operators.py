@@ -95,7 +95,7 @@ class OBJECT_OT_canonical_form_in_betweens(JobOperator, bpy.types.Operator):
 
 
 class OBJECT_OT_canonical_form_remove_in_betweens(bpy.types.Operator):
-    """Remove the slider and the keys between pose and form although some were renamed or changed. Renamed keys stay"""  # noqa: D400
+    """Remove the slider and the keys between pose and form. Keys that were renamed or changed stay, as yours"""  # noqa: D400
 
     bl_idname = "object.canonical_form_remove_in_betweens"
     bl_label = "Remove In-betweens Anyway"
@@ -114,10 +114,13 @@ class OBJECT_OT_canonical_form_remove_in_betweens(bpy.types.Operator):
         obj = require_object(context)
         with object_mode(obj):
             objects = [each for each in companions_of(obj) if refusal(each) is None]
+            left = []
             for each in objects:
                 release(each.data.shape_keys)
-                remove_in_betweens(each, changed_too=True)
+                left += remove_in_betweens(each)
             lead([each for each in objects if form_key(each.data) is not None])
+        if left:
+            self.report({"WARNING"}, f"Kept, since they were changed after the run: {', '.join(left)}.")
         return {"FINISHED"}
 
 

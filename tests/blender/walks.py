@@ -1,7 +1,7 @@
 """Random walks through the extension: no sequence of steps changes data that belong to the user.
 
-Each step is chosen at random; after every step of the extension the user's data are unchanged, and every error is a
-sentence. Works in the bpy module and, with `undo`, in a window.
+After every step of the extension the user's data are unchanged, and every error is a sentence. Works in the bpy module
+and, with `undo`, in a window.
 """
 
 import random
@@ -13,6 +13,9 @@ from typing import Any
 import bmesh
 import bpy
 import numpy as np
+
+from tests.blender.user_data import colours, differing, orphans, positions
+from tests.meshes import shapes
 
 QUICK: dict[str, Any] = {"max_iterations": 2, "eigenpairs": 20, "landmark_count": 10, "quality": "draft"}
 KEEPS = ("mode", "vertices", "edges", "polygons", "chosen", "materials", "pinned")
@@ -48,10 +51,10 @@ class Walk:
         """Take steps; raise an AssertionError at the first that changes user data or fails without a sentence."""
         self._fresh()
         ours = [self.compute, self.compute, self.cancelled, self.clear, self.limb, self.in_betweens, self.distance,
-                self.choose, self.select_patch]  # fmt: skip
+                self.choose, self.select_patch, self.compute_together, self.remove_anyway]  # fmt: skip
         theirs = [self.mode, self.mode, self.move, self.add_key, self.add_group, self.add_colours, self.rename_ours,
                   self.spoil_ours, self.delete_ours, self.delete_vertices, self.slide, self.copy_object, self.new_mesh,
-                  self.reload, self.other_data]  # fmt: skip
+                  self.reload, self.other_data, self.other_hat]  # fmt: skip
         if self.undo:
             theirs += [self.undo_step, self.undo_step, self.redo_step]
             ours += [self.computed_and_undone, self.computed_and_undone]
@@ -61,8 +64,8 @@ class Walk:
             self.steps.append(step.__name__)
             self.counts[step.__name__] = self.counts.get(step.__name__, 0) + 1
             before: Any = self.view() if mine else None
-            written: Any = self.ours()["keys"] if mine else None
-            orphans = _orphans() if mine else None
+            written: Any = self.ours()["keys"] | self.ours(self.hat)["keys"] if mine else None
+            unused = orphans() if mine else None
             try:
                 step()
             except (RuntimeError, self.core.CanonicalFormError) as error:
@@ -75,11 +78,12 @@ class Walk:
                 bpy.ops.ed.undo_push(message=step.__name__)
             if mine:
                 after = self.view()
-                after["keys"] = {name: value for name, value in after["keys"].items()
-                                 if name in before["keys"] or name not in written}  # fmt: skip
-                assert _orphans() <= orphans, self.steps[-8:]
+                for keys in after.keys() & {"keys", "hat keys"}:
+                    after[keys] = {name: value for name, value in after[keys].items()
+                                   if name in before[keys] or name not in written}  # fmt: skip
+                assert orphans() <= unused, self.steps[-8:]
                 for part, value in before.items():
-                    assert after[part] == value, (part, _differing(value, after[part]), self.steps[-8:])
+                    assert after[part] == value, (part, differing(value, after[part]), self.steps[-8:])
 
     def _fresh(self):
         vertices, faces = self.arrays
@@ -88,6 +92,24 @@ class Walk:
         obj = bpy.data.objects.new("Walker", mesh)
         bpy.context.scene.collection.objects.link(obj)
         self._activate(obj)
+        if self.hat is None:
+            self._add_hat()
+
+    def _add_hat(self):
+        """Add an object that touches the walker, with data of the user's."""
+        vertices, faces = shapes.sphere(2)
+        mesh = bpy.data.meshes.new("Hat")
+        mesh.from_pydata((0.5 * vertices).tolist(), [], faces.tolist())
+        hat = bpy.data.objects.new("Hat", mesh)
+        bpy.context.scene.collection.objects.link(hat)
+        hat.location = self.arrays[0][np.argmax(self.arrays[0][:, 2])]
+        hat.shape_key_add(name="Basis", from_mix=False)
+        hat.shape_key_add(name="Tip", from_mix=False).data[3].co.z += 1
+        hat.vertex_groups.new(name="Brim").add([0, 1, 2], 0.5, "REPLACE")
+
+    @property
+    def hat(self):
+        return bpy.data.objects.get("Hat")
 
     @property
     def obj(self):
@@ -99,9 +121,10 @@ class Walk:
 
     # the user's data
 
-    def ours(self):
+    def ours(self, obj=None):
         """Name the items that are unchanged since the last run wrote them, by kind."""
-        obj, mesh = self.obj, self.obj.data
+        obj = obj or self.obj
+        mesh = obj.data
         record = self.read_record(mesh)
         if record is None:
             return {"keys": set(), "groups": set(), "colours": set()}
@@ -126,8 +149,9 @@ class Walk:
         mode = obj.mode
         self.op(bpy.ops.object.mode_set, mode="OBJECT")  # elsewhere not all can be read
         found = self._view(obj, obj.data, self.ours())
+        hat = self._view(self.hat, self.hat.data, self.ours(self.hat)) if self.hat else {}
         self.op(bpy.ops.object.mode_set, mode=mode)
-        return {"mode": mode, **found}
+        return {"mode": mode, **found, **{f"hat {part}": value for part, value in hat.items()}}
 
     def _view(self, obj, mesh, ours):
         measured = ("Heat Geodesic", "Chosen Feature Points", "Attribute")  # the last is what vertex painting adds
@@ -141,13 +165,13 @@ class Walk:
             "polygons": [tuple(polygon.vertices) for polygon in mesh.polygons],
             "selected": [vertex.select for vertex in mesh.vertices] if self.steps[-1] != "select_patch" else None,
             # the value of a form's key is driven by ours where there are in-betweens
-            "keys": {key.name: (_positions(key), key.name.startswith("Canonical Form") or round(key.value, 6),
+            "keys": {key.name: (positions(key), key.name.startswith("Canonical Form") or round(key.value, 6),
                                 key.mute, key.lock_shape)
                      for key in keys if key.name not in ours["keys"]},
             "groups": sorted(groups.values()),
             "weights": [sorted((groups[part.group], part.weight) for part in vertex.groups if part.group in groups)
                         for vertex in mesh.vertices],
-            "colours": {each.name: _colours(each) for each in mesh.color_attributes
+            "colours": {each.name: colours(each) for each in mesh.color_attributes
                         if each.name not in ours["colours"] and not each.name.startswith(measured)},
             "materials": [slot and slot.name for slot in mesh.materials],
             "note": mesh.get("note"),
@@ -167,6 +191,15 @@ class Walk:
             if "Canonical Form" in obj.name:
                 bpy.data.meshes.remove(obj.data)
                 bpy.data.orphans_purge()
+
+    def compute_together(self):
+        if self.hat is not None:
+            self.hat.select_set(True)
+        options = [{}, {"objects": "TOGETHER"}, {"objects": "EACH"}, {"step": "PATCHES"}, {"mesh": "SHOWN"}]
+        self.op(bpy.ops.object.canonical_form, **QUICK, **self.chance.choice(options))
+
+    def remove_anyway(self):
+        self.op(bpy.ops.object.canonical_form_remove_in_betweens)
 
     def computed_and_undone(self):
         bpy.ops.ed.undo_push(message="Before")
@@ -339,6 +372,17 @@ class Walk:
     def other_data(self):
         self.obj.data["note"] = self.chance.random()
 
+    def other_hat(self):
+        self._object_mode()
+        hat = self.hat
+        if hat is None:
+            self._add_hat()
+        elif self.chance.random() < 0.4:
+            bpy.data.meshes.remove(hat.data)
+        else:
+            hat.location.x += 0.01
+        bpy.context.view_layer.update()
+
     def undo_step(self):
         bpy.ops.ed.undo()
         self._found_again()
@@ -354,31 +398,3 @@ class Walk:
             self._fresh()
         elif self.name not in bpy.context.view_layer.objects or bpy.context.view_layer.objects.active != self.obj:
             self._activate(meshes[0])
-
-
-def _orphans():
-    """Count the data that nobody uses; of keys Blender's own count is wrong where a mesh was copied."""
-    used = {mesh.shape_keys for mesh in bpy.data.meshes}
-    return sum(keys not in used for keys in bpy.data.shape_keys) + sum(
-        each.users == 0 for kind in (bpy.data.meshes, bpy.data.objects, bpy.data.actions) for each in kind
-    )
-
-
-def _differing(before, after):
-    """Name what differs, short."""
-    if not isinstance(before, dict):
-        return str(before)[:80], str(after)[:80]
-    return {name: [str(each.get(name))[-60:] for each in (before, after)] for name in before.keys() | after.keys()
-            if before.get(name) != after.get(name)}  # fmt: skip
-
-
-def _positions(key):
-    points = np.empty(3 * len(key.data), dtype=np.float32)
-    key.data.foreach_get("co", points)
-    return points.tobytes()
-
-
-def _colours(attribute):
-    values = np.empty(4 * len(attribute.data), dtype=np.float32)
-    attribute.data.foreach_get("color", values)
-    return attribute.data_type, attribute.domain, values.tobytes()
