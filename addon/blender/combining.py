@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ..core import CanonicalFormError
+from ..core import CanonicalFormError, InvalidSettingsError
 from ..core.mesh.mirroring import Mirrored, mirrored
 from ..core.numerics.arrays import FloatArray, IntArray
 from .mesh_reading import Reading
@@ -103,9 +103,16 @@ class Combined(NamedTuple):
         -------
         list of int
             Their numbers, those of each object in their order, then those of its images.
+
+        Raises
+        ------
+        InvalidSettingsError
+            If one is not a vertex of its object.
         """
         found: list[int] = []
         for start, own, each in zip(self.starts, vertices, self.objects, strict=False):
+            if any(not 0 <= vertex < each.half for vertex in own):
+                raise InvalidSettingsError("feature_range", last=each.half - 1)
             images = np.flatnonzero(np.isin(each.source, own))
             images = images[images >= each.half]
             found += [int(start) + vertex for vertex in (*own, *images.tolist())]

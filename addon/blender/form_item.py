@@ -10,12 +10,13 @@ from typing import TYPE_CHECKING
 import bpy
 import numpy as np
 
-from ..core import Settings, TooLargeError
+from ..core import CanonicalFormError, Settings, TooLargeError
 from .combining import Combined, combined
-from .companions import lead, own_sliders
+from .companions import companions_of, lead, own_sliders, set_free, with_companions
+from .fingerprints import fingerprint
 from .form_report import FormReport
 from .form_result import FormResult, results_of
-from .in_betweens import fractions_between, write_in_betweens
+from .in_betweens import animated, animated_slider, fractions_between, write_in_betweens
 from .mesh_reading import Reading, find_object, read_object, require_unchanged
 from .new_objects import add_result_object
 from .object_states import object_mode
@@ -46,6 +47,8 @@ class FormItem:
         Options of the method.
     in_between_count : int
         Number of keys between pose and form, of an earlier run, that are computed again.
+    leads : bool
+        Whether the slider of the object is animated, or moves the forms of others: it goes on to.
     results : list of FormResult
         What was computed for each object; empty before the computation and where it failed.
     written_to : list of str
@@ -58,6 +61,7 @@ class FormItem:
     chosen: list[list[int]]
     settings: Settings
     in_between_count: int = 0
+    leads: bool = False
     results: list[FormResult] = field(default_factory=list)
     written_to: list[str] = field(default_factory=list)
     error: str | None = None
@@ -85,7 +89,9 @@ class FormItem:
         """
         settings, in_betweens = request.settings_for(obj), request.in_between_count(obj)
         chosen = [] if settings.feature_points is None else list(settings.feature_points)
-        return cls([read_object(obj, request.deformed)], [chosen], settings, in_betweens)
+        body = companions_of(obj)
+        leads = animated_slider(obj.data) or (len(body) > 1 and body[0] == obj)
+        return cls([read_object(obj, request.deformed)], [chosen], settings, in_betweens, leads)
 
     @classmethod
     def joined(cls, items: Sequence[FormItem], request: Request) -> FormItem:
@@ -105,6 +111,7 @@ class FormItem:
             One item with all their objects.
         """
         first = items[0]
+        items = sorted(items, key=lambda item: not item.leads)
         chosen = [item.chosen[0] if request.feature_group or item is first else [] for item in items]
         readings = [reading for item in items for reading in item.readings]
         return cls(readings, chosen, first.settings, max(item.in_between_count for item in items))
@@ -114,6 +121,12 @@ class FormItem:
         """Name of the object, or of the first and how many more there are."""
         more = len(self.readings) - 1
         return self.readings[0].name + (f" and {more} more" if more else "")
+
+    @property
+    def _body(self) -> str:
+        """Fingerprint of the objects together."""
+        told = str([(each.name, each.fingerprint) for each in self.readings])
+        return fingerprint(np.frombuffer(told.encode(), dtype=np.uint8))
 
     @property
     def report(self) -> FormReport | None:
@@ -179,12 +192,19 @@ class FormItem:
             If a result cannot be written; the message says why.
         """
         objects = [find_object(reading) for reading in self.readings]
+        for obj in objects if self.in_between_count and not request.new_object else ():
+            reason = animated(obj.data)
+            if reason is not None:
+                raise CanonicalFormError(reason)
+        former = [] if request.new_object else [obj for obj in with_companions(objects) if obj not in objects]
         with ExitStack() as modes:
             for obj in objects:
                 modes.enter_context(object_mode(obj))
-            self._write_to(objects, request)
+            self._write_to(objects, former, request)
+        for obj in former:
+            set_free(obj)
 
-    def _write_to(self, objects: list[bpy.types.Object], request: Request) -> None:
+    def _write_to(self, objects: list[bpy.types.Object], former: list[bpy.types.Object], request: Request) -> None:
         """Write the results; the objects are in Object Mode."""
         warnings = self.results[0].report.warnings  # those of all
         new = request.new_object
@@ -192,6 +212,10 @@ class FormItem:
             obj.name
             for obj, reading in zip(objects, self.readings, strict=True)
             if reading.deformed and len(reading.vertices) != len(obj.data.vertices)
+        ]
+        warnings += [
+            f"{obj.name} could not take part: its form is of an earlier run and no longer follows the slider."
+            for obj in former
         ]
         for obj, reading in zip(objects, self.readings, strict=True):
             warnings += object_warnings(obj, reading.deformed, scaled=len(objects) > 1)
@@ -230,7 +254,8 @@ class FormItem:
     ) -> None:
         """Write the result of one object."""
         result = self.results[number]
-        part = Part(number, self.readings[number].placement.tolist()) if len(self.readings) > 1 else None
+        placement = self.readings[number].placement.tolist()
+        part = Part(number, placement, self._body) if len(self.readings) > 1 else None
         patches = request.step != "FEATURES"
         write_results(target, found, result.colours, result.report, value=request.value, patches=patches, part=part)
         if shapes:

@@ -48,21 +48,27 @@ class FormTask:
         self.request = request
         self.items: list[FormItem] = []
         self._unread: list[str] = []
-        # where the mesh of several objects does not hold the result, each has its own
-        separate = request.new_object or (request.deformed and request.objects == "EACH")
+        # where a mesh does not hold the results of the objects that share it, each has its own
+        separate = request.new_object or request.deformed
         first = {obj if separate else obj.data: obj for obj in reversed(objects)}
         taken = list(reversed(first.values()))
-        for obj in objects:
-            if request.objects != "EACH" and obj not in taken:
-                self._unread.append(f"{obj.name} has the mesh of {first[obj.data].name} and shows the same form.")
+        together = request.objects != "EACH"
+        meshes: dict[bpy.types.Mesh, str] = {}  # that hold a result, and of which object
         with object_mode(objects[0]), muted_results(obj.data for obj in taken if request.deformed):
             for obj in taken:
                 try:
-                    self.items.append(FormItem.read(obj, request))
+                    item = FormItem.read(obj, request)
                 except CanonicalFormError as error:
                     if len(first) == 1:
                         raise
                     self._unread.append(explained(error))
+                    continue
+                held = not request.new_object and len(item.readings[0].vertices) == len(obj.data.vertices)
+                if not (together and held) or meshes.setdefault(obj.data, obj.name) == obj.name:
+                    self.items.append(item)
+        for obj in objects if together else ():
+            if meshes.get(obj.data, obj.name) != obj.name:
+                self._unread.append(f"{obj.name} has the mesh of {meshes[obj.data]} and shows the same form.")
         if len(self.items) == 1:
             request.require_points(self.items[0].name, self.items[0].chosen)
 
@@ -135,18 +141,20 @@ class FormTask:
         return list(self.written)
 
     def _join(self, cancelled: Cancelled | None) -> None:
-        """Make one item of the objects that are one body."""
+        """Make one item of the objects that are one body; those that cannot be used stay by themselves."""
         if self.request.objects == "EACH" or len(self.items) < 2:
             return
-        groups = [list(range(len(self.items)))]
-        if self.request.objects == "TOUCHING":
+        broken = [item for item in self.items if not _is_usable(item)]
+        sound = [item for item in self.items if item not in broken]
+        groups = [list(range(len(sound)))] if sound else []
+        if self.request.objects == "TOUCHING" and len(sound) > 1:
             try:
-                readings = [item.readings[0] for item in self.items]
+                readings = [item.readings[0] for item in sound]
                 groups = touching(readings, together=self.request.settings.together, cancelled=cancelled)
             except InvalidMeshError as error:
                 self._unread.append(f"The objects were computed one by one, since together they cannot be. {error}")
                 return
-        self.items = [FormItem.joined([self.items[index] for index in group], self.request) for group in groups]
+        self.items = [FormItem.joined([sound[index] for index in group], self.request) for group in groups] + broken
 
     @staticmethod
     def _try_each(items: list[FormItem], work: Callable[[FormItem], None], *, muted: bool = False) -> None:
@@ -159,6 +167,17 @@ class FormTask:
                     work(item)
                 except CanonicalFormError as error:
                     item.error = explained(error)
+
+
+def _is_usable(item: FormItem) -> bool:
+    """Return whether the mesh of an object can be used; why not is told when it is computed."""
+    from ..core.assembly.pieces import connected_pieces
+
+    try:
+        connected_pieces(item.readings[0].vertices, item.readings[0].faces)
+    except InvalidMeshError:
+        return False
+    return True
 
 
 def compute_on(

@@ -203,22 +203,64 @@ def animated(mesh: bpy.types.Mesh) -> str | None:
         A sentence that names the remedy; None if the key can be driven.
     """
     keys, form = mesh.shape_keys, form_key(mesh)
-    if form is None:
-        return None
-    if PROPERTY in keys and not has_in_betweens(mesh):
-        return f"The shape keys have a property {PROPERTY} of your own. Rename it first, then add in-betweens."
+    if keys is not None and PROPERTY in keys and not has_in_betweens(mesh):
+        return f"The shape keys of {mesh.name} have a property {PROPERTY} of your own. Rename it, then add in-betweens."
+    if form is not None and _is_animated(keys, _value_path(form)):
+        return (
+            f"The shape key {form.name} of {mesh.name} is animated or driven. Remove its animation first, then add "
+            "in-betweens."
+        )
+    return None
+
+
+def slider_path(mesh: bpy.types.Mesh) -> str:
+    """Find the property of the shape keys that moves the form.
+
+    Parameters
+    ----------
+    mesh : bpy.types.Mesh
+        The mesh.
+
+    Returns
+    -------
+    str
+        Path of the value of the form's key, or of the property that drives it.
+    """
+    form = form_key(mesh)
+    return f'["{PROPERTY}"]' if has_in_betweens(mesh) or form is None else _value_path(form)
+
+
+def animated_slider(mesh: bpy.types.Mesh) -> bool:
+    """Return whether the user animates or drives the slider of a form.
+
+    Parameters
+    ----------
+    mesh : bpy.types.Mesh
+        The mesh.
+
+    Returns
+    -------
+    bool
+        True if so; the drivers of this extension do not count.
+    """
+    return form_key(mesh) is not None and _is_animated(mesh.shape_keys, slider_path(mesh))
+
+
+def _value_path(key: bpy.types.ShapeKey) -> str:
+    return f'key_blocks["{bpy.utils.escape_identifier(key.name)}"].value'
+
+
+def _is_animated(keys: bpy.types.Key, path: str) -> bool:
+    """Return whether the user animates or drives a property of shape keys."""
     if keys.animation_data is None:
-        return None
-    path = f'key_blocks["{bpy.utils.escape_identifier(form.name)}"].value'
+        return False
     drivers = keys.animation_data.drivers
     curves = [curve for curve in drivers if not (is_following(curve) or _is_own_driver(curve, keys))]
     actions = [keys.animation_data.action]
     actions += [strip.action for track in keys.animation_data.nla_tracks for strip in track.strips]
     for action in actions:
         curves += [] if action is None else _curves(action)
-    if any(curve.data_path == path for curve in curves):
-        return f"The shape key {form.name} is animated or driven. Remove its animation first, then add in-betweens."
-    return None
+    return any(curve.data_path == path for curve in curves)
 
 
 def _drive(key: bpy.types.ShapeKey, keys: bpy.types.Key, expression: str) -> None:

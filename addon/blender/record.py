@@ -49,10 +49,13 @@ class Part(NamedTuple):
         Its number in the body, from 0: the first has the slider.
     placement : list of list of float
         The transform from its own space to that of the body, 4 by 4.
+    body : str
+        Fingerprint of the run, the same for all parts.
     """
 
     number: int
     placement: list[list[float]]
+    body: str
 
 
 @dataclass
@@ -210,13 +213,15 @@ class Record:
         return data
 
 
-def read_record(mesh: bpy.types.Mesh) -> Record | None:
+def read_record(mesh: bpy.types.Mesh, *, containing: str = "") -> Record | None:
     """Read what the last run wrote to a mesh.
 
     Parameters
     ----------
     mesh : bpy.types.Mesh
         The mesh.
+    containing : str
+        Read only a record whose text contains this.
 
     Returns
     -------
@@ -224,7 +229,7 @@ def read_record(mesh: bpy.types.Mesh) -> Record | None:
         The record; None if there is no result.
     """
     text = mesh.get(RECORD_PROPERTY)
-    if not isinstance(text, str):
+    if not isinstance(text, str) or containing not in text:
         return None
     try:
         return Record.from_json(json.loads(text))

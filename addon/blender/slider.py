@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-FOLLOWING = "canonical_form"  # name of the driver's variable
+FOLLOWING = "canonical_form_slider"  # name of the driver's variable
 
 
 def is_following(curve: bpy.types.FCurve) -> bool:

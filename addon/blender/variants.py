@@ -180,7 +180,13 @@ def _as_at_the_run(obj: bpy.types.Object, form: FloatArray) -> tuple[Reading, Fl
     if reading.deformed:
         form = shown_at(obj, form)
     if record.part is not None:  # the object may have been moved since
-        reading = reading._replace(placement=np.array(record.part.placement))
+        then = np.array(record.part.placement)
+        elsewhere = not np.allclose(then, reading.placement, atol=1e-5 * max(1.0, float(np.abs(then).max())))
+        if elsewhere and reading.deformed and reading.frame != record.report.frame:
+            raise CanonicalFormError(
+                f"The form of {obj.name} is that of frame {record.report.frame}. Go there, or compute it again first."
+            )
+        reading = reading._replace(placement=then)
     return reading, form
 
 

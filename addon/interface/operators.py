@@ -101,10 +101,15 @@ class OBJECT_OT_canonical_form_clear(bpy.types.Operator):
         return allowed(cls, JobOperator.busy() or reason)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Remove the results."""
+        """Remove the results, also of the objects that are of one body with those meant."""
         from ..blender.result_clearing import clear_from
 
-        for obj in chosen_objects(context)[0]:  # with those that are of one body with them
+        objects = [obj for obj in meant_objects(context) if obj.type == "MESH" and read_record(obj.data) is not None]
+        reasons = [reason for obj in objects if obj.data.polygons and (reason := refusal(obj)) is not None]
+        if reasons:
+            self.report({"ERROR"}, f"{reasons[0]} Nothing was cleared.")
+            return {"CANCELLED"}
+        for obj in objects:
             try:
                 left = clear_from(obj)
             except CanonicalFormError as error:

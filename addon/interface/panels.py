@@ -5,7 +5,7 @@ import textwrap
 import bpy
 
 from ..blender.chosen_features import CHOSEN_GROUP
-from ..blender.companions import companions_of
+from ..blender.companions import companions_of, slider_is_gone
 from ..blender.form_key import form_key
 from ..blender.in_betweens import PROPERTY, has_in_betweens, renamed_keys
 from ..blender.limb_states import limbs_of
@@ -90,6 +90,8 @@ class VIEW3D_PT_canonical_form_result(_Tab, bpy.types.Panel):
         mesh, record = objects[0].data, require_record(require_object(context).data)
         layout.use_property_decorate = False
         key = form_key(mesh)
+        if slider_is_gone(objects[0]):
+            layout.label(text="Its slider is gone. Compute again", icon="ERROR")
         if has_in_betweens(mesh):
             row = layout.row(align=True)
             row.prop(mesh.shape_keys, f'["{PROPERTY}"]', text="Pose to Form", slider=True)

@@ -7,10 +7,19 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
+from mathutils import Euler, Matrix  # noqa: E402
+
 import addon  # noqa: E402
 from addon.blender.record import RECORD_PROPERTY  # noqa: E402
-from tests.meshes import shapes  # noqa: E402
+from tests.meshes import pieced, shapes  # noqa: E402
 
+PLACES = {  # of each object: turned, scaled, mirrored
+    "trunk": Matrix.Identity(4),
+    "head": Matrix.LocRotScale((1.0, -2.0, 0.5), Euler((0.3, 0.2, -0.9)), (2.0, 2.0, 2.0)),
+    "hand": Matrix.LocRotScale((0.0, 0.0, 3.0), Euler((0.0, 0.0, 1.0)), (-0.5, 0.5, 0.5)),
+    "shirt": Matrix.LocRotScale((-1.0, 0.0, 0.0), Euler((1.0, 0.0, 0.0)), (1.0, 0.25, 3.0)),
+    "eye": Matrix.Translation((0.0, 5.0, 0.0)),
+}
 QUICK: dict[str, Any] = {"max_iterations": 3, "eigenpairs": 30, "landmark_count": 20}
 
 
@@ -33,6 +42,34 @@ def arrays():
 def figure_object(blender, arrays):
     """The small figure as the active object."""
     return add_object("Figure", *arrays)
+
+
+@pytest.fixture(scope="session")
+def made():
+    """A character of pieces."""
+    return pieced.character()[2]
+
+
+@pytest.fixture
+def character(blender, made):
+    """The same as several objects, all selected, the body active."""
+    objects = {}
+    for name, place in PLACES.items():
+        own = made.pieces[name]
+        number = np.full(len(made.vertices), -1)
+        number[own] = np.arange(len(own))
+        faces = number[made.faces[np.isin(made.faces[:, 0], own)]]
+        inverse = np.array(place.inverted())
+        obj = add_object(name, made.vertices[own] @ inverse[:3, :3].T + inverse[:3, 3], faces)
+        obj.matrix_world = place
+        if np.linalg.det(np.array(place)[:3, :3]) < 0:
+            obj.data.flip_normals()
+        objects[name] = obj
+    for obj in objects.values():
+        obj.select_set(True)
+    bpy.context.view_layer.objects.active = objects["trunk"]
+    bpy.context.view_layer.update()
+    return objects
 
 
 def add_object(name, vertices, faces):

@@ -3,7 +3,6 @@
 import bpy
 import numpy as np
 import pytest
-from mathutils import Euler, Matrix
 
 from addon.blender.companions import companions_of
 from addon.blender.fingerprints import members_fingerprint
@@ -14,55 +13,11 @@ from addon.blender.record import require_record
 from addon.core import Settings, canonical_form
 from addon.interface import panels
 from addon.interface.overlay import feature_labels
-from tests.meshes import pieced, shapes
+from tests.meshes import shapes
 
-from .conftest import QUICK, add_object, drawn, snapshot
+from .characters import key_of, run
+from .conftest import PLACES, QUICK, add_object, drawn, snapshot
 from .test_tools import select
-
-KEY = "Canonical Form"
-PLACES = {  # of each object: turned, scaled, mirrored
-    "trunk": Matrix.Identity(4),
-    "head": Matrix.LocRotScale((1.0, -2.0, 0.5), Euler((0.3, 0.2, -0.9)), (2.0, 2.0, 2.0)),
-    "hand": Matrix.LocRotScale((0.0, 0.0, 3.0), Euler((0.0, 0.0, 1.0)), (-0.5, 0.5, 0.5)),
-    "shirt": Matrix.LocRotScale((-1.0, 0.0, 0.0), Euler((1.0, 0.0, 0.0)), (1.0, 0.25, 3.0)),
-    "eye": Matrix.Translation((0.0, 5.0, 0.0)),
-}
-
-
-@pytest.fixture(scope="module")
-def made():
-    """A character of pieces."""
-    return pieced.character()[2]
-
-
-@pytest.fixture
-def character(blender, made):
-    """The same as several objects, all selected, the body active."""
-    objects = {}
-    for name, place in PLACES.items():
-        own = made.pieces[name]
-        number = np.full(len(made.vertices), -1)
-        number[own] = np.arange(len(own))
-        faces = number[made.faces[np.isin(made.faces[:, 0], own)]]
-        inverse = np.array(place.inverted())
-        obj = add_object(name, made.vertices[own] @ inverse[:3, :3].T + inverse[:3, 3], faces)
-        obj.matrix_world = place
-        if np.linalg.det(np.array(place)[:3, :3]) < 0:
-            obj.data.flip_normals()
-        objects[name] = obj
-    for obj in objects.values():
-        obj.select_set(True)
-    bpy.context.view_layer.objects.active = objects["trunk"]
-    bpy.context.view_layer.update()
-    return objects
-
-
-def run(**options):
-    return bpy.ops.object.canonical_form(**{**QUICK, **options})
-
-
-def key_of(obj):
-    return obj.data.shape_keys.key_blocks[KEY]
 
 
 def in_scene(obj, key):
@@ -125,10 +80,10 @@ def test_a_run_on_one_takes_those_that_follow_it(character):
     bpy.context.view_layer.objects.active = character["head"]
     assert {obj.name for obj in meant_objects(bpy.context)} == set(PLACES)
     run()
-    assert companions_of(character["trunk"])[0] == character["head"]
-    key_of(character["head"]).value = 0.5
+    assert companions_of(character["head"])[0] == character["trunk"]  # which leads on, whatever is active
+    key_of(character["trunk"]).value = 0.5
     bpy.context.view_layer.update()
-    assert key_of(character["trunk"]).value == pytest.approx(0.5)
+    assert key_of(character["head"]).value == pytest.approx(0.5)
 
 
 def test_each_lets_every_object_go(character):
@@ -205,13 +160,15 @@ def test_new_objects_follow_the_first_of_them(character):
     assert companions_of(added[3]) == added
 
 
-def test_an_animated_key_keeps_its_animation_and_is_told(character):
+def test_an_animated_slider_leads_and_a_second_one_keeps_its_animation(character):
     run(objects="EACH")
-    key_of(character["head"]).keyframe_insert("value", frame=1)
+    for name in ("head", "hand"):
+        key_of(character[name]).keyframe_insert("value", frame=1)
     run()
-    assert character["head"].data.shape_keys.animation_data.action is not None
-    assert any("head keeps its animation" in each for each in require_record(character["trunk"].data).report.warnings)
-    assert companions_of(character["trunk"]) == [character[name] for name in ("trunk", "hand", "shirt", "eye")]
+    assert companions_of(character["trunk"])[0] == character["head"]
+    assert set(companions_of(character["trunk"])) == set(character.values()) - {character["hand"]}
+    assert character["hand"].data.shape_keys.animation_data.action is not None
+    assert any("hand keeps its animation" in each for each in require_record(character["trunk"].data).report.warnings)
 
 
 def test_a_flat_object_is_named(character):
@@ -317,16 +274,22 @@ def test_the_panel_and_the_labels_show_the_body(character):
     assert sorted(int(label) for _, _, label in labels) == list(range(1, count + 1))
 
 
-def test_without_the_slider_the_others_are_free_again(character):
+@pytest.mark.parametrize("purged", [False, True])
+def test_without_the_slider_the_others_are_told_and_led_by_another(character, purged):
     run()
-    bpy.data.objects.remove(character["trunk"])
-    bpy.data.batch_remove([mesh for mesh in bpy.data.meshes if not mesh.users])
+    mesh = character.pop("trunk").data
+    bpy.data.objects.remove(bpy.data.objects["trunk"])
+    if purged:
+        bpy.data.meshes.remove(mesh)
     bpy.context.view_layer.objects.active = character["head"]
-    assert companions_of(character["head"]) == [character["head"]]
-    for name in ("hand", "shirt", "eye"):
-        character[name].select_set(False)
-    run()
-    assert len(companions_of(character["head"])) == 1
+    assert set(companions_of(character["head"])) == set(character.values())
+    assert "Its slider is gone. Compute again" in drawn(panels.VIEW3D_PT_canonical_form_result)
+    run(objects="TOGETHER")
+    assert companions_of(character["eye"])[0] == character["head"]
+    assert "Its slider is gone. Compute again" not in drawn(panels.VIEW3D_PT_canonical_form_result)
+    key_of(character["head"]).value = 0.5
+    bpy.context.view_layer.update()
+    assert key_of(character["eye"]).value == pytest.approx(0.5)
 
 
 def test_it_survives_saving_and_opening(character, tmp_path):
