@@ -3,15 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from typing import NamedTuple
 
 import bpy
 
-from .form_key import form_key
-from .in_betweens import animated_slider, slider_path
-from .record import Record, read_record, write_record
+from .in_betweens import PROPERTY, animated_slider, slider_path, value_path
+from .record import Part, read_record, write_record
 from .slider import FOLLOWING, is_following, release
 
-_Member = tuple[bpy.types.Object, Record]
+
+class _Member(NamedTuple):
+    """A part of a body, as far as it tells who the others are; read once, since panels ask at every redraw."""
+
+    obj: bpy.types.Object
+    part: Part
+    objects: list[str]
+    free: bool
+    follows: bool
+    driven_by: bpy.types.Mesh | None
 
 
 def companions_of(obj: bpy.types.Object) -> list[bpy.types.Object]:
@@ -29,10 +38,8 @@ def companions_of(obj: bpy.types.Object) -> list[bpy.types.Object]:
         is of itself, where the user has set it free by deleting the driver of its key, and where it is a copy of
         another.
     """
-    record = read_record(obj.data)
-    if record is None or record.part is None:
-        return [obj]
-    return _body_of((obj, record), _members())
+    member = _member(obj)
+    return [obj] if member is None else _body_of(member, _members())
 
 
 def with_companions(objects: Sequence[bpy.types.Object]) -> list[bpy.types.Object]:
@@ -49,16 +56,10 @@ def with_companions(objects: Sequence[bpy.types.Object]) -> list[bpy.types.Objec
         The objects, then the others; each once.
     """
     found = dict.fromkeys(objects)
-    records = {obj: read_record(obj.data) for obj in objects}
-    members, bodies = None, set()
-    for obj, record in records.items():
-        if record is None or record.part is None:
-            continue
-        members = _members() if members is None else members
-        key = record.part.body, _leader((obj, record), members)
-        if key not in bodies:
-            bodies.add(key)
-            found |= dict.fromkeys(_body_of((obj, record), members))
+    parts = [member for member in map(_member, objects) if member is not None]
+    members = _members() if parts else []
+    for member in parts:
+        found |= dict.fromkeys(_body_of(member, members))
     return list(found)
 
 
@@ -120,86 +121,67 @@ def slider_is_gone(obj: bpy.types.Object) -> bool:
     bool
         True if the slider of the object is driven, and by no object of the scene.
     """
-    leading = _driven_by(obj.data)
-    return _follows(obj.data) and not any(each.data == leading for each in bpy.context.scene.objects)
+    member = _member(obj)
+    if member is None or not member.follows:
+        return False
+    return not any(each.data == member.driven_by for each in bpy.context.scene.objects)
 
 
 def _members() -> list[_Member]:
-    """List the objects of the scene that are parts of bodies, with their records; each mesh once."""
-    found = {}
+    """List the objects of the scene that are parts of bodies; each mesh once."""
+    found: dict[bpy.types.Mesh, _Member | None] = {}
     for obj in bpy.context.scene.objects:
         if obj.type == "MESH" and obj.data not in found:
-            record = read_record(obj.data, containing='"part"')
-            if record is not None and record.part is not None:
-                found[obj.data] = (obj, record)
-    return list(found.values())
+            found[obj.data] = _member(obj)
+    return [member for member in found.values() if member is not None]
+
+
+def _member(obj: bpy.types.Object) -> _Member | None:
+    """Read an object as a part of a body; None where it is none."""
+    record = read_record(obj.data, containing='"part"')
+    if record is None or record.part is None:
+        return None
+    keys = obj.data.shape_keys
+    name = next((each for each in record.keys if keys is not None and each in keys.key_blocks), None)
+    curve = None
+    if keys is not None and keys.animation_data is not None:
+        between = record.in_betweens is not None and PROPERTY in keys
+        path = f'["{PROPERTY}"]' if between or name is None else value_path(keys.key_blocks[name])
+        curve = keys.animation_data.drivers.find(path)
+    if curve is not None and not is_following(curve):
+        curve = None
+    follows = curve is not None
+    leading = None if curve is None else curve.driver.variables[0].targets[0].id
+    free = record.part.number > 0 and name is not None and not follows
+    driven_by = None if leading is None else leading.user
+    return _Member(obj, record.part, record.report.objects, free, follows, driven_by)
 
 
 def _body_of(member: _Member, members: Iterable[_Member]) -> list[bpy.types.Object]:
     """List the objects of the body of one of them."""
-    obj, record = member
-    assert record.part is not None
-    members = [each for each in members if each[1].part is not None and each[1].part.body == record.part.body]
-    members = [member if each[0].data == obj.data else each for each in members]
-    leading = _leader(member, members)
-    if _is_free(member):
-        return [obj]
-    body = [each for each in members if _leader(each, members) == leading and not _is_free(each)]
+    if member.free:  # the user has deleted the driver of its key
+        return [member.obj]
+    same = [each for each in members if each.part.body == member.part.body and not each.free]
+    same = [member if each.obj.data == member.obj.data else each for each in same]
+    leaders = [each for each in same if each.part.number == 0]
+    leading = _leader(member, leaders)
     parts: dict[int, bpy.types.Object] = {}
-    for other, about in sorted(body, key=lambda each: (each[0].name not in record.report.objects, each[0].name)):
-        parts.setdefault(about.part.number, other)  # type: ignore[union-attr]
-    if obj not in parts.values():  # a copy
-        return [obj]
+    for each in sorted(same, key=lambda each: (each.obj.name not in member.objects, each.obj.name)):
+        if _leader(each, leaders) == leading:
+            parts.setdefault(each.part.number, each.obj)
+    if member.obj not in parts.values():  # a copy
+        return [member.obj]
     return [parts[number] for number in sorted(parts)]
 
 
-def _leader(member: _Member, members: Iterable[_Member]) -> bpy.types.Mesh | None:
-    """Find the mesh whose slider moves the form of an object, or would; None where it is gone."""
-    obj, record = member
-    assert record.part is not None
-    if record.part.number == 0:
-        return obj.data
-    body = record.part.body
-    leaders = [each for each in members if each[1].part is not None and each[1].part[::2] == (0, body)]
-    driven_by = _driven_by(obj.data)
-    for each, _ in leaders:
-        if each.data == driven_by:
-            return each.data
-    if driven_by is not None:
-        return None
-    listed = [each.data for each, _ in leaders if each.name in record.report.objects]
-    return next(iter(listed or [each.data for each, _ in leaders]), None)
-
-
-def _is_free(member: _Member) -> bool:
-    """Return whether the user has set the form of a part free: it has a key, and nothing of ours drives it."""
-    obj, record = member
-    assert record.part is not None
-    keys = obj.data.shape_keys
-    if record.part.number == 0 or keys is None or form_key(obj.data) is None:
-        return False
-    return not _follows(obj.data)
-
-
-def _follows(mesh: bpy.types.Mesh) -> bool:
-    """Return whether a driver of ours moves the form of a mesh, even if what it follows is gone."""
-    return _follow_curve(mesh) is not None
-
-
-def _driven_by(mesh: bpy.types.Mesh) -> bpy.types.Mesh | None:
-    """Find the mesh whose slider moves the form of a mesh."""
-    curve = _follow_curve(mesh)
-    leading = None if curve is None else curve.driver.variables[0].targets[0].id
-    return None if leading is None else leading.user
-
-
-def _follow_curve(mesh: bpy.types.Mesh) -> bpy.types.FCurve | None:
-    """Find the driver by which a form follows another slider."""
-    keys = mesh.shape_keys
-    if keys is None or keys.animation_data is None:
-        return None
-    curve = keys.animation_data.drivers.find(slider_path(mesh))
-    return curve if curve is not None and is_following(curve) else None
+def _leader(member: _Member, leaders: Sequence[_Member]) -> bpy.types.Mesh | None:
+    """Find the mesh whose slider moves the form of a part, or would; None where it is gone."""
+    if member.part.number == 0:
+        return member.obj.data
+    if member.follows:
+        return next((each.obj.data for each in leaders if each.obj.data == member.driven_by), None)
+    listed = [each.obj.data for each in leaders if each.obj.name in member.objects]
+    return next(iter(listed or [each.obj.data for each in leaders]), None)
 
 
 def _follow(mesh: bpy.types.Mesh, leading: bpy.types.Mesh) -> None:

@@ -205,7 +205,7 @@ def animated(mesh: bpy.types.Mesh) -> str | None:
     keys, form = mesh.shape_keys, form_key(mesh)
     if keys is not None and PROPERTY in keys and not has_in_betweens(mesh):
         return f"The shape keys of {mesh.name} have a property {PROPERTY} of your own. Rename it, then add in-betweens."
-    if form is not None and _is_animated(keys, _value_path(form)):
+    if form is not None and _is_animated(keys, value_path(form)):
         return (
             f"The shape key {form.name} of {mesh.name} is animated or driven. Remove its animation first, then add "
             "in-betweens."
@@ -227,7 +227,7 @@ def slider_path(mesh: bpy.types.Mesh) -> str:
         Path of the value of the form's key, or of the property that drives it.
     """
     form = form_key(mesh)
-    return f'["{PROPERTY}"]' if has_in_betweens(mesh) or form is None else _value_path(form)
+    return f'["{PROPERTY}"]' if has_in_betweens(mesh) or form is None else value_path(form)
 
 
 def animated_slider(mesh: bpy.types.Mesh) -> bool:
@@ -246,7 +246,19 @@ def animated_slider(mesh: bpy.types.Mesh) -> bool:
     return form_key(mesh) is not None and _is_animated(mesh.shape_keys, slider_path(mesh))
 
 
-def _value_path(key: bpy.types.ShapeKey) -> str:
+def value_path(key: bpy.types.ShapeKey) -> str:
+    """Find the path of the value of a shape key.
+
+    Parameters
+    ----------
+    key : bpy.types.ShapeKey
+        The key.
+
+    Returns
+    -------
+    str
+        The path, from the shape keys' data-block.
+    """
     return f'key_blocks["{bpy.utils.escape_identifier(key.name)}"].value'
 
 
