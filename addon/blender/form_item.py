@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
@@ -14,7 +14,6 @@ from ..core import CanonicalFormError, Settings, TooLargeError
 from .combining import Combined, combined
 from .companions import companions_of, lead, own_sliders, set_free, with_companions
 from .fingerprints import fingerprint
-from .form_report import FormReport
 from .form_result import FormResult, results_of
 from .in_betweens import animated, animated_slider, fractions_between, write_in_betweens
 from .mesh_reading import Reading, find_object, read_object, require_unchanged
@@ -128,11 +127,6 @@ class FormItem:
         told = str([(each.name, each.fingerprint) for each in self.readings])
         return fingerprint(np.frombuffer(told.encode(), dtype=np.uint8))
 
-    @property
-    def report(self) -> FormReport | None:
-        """The report of the first object; its stress, measures and warnings are of all."""
-        return self.results[0].report if self.results else None
-
     def compute(self, request: Request, progress: Progress | None = None, cancelled: Cancelled | None = None) -> None:
         """Compute the results; touches no data of Blender's.
 
@@ -178,13 +172,15 @@ class FormItem:
             with object_mode(obj):
                 require_unchanged(obj, reading)
 
-    def write(self, request: Request) -> None:
+    def write(self, request: Request, taken: Collection[str]) -> None:
         """Write the results, on the main thread; the reports get the warnings about the objects.
 
         Parameters
         ----------
         request : Request
             Where the results go.
+        taken : collection of str
+            Names of all objects of the task: others of an earlier body do not follow it any more.
 
         Raises
         ------
@@ -196,7 +192,8 @@ class FormItem:
             reason = animated(obj.data)
             if reason is not None:
                 raise CanonicalFormError(reason)
-        former = [] if request.new_object else [obj for obj in with_companions(objects) if obj not in objects]
+        body = [] if request.new_object else with_companions(objects)
+        former = [obj for obj in body if obj.name not in taken]
         with ExitStack() as modes:
             for obj in objects:
                 modes.enter_context(object_mode(obj))

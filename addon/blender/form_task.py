@@ -135,7 +135,8 @@ class FormTask:
         computed = [item for item in self.items if item.results]
         self._try_each(computed, FormItem.require_unchanged, muted=self.request.deformed)
         ready = [item for item in computed if item.error is None]
-        self._try_each(ready, lambda item: item.write(self.request))
+        taken = self.taken
+        self._try_each(ready, lambda item: item.write(self.request, taken))
         if not self.written:
             raise CanonicalFormError(" ".join(self.errors))
         return list(self.written)

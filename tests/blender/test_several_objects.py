@@ -94,6 +94,8 @@ def test_each_lets_every_object_go(character):
     bpy.context.view_layer.update()
     assert key_of(character["head"]).value == 1.0
     assert all(obj.data.shape_keys.animation_data is None for obj in character.values())
+    reports = [require_record(obj.data).report for obj in character.values()]
+    assert not any("take part" in warning for report in reports for warning in report.warnings)
 
 
 def test_objects_apart_have_forms_of_their_own(character):
