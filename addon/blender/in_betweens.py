@@ -11,7 +11,7 @@ from ..core import CanonicalFormError
 from .fingerprints import key_fingerprint
 from .form_key import form_key, require_form_key
 from .record import InBetweens, read_record, require_record, write_record
-from .slider import is_following
+from .slider import is_following, is_unused
 
 if TYPE_CHECKING:
     from ..core.numerics.arrays import FloatArray
@@ -117,8 +117,7 @@ def remove_in_betweens(obj: bpy.types.Object) -> list[str]:
         if PROPERTY in keys:
             del keys[PROPERTY]
         data = keys.animation_data
-        unused = data is not None and not (data.drivers or data.action or data.nla_tracks)
-        if unused and not record.in_betweens.animated_before:
+        if data is not None and is_unused(data) and not record.in_betweens.animated_before:
             keys.animation_data_clear()
         if active_name in keys.key_blocks:
             obj.active_shape_key_index = keys.key_blocks.find(active_name)

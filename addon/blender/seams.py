@@ -122,6 +122,5 @@ def longest_border_edge(vertices: FloatArray, faces: IntArray) -> float:
         Its length; 0 without a border.
     """
     edges = edge_table(faces)
-    alone = edges.order[edges.start[edges.count == 1]]
-    lengths = np.linalg.norm(vertices[edges.tail[alone]] - vertices[edges.head[alone]], axis=1)
+    lengths = np.linalg.norm(vertices[edges.tail[edges.alone]] - vertices[edges.head[edges.alone]], axis=1)
     return float(lengths.max(initial=0.0))

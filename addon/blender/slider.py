@@ -37,5 +37,21 @@ def release(keys: bpy.types.Key | None) -> None:
     own = [curve for curve in data.drivers if is_following(curve)]
     for curve in own:
         data.drivers.remove(curve)
-    if own and not (data.drivers or data.action or data.nla_tracks):
+    if own and is_unused(data):
         keys.animation_data_clear()
+
+
+def is_unused(data: bpy.types.AnimData) -> bool:
+    """Return whether animation data hold nothing.
+
+    Parameters
+    ----------
+    data : bpy.types.AnimData
+        The animation data.
+
+    Returns
+    -------
+    bool
+        True without drivers, action and tracks.
+    """
+    return not (data.drivers or data.action or data.nla_tracks)

@@ -148,6 +148,11 @@ class EdgeTable:
     tail: IntArray
     head: IntArray
 
+    @property
+    def alone(self) -> IntArray:
+        """Half-edges at a border, which have no other beside them."""
+        return self.order[self.start[self.count == 1]]
+
 
 def edge_table(faces: IntArray) -> EdgeTable:
     """Sort the half-edges of a mesh by the edge that they lie on.
@@ -196,7 +201,7 @@ def border_labels(faces: IntArray, edges: EdgeTable) -> IntArray:
     >>> border_labels(two, edge_table(two)).tolist()
     [0, 0, 0, 1, 1, 1]
     """
-    alone = edges.order[edges.start[edges.count == 1]]
+    alone = edges.alone
     pairs = np.column_stack([edges.tail[alone], edges.head[alone]])
     label = np.full(int(faces.max(initial=-1)) + 1, -1, dtype=np.int64)
     if len(pairs):
@@ -287,7 +292,7 @@ def joined_at_seams(points: FloatArray, faces: IntArray, edges: EdgeTable) -> In
     [0, 1, 2, 1, 4, 2]
     """
     representative = np.arange(len(points))
-    alone = edges.order[edges.start[edges.count == 1]]  # half-edges at a border
+    alone = edges.alone
     if len(alone) < 2:
         return representative
     ends = np.stack([edges.tail[alone], edges.head[alone]])
