@@ -95,6 +95,7 @@ def _parser() -> argparse.ArgumentParser:
         _add_option(compute, name, about, getattr(default, name))
     for name in ("--landmarks", "--iterations"):  # as in version 0.1
         compute.add_argument(name, type=int, default=argparse.SUPPRESS, help=argparse.SUPPRESS)
+    compute.add_argument("--unbending", type=float, default=argparse.SUPPRESS, help=argparse.SUPPRESS)
     compute.add_argument("--as-published", action="store_true", default=argparse.SUPPRESS, help=argparse.SUPPRESS)
     return parser
 
@@ -114,7 +115,7 @@ def _add_option(parser: argparse.ArgumentParser, name: str, about: Option, defau
 def _settings(options: argparse.Namespace) -> Settings:
     words = vars(options)
     former = current_options(
-        {name: words[name] for name in ("as_published", "landmarks", "iterations") if name in words}
+        {name: words[name] for name in ("as_published", "landmarks", "iterations", "unbending") if name in words}
     )
     chosen = {name: words[name] for name in options_of(Settings)} | former
     if chosen["feature_points"]:

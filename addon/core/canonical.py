@@ -99,6 +99,7 @@ def canonical_form(
         1 - pair_count / len(bodies.vertices) ** 2,
         monitor.timings,
         monitor.warnings,
+        float(np.fmax.reduce([embedded.asymmetry for _, _, embedded in results])),
     )
 
 

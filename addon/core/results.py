@@ -62,6 +62,9 @@ class CanonicalForm:
         Seconds by stage.
     warnings : list of Message
         Sentences for the user.
+    asymmetry : float
+        How far the form is from its own mirror image, in units of sqrt(area), root mean square; of several bodies the
+        farthest. nan where no left and right was found.
     """
 
     vertices: FloatArray
@@ -74,3 +77,4 @@ class CanonicalForm:
     pair_reduction: float
     timings: dict[str, float]
     warnings: list[Message]
+    asymmetry: float = float("nan")

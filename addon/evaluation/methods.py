@@ -43,7 +43,7 @@ def _known() -> dict[str, Method]:
     found = [
         Method("input", None, "the mesh in its pose"),
         Method("ours", Settings(), "this project, default"),
-        Method("ours-unbent", Settings(unbending=3.0, tolerance=1e-5), "this project, unbending 3"),
+        Method("ours-stress", Settings(arrangement="stress"), "this project, limbs as the stress leaves them"),
         Method("ours-full", Settings(quality="full"), "this project, quality Full"),
         Method("ours-draft", Settings(quality="draft"), "this project, quality Draft"),
     ]
@@ -103,7 +103,7 @@ def chosen_methods(words: list[str]) -> list[Method]:
 def _changes(text: str) -> dict[str, Any]:
     known: dict[str, Any] = {each.name: each.default for each in fields(Settings)}
     known |= {about.former: known[name] for name, about in options_of(Settings).items() if about.former}
-    known["as_published"] = False
+    known |= {"as_published": False, "unbending": 0.0}
     changed: dict[str, Any] = {}
     for part in text.split(","):
         name, _, value = part.partition("=")

@@ -74,6 +74,7 @@ class FormerProperties:
     as_published: BoolProperty(options={"HIDDEN", "SKIP_SAVE"})  # type: ignore[valid-type]
     landmarks: IntProperty(options={"HIDDEN", "SKIP_SAVE"})  # type: ignore[valid-type]
     iterations: IntProperty(options={"HIDDEN", "SKIP_SAVE"})  # type: ignore[valid-type]
+    unbending: FloatProperty(options={"HIDDEN", "SKIP_SAVE"})  # type: ignore[valid-type]
 
 
 class MethodProperties:

@@ -12,6 +12,7 @@ _STEPS = 8
 _FIRST = 12.0  # times the pull of the first pass, which only smooths what the stress crumpled
 _FIRST_STEPS = 4
 _FIRST_BENDING_WEIGHT = 0.6
+_MENDING_PULL, _MENDING_STEPS = 200.0, 2  # of the pass that mends lengths and moves no limb
 
 
 def detailed(body: ElasticBody, form: FloatArray, preserve: float, monitor: Monitor) -> FloatArray:
@@ -67,4 +68,48 @@ def detailed(body: ElasticBody, form: FloatArray, preserve: float, monitor: Moni
         pressure=True,
         done=0.3,
         share=0.7,
+    )
+
+
+def mended(body: ElasticBody, form: FloatArray, monitor: Monitor) -> FloatArray:
+    """Mend the lengths of edges in a form whose limbs are where they belong.
+
+    Parameters
+    ----------
+    body : ElasticBody
+        The input; if it is closed, its compactness is kept too.
+    form : (n, 3) ndarray of float
+        The form.
+    monitor : Monitor
+        Polled for cancellation.
+
+    Returns
+    -------
+    (n, 3) ndarray of float
+        The form with the lengths of the input as far as a few steps restore them.
+
+    Raises
+    ------
+    CancelledError
+        If the run is cancelled.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from addon.core.surface.triangulation import triangulated
+    >>> points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
+    >>> faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
+    >>> body = ElasticBody(triangulated(points, faces), points, faces)
+    >>> np.allclose(mended(body, points, Monitor()), points)
+    True
+    """
+    return body.deformed_towards(
+        form,
+        pull=_MENDING_PULL,
+        steps=_MENDING_STEPS,
+        bending_weight=_FIRST_BENDING_WEIGHT,
+        monitor=monitor,
+        pressure=True,
+        done=1.0,
+        share=0.0,
     )

@@ -14,11 +14,15 @@ from ..run.monitor import Monitor
 from ..surface.laplacian import mass, stiffness
 from ..surface.triangulation import Triangulation
 from .rotations import nearest_rotations
+from .stretches import stretch_between
 
 _STRUT = 3.0  # stiffness of a strut, in areas of its end over its length squared; also the most that it may be
 _PRESSURE_STEPS = 3  # Newton steps of the pressure in each deformation step
 _MOST_PRESSURE = 0.05  # farthest a vertex may be pushed in one step, in units of sqrt(area)
 _WIDE = 0.01  # diffusion time of the first rotations, as a share of the area: wide enough to see a limb as a body
+_SMALL = 0.0005  # diffusion time of the rotations between a stretched form and the body, as a share of the area
+_TORN = 4.0  # stretch of an edge beyond which it says nothing about a limb: bridges between parts may open so far
+_HARDLY = 1e-6  # a pull that only says where a form lies
 _NEAR = 0.0015  # diffusion time of the frames that carry detail, as a share of the area: two edges of the coarse mesh
 
 
@@ -70,7 +74,8 @@ class ElasticBody:
         self._is_shell = np.arange(len(length)) < shell.nnz
         thickness = np.maximum(length[~self._is_shell], np.finfo(float).tiny)
         area = self.mass[struts].mean(axis=1)
-        weight = np.concatenate([-shell.data, _STRUT * np.minimum(area / thickness**2, 1.0)])
+        weight = np.concatenate([np.maximum(-shell.data, 0.0), _STRUT * np.minimum(area / thickness**2, 1.0)])
+        self._vectors, self._weight = vectors, weight
         self._weighted, self._stretch = weight[:, None] * vectors, weight * length
         count = len(weight)
         ends, start = np.column_stack([self._i, self._j]).ravel(), 2 * np.arange(count + 1)
@@ -79,6 +84,19 @@ class ElasticBody:
         self._sums = abs(self._to_ends)
         self._firmness = self._to_ends @ diags(weight) @ differences
         self._smoothers: dict[float, Callable[[FloatArray], FloatArray]] = {}
+        self._solvers: dict[float, Callable[[FloatArray], FloatArray]] = {}
+
+    def shell(self) -> tuple[IntArray, FloatArray]:
+        """Tell the edges of the shell and how stiff they are.
+
+        Returns
+        -------
+        edges : (e, 2) ndarray of int
+            Pairs of vertices.
+        stiffness : (e,) ndarray of float
+            Their cotangent weights.
+        """
+        return np.column_stack([self._i, self._j])[self._is_shell], self._weight[self._is_shell]
 
     def smoothed(self, integrals: FloatArray, share: float) -> FloatArray:
         """Smooth values on the surface by one step of the heat flow.
@@ -157,6 +175,41 @@ class ElasticBody:
         motion = self.smoothed(motion, _NEAR)
         return motion[:, :9].reshape(-1, 3, 3), motion[:, 9:]
 
+    def without_stretch(self, form: FloatArray, share: float) -> FloatArray:
+        """Give a stretched form the lengths that the body has on average around each point, and keep its directions.
+
+        The edges of the body, turned by the local rotations, and those of the form have a covariance around each
+        point. The symmetric matrix that takes that of the form to that of the body is applied to the edges of the form,
+        which are put together again. So a limb that was pulled straight and long stays straight.
+
+        Parameters
+        ----------
+        form : (n, 3) ndarray of float
+            The stretched form.
+        share : float
+            Diffusion time over which the stretch is averaged, as a share of the area.
+
+        Returns
+        -------
+        (n, 3) ndarray of float
+            The form without its stretch.
+        """
+        stretched = form[self._i] - form[self._j]
+        turn = nearest_rotations(self.covariances(form, _SMALL))
+        turned = np.einsum("ij,ijk->ik", self._vectors, turn[self._i] + turn[self._j])
+        tiny, length = np.finfo(float).tiny, np.linalg.norm(self._vectors, axis=1)
+        turned *= (length / np.maximum(np.linalg.norm(turned, axis=1), tiny))[:, None]
+        longer = np.linalg.norm(stretched, axis=1) / np.maximum(length, tiny)
+        stretched_by = np.maximum(longer / _TORN, 1.0)[:, None]
+        shrink = stretch_between(self._spreads(stretched / stretched_by, share), self._spreads(turned, share))
+        edges = np.einsum("ij,ijk->ik", self._weight[:, None] * stretched, shrink[self._i] + shrink[self._j]) / 2
+        return self._solver(_HARDLY)(self._to_ends @ edges)
+
+    def _spreads(self, edges: FloatArray, share: float) -> FloatArray:
+        """Smooth the covariance of the edges of the shell with themselves."""
+        outer = (self._is_shell * self._weight)[:, None, None] * edges[:, :, None] * edges[:, None, :]
+        return self.smoothed(self._sums @ outer.reshape(-1, 9), share).reshape(-1, 3, 3)
+
     def deformed_towards(
         self,
         target: FloatArray,
@@ -205,11 +258,9 @@ class ElasticBody:
         rotations come from covariances diffused over the surface, so that a limb that the target squashes or turns
         inside out comes out right.
         """
-        from scipy.sparse import diags
-
         monitor = monitor or Monitor()
         anchor = pull * self.mass
-        solve = factored(self._firmness + diags(anchor)).solve
+        solve = self._solver(pull)
         monitor.check()
         bending: FloatArray = np.where(self._is_shell, float(bending_weight), 1.0)
         positions, rotation = target, nearest_rotations(self.covariances(target))
@@ -224,6 +275,13 @@ class ElasticBody:
             if step + 1 < steps:
                 rotation = nearest_rotations(self._covariances(positions))
         return positions
+
+    def _solver(self, pull: float) -> Callable[[FloatArray], FloatArray]:
+        from scipy.sparse import diags
+
+        if pull not in self._solvers:
+            self._solvers[pull] = factored(self._firmness + diags(pull * self.mass)).solve
+        return self._solvers[pull]
 
     def _covariances(self, after: FloatArray) -> FloatArray:
         moved = after[self._i] - after[self._j]

@@ -6,7 +6,6 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..mesh.connectivity import vertex_pairs
 from ..numerics.arrays import FloatArray, IntArray
 from ..numerics.factoring import factored
 from ..run.monitor import Monitor
@@ -92,15 +91,17 @@ class Pushing:
     ----------
     points : (n, 3) ndarray of float
         Vertices, of unit area.
-    triangles : (m, 3) ndarray of int
-        Triangles.
+    edges : (e, 2) ndarray of int
+        Pairs of vertices that keep their distances.
     samples : (s,) ndarray of int
         The vertices that push each other.
     strength : float
-        Sum of the pushes, in units of sqrt(area); an edge that is longer than it should be by d pulls with d. How much
-        a mesh gives way hardly depends on how fine it is.
+        Sum of the pushes, in units of sqrt(area); an edge that is longer than it should be by d pulls with d times its
+        stiffness. How much a mesh gives way hardly depends on how fine it is.
     depth : float
         How much of a push along the third axis counts, 0 to 1.
+    stiffness : (e,) ndarray of float, optional
+        Stiffness of each edge; 1 when left out.
     normalised : bool
         Push each pair by as much more as it lies nearer to each other, so that near pairs, which a bent joint brings
         together, have as much say as far ones.
@@ -108,7 +109,7 @@ class Pushing:
     Examples
     --------
     >>> folded = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0.3, 0.3, 0.9]])
-    >>> pushing = Pushing(folded, np.array([[0, 1, 2], [1, 3, 2]]), np.array([0, 3]), strength=0.5)
+    >>> pushing = Pushing(folded, np.array([[0, 1], [0, 2], [1, 2], [1, 3], [2, 3]]), np.array([0, 3]), strength=0.5)
     >>> form, _ = pushing.lowered(folded)
     >>> bool(np.linalg.norm(form[3] - form[0]) > 1.2 * np.linalg.norm(folded[3] - folded[0]))
     True
@@ -117,15 +118,15 @@ class Pushing:
     def __init__(
         self,
         points: FloatArray,
-        triangles: IntArray,
+        edges: IntArray,
         samples: IntArray,
         *,
         strength: float,
         depth: float = 1.0,
+        stiffness: FloatArray | None = None,
         normalised: bool = False,
     ) -> None:
         count = len(points)
-        edges = vertex_pairs(triangles)
         lengths = np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
         first, second = np.triu_indices(len(samples), 1)
         pairs = np.column_stack([samples[first], samples[second]])
@@ -133,12 +134,13 @@ class Pushing:
         if normalised:
             push /= np.maximum(np.linalg.norm(points[pairs[:, 0]] - points[pairs[:, 1]], axis=1), _LEAST)
         push *= strength / (_FAR * push.sum())
-        far, even = np.full(len(pairs), _FAR), np.ones(len(edges))
-        self._kept = LinkStress(edges, lengths, even, count)
+        far = np.full(len(pairs), _FAR)
+        stiffness = np.ones(len(edges)) if stiffness is None else stiffness
+        self._kept = LinkStress(edges, lengths, stiffness, count)
         self._pushed = LinkStress(pairs, far, push, count)
         self._axes = np.array([1.0, 1.0, depth])
         self._all = LinkStress(
-            np.concatenate([edges, pairs]), np.concatenate([lengths, far]), np.concatenate([even, push]), count
+            np.concatenate([edges, pairs]), np.concatenate([lengths, far]), np.concatenate([stiffness, push]), count
         )
 
     def value_and_descent(self, points: FloatArray) -> tuple[float, FloatArray]:

@@ -23,7 +23,6 @@ _BIHARMONIC_SHARE = 0.4  # of the squared distances; the rest is geodesic
 _TIE, _SURE = 0.8, 1.6  # handedness below which the third axis is dropped, and above which it is kept whole
 _PULL = 30.0  # 1/area: the layout shapes what is larger than a limb, the surface what is smaller
 _BENDING_WEIGHT = 0.1  # of the bends of the pose
-_STEPS = 18
 _LAYOUT_SMOOTHING = 0.02  # diffusion time of the landmarks' geodesics over that of the patches
 _FEATURE_SHARE = 0.03  # of the feature points alone, from the input; far more would pull spikes out of the surface
 
@@ -64,6 +63,7 @@ def intrinsic_start(
     landmark_count: int = 100,
     smoothing: float = 0.1,
     share: float = 10.0,
+    steps: int = 18,
     monitor: Monitor,
 ) -> Start:
     """Arrange the limbs from the surface alone, and deform the input into that arrangement.
@@ -92,6 +92,8 @@ def intrinsic_start(
         alone, without biharmonic distances.
     share : float
         As in `Start`.
+    steps : int
+        Number of steps that restore the roundness of the limbs.
     monitor : Monitor
         Receives progress (stages *Landmarks* and *Start*); polled for cancellation.
 
@@ -130,7 +132,7 @@ def intrinsic_start(
     with monitor.stage("Start"):
         layout, depth = laid_out(distances, landmarks, body.points, faces)
         monitor.check()
-        points = inflated(body, layout, monitor)
+        points = inflated(body, layout, steps, monitor)
     return Start(points, arrangement_pairs(landmarks, points), share, landmarks, depth)
 
 
@@ -284,7 +286,7 @@ def handedness(layout: FloatArray, faces: IntArray) -> float:
     return signed_volume(layout, faces) / spread if spread > 0 else 0.0
 
 
-def inflated(body: ElasticBody, layout: FloatArray, monitor: Monitor) -> FloatArray:
+def inflated(body: ElasticBody, layout: FloatArray, steps: int, monitor: Monitor) -> FloatArray:
     """Restore the roundness of the limbs, which classical scaling flattens in a layout.
 
     Parameters
@@ -293,6 +295,8 @@ def inflated(body: ElasticBody, layout: FloatArray, monitor: Monitor) -> FloatAr
         The input.
     layout : (n, 3) ndarray of float
         The layout.
+    steps : int
+        Number of steps.
     monitor : Monitor
         Receives progress; polled for cancellation.
 
@@ -312,7 +316,7 @@ def inflated(body: ElasticBody, layout: FloatArray, monitor: Monitor) -> FloatAr
     >>> points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
     >>> faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
     >>> body = ElasticBody(triangulated(points, faces), points, faces)
-    >>> np.allclose(inflated(body, points, Monitor()), points)
+    >>> np.allclose(inflated(body, points, 18, Monitor()), points)
     True
     """
-    return body.deformed_towards(layout, pull=_PULL, steps=_STEPS, bending_weight=_BENDING_WEIGHT, monitor=monitor)
+    return body.deformed_towards(layout, pull=_PULL, steps=steps, bending_weight=_BENDING_WEIGHT, monitor=monitor)

@@ -180,6 +180,33 @@ def edge_table(faces: IntArray) -> EdgeTable:
     return EdgeTable(order, start, np.diff(np.append(start, len(key))), tail, head)
 
 
+def pairs_across_edges(faces: IntArray) -> IntArray:
+    """List the pairs of vertices that face each other across an edge.
+
+    Parameters
+    ----------
+    faces : (m, 3) ndarray of int
+        Triangles.
+
+    Returns
+    -------
+    (p, 2) ndarray of int
+        Pairs, lower vertex index first, sorted, each once.
+
+    Examples
+    --------
+    >>> pairs_across_edges(np.array([[0, 1, 2], [2, 1, 3]])).tolist()
+    [[0, 3]]
+    """
+    edges = edge_table(faces)
+    opposite = np.roll(faces, -2, axis=1).ravel()[edges.order]
+    beside = np.ones(len(opposite), dtype=bool)
+    beside[edges.start] = False  # the first at each edge has none before it
+    at = np.flatnonzero(beside)
+    pairs = np.sort(np.column_stack([opposite[at - 1], opposite[at]]), axis=1)
+    return np.unique(pairs[pairs[:, 0] < pairs[:, 1]], axis=0)
+
+
 def border_labels(faces: IntArray, edges: EdgeTable) -> IntArray:
     """Label the borders of a mesh.
 

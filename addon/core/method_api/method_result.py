@@ -20,11 +20,14 @@ class MethodResult(NamedTuple):
         What is minimised, before each of the s steps and after the last; one value for a method without steps.
     pair_count : int
         Entries of the distance matrices that the method uses.
+    asymmetry : float
+        How far the form is from its own mirror image, in units of sqrt(area); nan where no left and right was found.
     """
 
     points: FloatArray
     history: FloatArray
     pair_count: int
+    asymmetry: float = float("nan")
 
 
 def warn_if_still_falling(history: FloatArray, settings: Settings, monitor: Monitor) -> None:

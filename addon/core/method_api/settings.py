@@ -56,9 +56,11 @@ class Settings:
         to be unrolled.
     arrangement_share : float
         How much the other landmarks pull at a landmark, as a share of the weight with which its patch holds it.
-    unbending : float
-        How strongly the landmarks push each other apart in the end, against the lengths of the edges. 3 lengthens
-        thin limbs by a sixth and takes more of the pose out, which helps to find shapes of one kind; 0: not at all.
+    arrangement : {'straight', 'stress'}
+        Whether limbs are pushed straight and apart before they get the lengths of the surface back, or lie as the
+        stress leaves them. With `start` 'input' or `preserve_detail` 0 they always do the latter.
+    symmetry : {'hold', 'ignore'}
+        Whether a straight form of a surface that is its own mirror image is held to that.
     max_iterations : int
         Most majorisation steps.
     tolerance : float
@@ -164,14 +166,23 @@ class Settings:
         high=100,
         soft_high=20.0,
     )
-    unbending: float = option(
-        0.0,
-        "Unbending",
-        "How strongly landmarks repel each other in a last step; removes more pose and lengthens thin limbs. 3 suits "
-        "shape retrieval",
-        low=0,
-        high=100,
-        soft_high=10.0,
+    arrangement: str = option(
+        "straight",
+        "Arrangement",
+        "How the limbs lie to each other",
+        choices=(
+            Choice("straight", "Straight", "Limbs straight and as far apart as their lengths allow"),
+            Choice("stress", "Stress", "As the stress leaves them: slightly curved, and closer to the pose"),
+        ),
+    )
+    symmetry: str = option(
+        "hold",
+        "Symmetry",
+        "What becomes of left and right in a straight arrangement",
+        choices=(
+            Choice("hold", "Hold", "Where the surface has a left and a right, the form has them alike"),
+            Choice("ignore", "Ignore", "Left and right come out as the surface has them in this pose"),
+        ),
     )
     max_iterations: int = option(
         300, "Iterations", "Maximum number of minimisation steps", low=0, soft_high=1000, former="iterations"
@@ -225,6 +236,11 @@ class Settings:
         return _COARSE.get(self.quality)
 
     @property
+    def straight(self) -> bool:
+        """Whether limbs are straightened: not from the pose, which is to be kept in part, and not in a bare form."""
+        return self.arrangement == "straight" and self.start == "intrinsic" and self.preserve_detail > 0
+
+    @property
     def together(self) -> bool:
         """Whether loose parts that belong together are one body."""
         return self.pieces == "together"
@@ -267,22 +283,24 @@ def current_options(given: dict[str, Any]) -> dict[str, Any]:
     """
     today = {about.former: name for name, about in options_of(Settings).items() if about.former}
     # `dataclasses.replace` gives all of today's names beside the former one, which is the one that is meant
-    result = {name: value for name, value in given.items() if name != "as_published" and name not in today}
+    result = {name: value for name, value in given.items() if name not in (*today, "as_published", "unbending")}
     for name, value in given.items():
-        if name == "as_published":
-            _warn_former(name, 'method="as_published"')
+        if name == "unbending":
+            _warn_former(name, "limbs are straight without it")
+        elif name == "as_published":
+            _warn_former(name, 'use method="as_published"')
             if not isinstance(value, bool):
                 raise InvalidSettingsError("setting_range", name=name, range="True or False", value=value)
             if value:
                 result["method"] = "as_published"
         elif name in today:
-            _warn_former(name, today[name])
+            _warn_former(name, f"use {today[name]}")
             result[today[name]] = value
     return result
 
 
-def _warn_former(name: str, today: str) -> None:
-    sentence = f"The setting {name} is deprecated and will be removed in version 0.3; use {today}."
+def _warn_former(name: str, advice: str) -> None:
+    sentence = f"The setting {name} is deprecated and will be removed in version 0.3; {advice}."
     warnings.warn(sentence, FutureWarning, stacklevel=4)
 
 

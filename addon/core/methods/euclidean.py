@@ -10,6 +10,7 @@ from functools import partial
 import numpy as np
 
 from ..embedding.pushing import Pushing
+from ..mesh.connectivity import vertex_pairs
 from ..method_api.catalogue import MINIMISATION_OPTIONS, Method
 from ..method_api.method_result import MethodResult
 from ..method_api.settings import Settings
@@ -25,7 +26,7 @@ def _form(found: SurfaceFeatures, settings: Settings, monitor: Monitor, *, norma
     count = min(settings.landmark_count, len(points))
     samples = np.sort(np.random.default_rng(0).choice(len(points), count, replace=False))
     with monitor.stage("Embedding"):
-        pushing = Pushing(points, found.whole_faces, samples, strength=_PUSH, normalised=normalised)
+        pushing = Pushing(points, vertex_pairs(found.whole_faces), samples, strength=_PUSH, normalised=normalised)
         form, history = pushing.lowered(points, **settings.minimisation, monitor=monitor)
         return MethodResult(form, history, count**2)
 

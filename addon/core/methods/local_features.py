@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from ..deformation.detail import detailed
+from ..deformation.detail import detailed, mended
 from ..deformation.elastic_body import ElasticBody
 from ..deformation.struts import struts_through
 from ..distances.spectral import GreensFunction
 from ..embedding.pairs import balanced, braced, patch_pairs
-from ..embedding.pushing import Pushing
 from ..embedding.smacof import minimise_stress
 from ..embedding.start import Start, input_start, intrinsic_start
+from ..embedding.straightening import straightened
 from ..embedding.stress import Stress
 from ..embedding.weight_inverse import WeightInverse
 from ..measures.alignment import outside_out
@@ -22,10 +22,14 @@ from ..numerics.arrays import FloatArray, IntArray
 from ..patching.cells import patches_of
 from ..run.memory import require_pair_memory
 from ..run.monitor import Monitor
+from ..symmetry.mirror import Mirror, asymmetry, held_symmetric
+from ..symmetry.partners import mirror_partners
+
+_STEPS, _FEW_STEPS = 18, 6  # that make the start round: a straight arrangement hardly depends on it
 
 
 def local_feature_form(found: SurfaceFeatures, settings: Settings, monitor: Monitor) -> MethodResult:
-    """Unfold a surface: pairs inside the patches, a start, SMACOF, and the input's detail.
+    """Unfold a surface: pairs inside the patches, a start, SMACOF, straight limbs, left like right, the input's detail.
 
     Parameters
     ----------
@@ -93,18 +97,29 @@ def local_feature_form(found: SurfaceFeatures, settings: Settings, monitor: Moni
         form, history = minimise_stress(stress, inverse, start.points, **settings.minimisation, monitor=monitor)
         warn_if_still_falling(history, settings, monitor)
         form = outside_out(body, form)
-    if settings.unbending > 0 and settings.start == "intrinsic":
-        with monitor.stage("Unbending"):
-            form = _unbent(surface.points, surface.faces, start, form, settings, monitor)
+    mirror = None
+    if settings.straight:
+        with monitor.stage("Straightening"):
+            form = straightened(
+                body, surface.faces, form, start.landmarks, start.depth, **settings.minimisation, monitor=monitor
+            )
+        if settings.symmetry == "hold":
+            with monitor.stage("Symmetry"):
+                mirror = _mirror(found, body, form, start.landmarks, monitor)
+                form = form if mirror is None else held_symmetric(body, form, mirror)
     if settings.preserve_detail > 0:
         with monitor.stage("Detail"):
             form = detailed(body, form, settings.preserve_detail, monitor)
+            if mirror is not None:
+                firm = Mirror(mirror.partner, mirror.sure * min(1.0, 2 * (1 - settings.preserve_detail)))
+                form = mended(body, held_symmetric(body, form, firm), monitor)
+    apart = float("nan") if mirror is None else asymmetry(form, mirror.partner, body.mass)
     with monitor.stage("Prolongation"):
         if surface.coarse:
             rotation, shift = surface.prolong_frames(*body.frames(form))
             form = moved_by_frames(found.whole_points, rotation, shift)
             monitor.check()
-    return MethodResult(form, history, sum(len(pairs.vertices) ** 2 for pairs in sets))
+    return MethodResult(form, history, sum(len(pairs.vertices) ** 2 for pairs in sets), apart)
 
 
 def _start(
@@ -123,16 +138,26 @@ def _start(
         landmark_count=settings.landmark_count,
         smoothing=settings.smoothing,
         share=settings.arrangement_share,
+        steps=_FEW_STEPS if settings.straight else _STEPS,
         monitor=monitor,
     )
 
 
-def _unbent(
-    points: FloatArray, faces: IntArray, start: Start, form: FloatArray, settings: Settings, monitor: Monitor
-) -> FloatArray:
-    """Let the landmarks push each other apart, against the lengths of the edges."""
-    pushing = Pushing(points, faces, start.landmarks, strength=settings.unbending, depth=start.depth)
-    return pushing.lowered(form, **settings.minimisation, monitor=monitor)[0]
+def _mirror(
+    found: SurfaceFeatures, body: ElasticBody, form: FloatArray, samples: IntArray, monitor: Monitor
+) -> Mirror | None:
+    """Find left and right on the straight form."""
+    return mirror_partners(
+        form,
+        found.surface.faces,
+        body.mass,
+        found.spectrum.eigenvectors,
+        found.features,
+        found.to_features,
+        found.adf,
+        samples,
+        monitor,
+    )
 
 
 METHODS = (
@@ -146,10 +171,11 @@ METHODS = (
             "Struts": 1,
             "Distances": 17,
             "Landmarks": 4,
-            "Start": 5,
+            "Start": 3,
             "Factorisation": 2,
             "Embedding": 18,
-            "Unbending": 3,
+            "Straightening": 5,
+            "Symmetry": 5,
             "Detail": 4,
             "Prolongation": 2,
         },
@@ -158,7 +184,8 @@ METHODS = (
             "landmark_count",
             "smoothing",
             "arrangement_share",
-            "unbending",
+            "arrangement",
+            "symmetry",
             "preserve_detail",
             *MINIMISATION_OPTIONS,
         ),

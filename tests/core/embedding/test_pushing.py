@@ -27,7 +27,7 @@ def test_pushing_apart_straightens_a_bent_tube():
     vertices, faces = shapes.bent_tube()
     vertices = vertices / np.sqrt(surface_area(vertices, faces))
     samples = np.arange(0, len(vertices), 20)
-    pushing = Pushing(vertices, faces, samples, strength=0.5)
+    pushing = Pushing(vertices, vertex_pairs(faces), samples, strength=0.5)
     form, history = pushing.lowered(vertices, tolerance=1e-6, max_iterations=2000)
     assert (np.diff(history) <= 0).all()
     i, j = vertex_pairs(faces).T
@@ -40,6 +40,6 @@ def test_pushing_apart_straightens_a_bent_tube():
 def test_a_push_without_depth_leaves_the_third_axis_alone():
     vertices, faces = shapes.bent_tube()
     vertices = vertices / np.sqrt(surface_area(vertices, faces))
-    pushing = Pushing(vertices, faces, np.arange(0, len(vertices), 20), strength=3.0, depth=0.0)
+    pushing = Pushing(vertices, vertex_pairs(faces), np.arange(0, len(vertices), 20), strength=3.0, depth=0.0)
     flat = vertices * [1.0, 1.0, 0.0]
     assert np.abs(pushing.lowered(flat, max_iterations=20)[0][:, 2]).max() < 1e-12

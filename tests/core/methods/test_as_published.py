@@ -95,7 +95,8 @@ def test_what_is_the_letters_does_not_listen_to_the_settings(mesh: Mesh, method)
     plain = canonical_form(*mesh, Settings(method=method, max_iterations=3))
     other = Settings(
         method=method, max_iterations=3, quality="draft", start="intrinsic", diffusion_time=1.0, eigenpairs=20,
-        extrapolation=2, smoothing=0.5, preserve_detail=1.0, unbending=3.0, arrangement_share=1.0, landmark_count=9,
+        extrapolation=2, smoothing=0.5, preserve_detail=1.0, arrangement="stress", symmetry="ignore",
+        arrangement_share=1.0, landmark_count=9,
     )  # fmt: skip
     np.testing.assert_array_equal(canonical_form(*mesh, other).vertices, plain.vertices)
     letter = method_named(method).settings(other)

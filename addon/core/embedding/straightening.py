@@ -1,0 +1,97 @@
+"""The straight arrangement: limbs are pushed straight and apart, and get the lengths of the surface back."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..deformation.elastic_body import ElasticBody
+from ..mesh.connectivity import pairs_across_edges
+from ..numerics.arrays import FloatArray, IntArray
+from ..run.monitor import Monitor
+from .pushing import Pushing
+
+_STRENGTH = 40.0  # of the push: thin limbs grow by half and more, and no joint withstands it
+_BENDING = 2.0  # stiffness between vertices across an edge, which keeps the surface from crumpling
+_EVEN = 3**-0.5  # stiffness in the shell of an edge between equilateral triangles
+_STIFFEST = 50.0  # over that
+_AVERAGED = 0.15  # diffusion time of the stretch that is taken back, as a share of the area: lengths are those of limbs
+_PULL, _STEPS, _BENDING_WEIGHT = 200.0, 4, 0.6  # of the pass that smooths what the push crumpled
+
+
+def straightened(
+    body: ElasticBody,
+    faces: IntArray,
+    form: FloatArray,
+    landmarks: IntArray,
+    depth: float,
+    *,
+    max_iterations: int = 300,
+    tolerance: float = 1e-3,
+    extrapolation: int = 6,
+    monitor: Monitor,
+) -> FloatArray:
+    """Arrange the limbs as straight and as far apart as their lengths allow.
+
+    Landmarks push each other apart, so hard that limbs grow. Only the directions of what comes out count: the stretch,
+    averaged over an area as wide as a limb is long, is taken back.
+
+    Parameters
+    ----------
+    body : ElasticBody
+        The surface.
+    faces : (m, 3) ndarray of int
+        Its triangles.
+    form : (n, 3) ndarray of float
+        Where the push begins; it hardly matters, beyond the side of each limb.
+    landmarks : (l,) ndarray of int
+        Vertices that push each other.
+    depth : float
+        How much of a push along the third axis counts: 0 where mirror images are a tie, 1 where they are none.
+    max_iterations, tolerance, extrapolation
+        As in `Pushing.lowered`.
+    monitor : Monitor
+        Receives progress; polled for cancellation.
+
+    Returns
+    -------
+    (n, 3) ndarray of float
+        The arrangement.
+
+    Raises
+    ------
+    CancelledError
+        If the run is cancelled.
+
+    Examples
+    --------
+    >>> from addon.core.surface.triangulation import triangulated
+    >>> points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
+    >>> faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
+    >>> body = ElasticBody(triangulated(points, faces), points, faces)
+    >>> form = straightened(body, faces, points, np.arange(4), 1.0, monitor=Monitor())
+    >>> lengths = np.linalg.norm(form[faces[:, 0]] - form[faces[:, 1]], axis=1)
+    >>> np.allclose(lengths, np.sqrt(8), rtol=1e-3)
+    True
+
+    References
+    ----------
+    The push: Pickup and others, "Euclidean-distance-based canonical forms for non-rigid 3D shape retrieval", 2015,
+    doi:10.1016/j.patcog.2015.02.021.
+    """
+    edges, stiffness = body.shell()
+    across = pairs_across_edges(faces)
+    pushing = Pushing(
+        body.points,
+        np.concatenate([edges, across]),
+        landmarks,
+        strength=_STRENGTH,
+        depth=depth,
+        stiffness=np.concatenate([np.minimum(stiffness / _EVEN, _STIFFEST), np.full(len(across), _BENDING)]),
+    )
+    form, _ = pushing.lowered(
+        form, max_iterations=max_iterations, tolerance=tolerance, extrapolation=extrapolation, monitor=monitor
+    )
+    form = body.without_stretch(form, _AVERAGED)
+    monitor.check()
+    form = body.deformed_towards(form, pull=_PULL, steps=_STEPS, bending_weight=_BENDING_WEIGHT, monitor=monitor)
+    return body.without_stretch(form, _AVERAGED)

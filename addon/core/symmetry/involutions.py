@@ -1,0 +1,69 @@
+"""Which feature points may mirror which: the swaps that keep the distances between them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..numerics.arrays import FloatArray, IntArray
+
+_ALIKE = np.log(1.6)  # most that the logarithms of the Auto Diffusion Function differ between a point and its image
+_MISMATCH = 0.375  # most that a single distance may change, over the mean distance
+_MOST_TRIED = 20_000  # partial swaps; only surfaces of dozens of like limbs have more
+
+
+def feature_involutions(distances: FloatArray, adf: FloatArray, most: int = 6) -> list[IntArray]:
+    """Find the ways to swap feature points in pairs that change the distances between them least.
+
+    Parameters
+    ----------
+    distances : (k, k) ndarray of float
+        Geodesic distances between the feature points, symmetric.
+    adf : (k,) ndarray of float
+        Auto Diffusion Function there; limbs that mirror each other have like values.
+    most : int
+        Most swaps to return.
+
+    Returns
+    -------
+    list of (k,) ndarray of int
+        The image of each feature point; at least one pair is swapped. Least change of the distances first.
+
+    Examples
+    --------
+    >>> arms_and_head = np.array([[0.0, 2.0, 1.5], [2.0, 0.0, 1.5], [1.5, 1.5, 0.0]])
+    >>> [image.tolist() for image in feature_involutions(arms_and_head, np.array([2.0, 2.0, 1.0]))]
+    [[1, 0, 2]]
+
+    References
+    ----------
+    The intrinsic view of symmetry: Ovsjanikov, Sun and Guibas, "Global Intrinsic Symmetries of Shapes", 2008,
+    doi:10.1111/j.1467-8659.2008.01273.x.
+    """
+    count = len(distances)
+    if count < 2:
+        return []
+    scale = distances[np.triu_indices(count, 1)].mean()
+    alike = np.abs(np.subtract.outer(np.log(adf), np.log(adf))) <= _ALIKE
+    unset = -1
+    found: list[tuple[float, tuple[int, ...]]] = []
+    waiting, tried = [(unset,) * count], 0
+    while waiting and tried < _MOST_TRIED:
+        image = waiting.pop()
+        tried += 1
+        if unset not in image:
+            swapped = np.array(image)
+            if (swapped != np.arange(count)).any():
+                change = distances[np.ix_(swapped, swapped)] - distances
+                found.append((float(np.sqrt((change**2).mean()) / scale), image))
+            continue
+        first = image.index(unset)
+        for other in range(count - 1, first - 1, -1):
+            if image[other] != unset or not alike[first, other]:
+                continue
+            longer = list(image)
+            longer[first], longer[other] = other, first
+            known = [at for at in range(count) if longer[at] != unset]
+            images = [longer[at] for at in known]
+            if np.abs(distances[np.ix_(images, images)] - distances[np.ix_(known, known)]).max() <= _MISMATCH * scale:
+                waiting.append(tuple(longer))
+    return [np.array(image) for _, image in sorted(found)[:most]]

@@ -1,0 +1,165 @@
+"""The mirror image of a form under a map that takes each vertex to the one that it mirrors."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..deformation.elastic_body import ElasticBody
+from ..numerics.arrays import FloatArray, IntArray
+
+_SMOOTHING = 0.003  # diffusion time of the way to the mean, as a share of the area: what is smaller may differ
+_ROUNDS = 2  # each finds the plane anew
+
+
+class Plane(NamedTuple):
+    """A plane that mirrors.
+
+    Attributes
+    ----------
+    normal : (3,) ndarray of float
+        Unit normal.
+    point : (3,) ndarray of float
+        Any point of it.
+    """
+
+    normal: FloatArray
+    point: FloatArray
+
+    def mirrored(self, points: FloatArray) -> FloatArray:
+        """Mirror points.
+
+        Parameters
+        ----------
+        points : (n, 3) ndarray of float
+            The points.
+
+        Returns
+        -------
+        (n, 3) ndarray of float
+            Their mirror images.
+        """
+        return self.mirrored_vectors(points - self.point) + self.point
+
+    def mirrored_vectors(self, vectors: FloatArray) -> FloatArray:
+        """Mirror directions.
+
+        Parameters
+        ----------
+        vectors : (n, 3) ndarray of float
+            The directions.
+
+        Returns
+        -------
+        (n, 3) ndarray of float
+            Their mirror images.
+        """
+        return np.asarray(vectors - 2.0 * (vectors @ self.normal)[:, None] * self.normal)
+
+
+class Mirror(NamedTuple):
+    """Left and right of a surface.
+
+    Attributes
+    ----------
+    partner : (n,) ndarray of int
+        The vertex that mirrors each vertex.
+    sure : float
+        How far the surface is its own mirror image, from 0, where it is not, to 1.
+    """
+
+    partner: IntArray
+    sure: float
+
+
+def mirror_plane(points: FloatArray, partners: FloatArray, weights: FloatArray) -> Plane:
+    """Find the plane that best mirrors points onto their partners.
+
+    Parameters
+    ----------
+    points, partners : (n, 3) ndarray of float
+        Points, and where each should come to lie.
+    weights : (n,) ndarray of float
+        Weight of each pair.
+
+    Returns
+    -------
+    Plane
+        The plane of least squares.
+
+    Examples
+    --------
+    >>> points = np.array([[1.0, 0, 0], [-1, 0, 0], [0, 3, 1], [0, -2, 4]])
+    >>> np.abs(mirror_plane(points, points * [-1, 1, 1], np.ones(4)).normal).round(6).tolist()
+    [1.0, 0.0, 0.0]
+    """
+    share = weights / weights.sum()
+    centre = share @ (points + partners) / 2
+    turned = (share[:, None] * (points - centre)).T @ (partners - centre)
+    return Plane(np.linalg.eigh(turned + turned.T)[1][:, 0], centre)  # |b - (I - 2nnᵀ)a|² is least where nᵀ(abᵀ)n is
+
+
+def asymmetry(form: FloatArray, partner: IntArray, weights: FloatArray) -> float:
+    """Measure how far a form is from its own mirror image.
+
+    Parameters
+    ----------
+    form : (n, 3) ndarray of float
+        The form.
+    partner : (n,) ndarray of int
+        The vertex that mirrors each vertex.
+    weights : (n,) ndarray of float
+        Areas of the vertices.
+
+    Returns
+    -------
+    float
+        Root mean squared distance, in the unit of the form.
+
+    Examples
+    --------
+    >>> form = np.array([[1.0, 0, 0], [-1, 0, 0], [0, 3, 1], [0, -2, 4]])
+    >>> round(asymmetry(form, np.array([1, 0, 2, 3]), np.ones(4)), 6)
+    0.0
+    """
+    apart = mirror_plane(form, form[partner], weights).mirrored(form[partner]) - form
+    return float(np.sqrt(weights @ (apart**2).sum(axis=1) / weights.sum()))
+
+
+def held_symmetric(body: ElasticBody, form: FloatArray, mirror: Mirror) -> FloatArray:
+    """Move a form to the mean of itself and its mirror image, as far as the surface is symmetric.
+
+    What is smaller than a limb keeps its differences: the way to the mean is smoothed over the surface.
+
+    Parameters
+    ----------
+    body : ElasticBody
+        The surface.
+    form : (n, 3) ndarray of float
+        The form.
+    mirror : Mirror
+        Its left and right.
+
+    Returns
+    -------
+    (n, 3) ndarray of float
+        The form, symmetric.
+
+    Examples
+    --------
+    >>> from addon.core.surface.triangulation import triangulated
+    >>> points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
+    >>> faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
+    >>> body = ElasticBody(triangulated(points, faces), points, faces)
+    >>> skew = points + [[0.1, 0, 0], [0, 0, 0], [0, 0, 0], [0, 0, 0]]
+    >>> partner = np.array([1, 0, 2, 3])
+    >>> held = held_symmetric(body, skew, Mirror(partner, 1.0))
+    >>> asymmetry(held, partner, body.mass) < 0.5 * asymmetry(skew, partner, body.mass)
+    True
+    """
+    for _ in range(_ROUNDS):
+        image = form[mirror.partner]
+        way = mirror_plane(form, image, body.mass).mirrored(image) - form
+        form = form + mirror.sure / 2 * body.smoothed(way * body.mass[:, None], _SMOOTHING)
+    return form

@@ -1,0 +1,135 @@
+"""Which vertex mirrors which: from the feature points to all vertices, by the form and the surface together."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..mesh.geometry import vertex_area_vectors
+from ..numerics.arrays import FloatArray, IntArray
+from ..numerics.products import product
+from ..run.monitor import Monitor
+from .involutions import feature_involutions
+from .mirror import Mirror, Plane, mirror_plane
+
+_NEAR, _FACING = 0.3, 0.08  # weights of place and normal in the form beside the distances from the feature points, and
+_FACING_LAST, _SPECTRAL = 0.05, 0.2  # of normal and eigenfunctions beside the place once a map is found
+_SURE, _NONE = 0.1, 0.15  # mismatch up to which a surface is symmetric, and from which on it is not
+_EIGENPAIRS = (20, 50)  # of the rounds that refine the map
+_ROUNDS = 2  # of plane and map, for each way to swap the feature points
+_ROWS = 512
+
+
+def mirror_partners(
+    form: FloatArray,
+    faces: IntArray,
+    weights: FloatArray,
+    eigenvectors: FloatArray,
+    features: IntArray,
+    to_features: FloatArray,
+    adf: FloatArray,
+    samples: IntArray,
+    monitor: Monitor,
+) -> Mirror | None:
+    """Find left and right of a surface.
+
+    Feature points are swapped in the ways that keep their distances. Each way gives a plane that mirrors those of the
+    form, and each vertex looks for its partner: in the mirrored place, facing the mirrored way, at the swapped
+    distances from the feature points. The way that fits best is refined: the map becomes one between eigenfunctions of
+    the surface, which with the mirrored places finds a better map.
+
+    Parameters
+    ----------
+    form : (n, 3) ndarray of float
+        The surface with its limbs straight, of unit area.
+    faces : (m, 3) ndarray of int
+        Triangles.
+    weights : (n,) ndarray of float
+        Areas of the vertices.
+    eigenvectors : (n, K) ndarray of float
+        Eigenfunctions, orthonormal under the areas, lowest first.
+    features : (k,) ndarray of int
+        Feature points.
+    to_features : (n, k) ndarray of float
+        Geodesic distances from them.
+    adf : (n,) ndarray of float
+        Auto Diffusion Function.
+    samples : (s,) ndarray of int
+        Vertices spread over the surface, on which the ways are compared.
+    monitor : Monitor
+        Polled for cancellation.
+
+    Returns
+    -------
+    Mirror or None
+        The map; None for a surface that is not its own mirror image.
+
+    Raises
+    ------
+    CancelledError
+        If the run is cancelled.
+
+    Examples
+    --------
+    >>> arms = np.array([[-2.0, 0, 0], [-1, 0, 0.1], [0, 0.5, 0], [0, -1, 0.2], [1, 0, 0.1], [2, 0, 0]])
+    >>> faces = np.array([[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 4], [2, 4, 5], [3, 5, 4]])
+    >>> far = np.abs(arms[:, :1] - [-2.0, 2.0])
+    >>> waves = np.linalg.qr(arms[:, :2])[0] * np.sqrt(6)
+    >>> mirror = mirror_partners(
+    ...     arms / 3, faces, np.ones(6) / 6, waves, np.array([0, 5]), far / 3, np.ones(6), np.arange(6), Monitor())
+    >>> mirror.partner.tolist()
+    [5, 4, 2, 3, 1, 0]
+
+    References
+    ----------
+    The map between eigenfunctions and its refinement: Melzi and others, "ZoomOut: Spectral Upsampling
+    for Efficient Shape Correspondence", 2019, doi:10.1145/3355089.3356524.
+    """
+    between = (to_features[features] + to_features[features].T) / 2
+    normals = vertex_area_vectors(form, faces)
+    normals /= np.maximum(np.linalg.norm(normals, axis=1), np.finfo(float).tiny)[:, None]
+    best, least = None, _NONE
+    here = np.column_stack([to_features, _NEAR * form, _FACING * normals])
+    for image in feature_involutions(between, adf[features]):
+        plane = mirror_plane(form[features], form[features[image]], np.ones(len(features)))
+        for _ in range(_ROUNDS):
+            monitor.check()
+            there = _mirrored(form, normals, plane, _NEAR, _FACING, to_features[:, image])
+            partner = _nearest(there[samples], here)
+            plane = mirror_plane(form[samples], form[partner], np.ones(len(samples)))
+        apart = plane.mirrored(form[partner]) - form[samples]
+        changed = to_features[partner][:, image] - to_features[samples]
+        mismatch = float(np.sqrt((apart**2).sum(axis=1).mean()) + np.sqrt((changed**2).mean()))
+        if mismatch < least:
+            best, least = (image, plane), mismatch
+    if best is None:
+        return None
+    image, plane = best
+    partner = _nearest(_mirrored(form, normals, plane, _NEAR, _FACING, to_features[:, image]), here)
+    for count in _EIGENPAIRS:
+        monitor.check()
+        waves = eigenvectors[:, :count]
+        turned = product(waves, product((waves * weights[:, None]).T, waves[partner]))
+        scale = _SPECTRAL / np.sqrt(waves.shape[1])
+        plane = mirror_plane(form, form[partner], weights)
+        partner = _nearest(
+            _mirrored(form, normals, plane, 1.0, _FACING_LAST, scale * turned),
+            np.column_stack([scale * waves, form, _FACING_LAST * normals]),
+        )
+    return Mirror(partner, float(np.clip((_NONE - least) / (_NONE - _SURE), 0.0, 1.0)))
+
+
+def _mirrored(
+    form: FloatArray, normals: FloatArray, plane: Plane, near: float, facing: float, values: FloatArray
+) -> FloatArray:
+    """Put mirrored values, places and normals side by side."""
+    return np.column_stack([values, near * plane.mirrored(form), facing * plane.mirrored_vectors(normals)])
+
+
+def _nearest(points: FloatArray, others: FloatArray) -> IntArray:
+    """Find the nearest of the others to each point; the first of those that tie."""
+    square = (others**2).sum(axis=1)
+    found = np.empty(len(points), dtype=np.int64)
+    for start in range(0, len(points), _ROWS):
+        rows = slice(start, start + _ROWS)
+        found[rows] = np.argmin(square - 2 * product(points[rows], others.T), axis=1)
+    return found
