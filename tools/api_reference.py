@@ -16,7 +16,7 @@ sys.path.insert(0, str(ROOT))
 TARGET = ROOT / "docs" / "api.md"
 DOORS = ("canonical", "features", "distance_fields", "limbs", "opening", "results")
 ROOMS = (
-    "run", "numerics", "mesh", "surface", "distances", "detection", "patching", "deformation", "embedding", "measures",
+    "run", "numerics", "mesh", "surface", "distances", "detection", "patching", "deformation", "embedding", "symmetry", "measures",
     "method_api", "methods", "posing", "assembly",
 )  # fmt: skip
 HEAD = """# API of the core

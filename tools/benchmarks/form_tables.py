@@ -129,7 +129,8 @@ def quality_table(data, picture):
         "nothing by construction, since an even pressure restores it: edges and thickness tell what was kept. "
         "*thickness*: relative change of the distance between vertices that face each other through the body. "
         "*asymmetry*: distance of the form from its own mirror image, root mean square in sqrt(area). *change of "
-        "geodesics*: mean relative change from pose to pose. *crossings*: pairs of triangles that cross, over the number of faces."
+        "geodesics*: mean relative change from pose to pose. *crossings*: pairs of triangles that cross, over the "
+        "number of faces."
     )
     print(total, flush=True)
     return "\n".join([head, *rows, total])

@@ -34,7 +34,7 @@ def test_limbs_of_unlike_size_are_not_swapped():
 
 
 def test_unlike_distances_have_no_swap():
-    line = np.array([[0.0], [1.0], [10.0]])
+    line = np.array([[0.0], [3.0], [10.0]])
     assert feature_involutions(cdist(line, line), np.ones(3)) == []
 
 

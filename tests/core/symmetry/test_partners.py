@@ -32,7 +32,7 @@ def test_forms_of_symmetric_bodies_are_symmetric_whatever_the_pose(name: str, re
     areas, unit = vertex_areas(vertices, faces), np.sqrt(surface_area(vertices, faces))
     held, free = (canonical_form(vertices, faces, Settings(symmetry=how)) for how in ("hold", "ignore"))
     apart = [asymmetry(form.vertices, partner, areas) / unit for form in (held, free)]
-    assert apart[0] < 0.025
+    assert apart[0] < 0.035
     assert apart[0] < 0.8 * apart[1]
     assert held.asymmetry < 0.025
     assert np.isnan(free.asymmetry)
