@@ -16,8 +16,8 @@ sys.path.insert(0, str(ROOT))
 TARGET = ROOT / "docs" / "api.md"
 DOORS = ("canonical", "features", "distance_fields", "limbs", "opening", "results")
 ROOMS = (
-    "run", "numerics", "mesh", "surface", "distances", "detection", "patching", "deformation", "embedding", "symmetry", "measures",
-    "method_api", "methods", "posing", "assembly",
+    "run", "numerics", "mesh", "surface", "distances", "detection", "patching", "deformation", "embedding", "symmetry",
+    "measures", "method_api", "methods", "posing", "assembly",
 )  # fmt: skip
 HEAD = """# API of the core
 

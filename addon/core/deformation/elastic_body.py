@@ -21,6 +21,7 @@ _PRESSURE_STEPS = 3  # Newton steps of the pressure in each deformation step
 _MOST_PRESSURE = 0.05  # farthest a vertex may be pushed in one step, in units of sqrt(area)
 _WIDE = 0.01  # diffusion time of the first rotations, as a share of the area: wide enough to see a limb as a body
 _SMALL = 0.0005  # diffusion time of the rotations between a stretched form and the body, as a share of the area
+_ROUNDING = 1e-9  # stiffness against its sign that is none: beyond it, bridges that no flip made Delaunay push
 _TORN = 4.0  # stretch of an edge beyond which it says nothing about a limb: bridges between parts may open so far
 _HARDLY = 1e-6  # a pull that only says where a form lies
 _NEAR = 0.0015  # diffusion time of the frames that carry detail, as a share of the area: two edges of the coarse mesh
@@ -74,7 +75,8 @@ class ElasticBody:
         self._is_shell = np.arange(len(length)) < shell.nnz
         thickness = np.maximum(length[~self._is_shell], np.finfo(float).tiny)
         area = self.mass[struts].mean(axis=1)
-        weight = np.concatenate([np.maximum(-shell.data, 0.0), _STRUT * np.minimum(area / thickness**2, 1.0)])
+        cotangents = np.where(shell.data < _ROUNDING, -shell.data, 0.0)
+        weight = np.concatenate([cotangents, _STRUT * np.minimum(area / thickness**2, 1.0)])
         self._vectors, self._weight = vectors, weight
         self._weighted, self._stretch = weight[:, None] * vectors, weight * length
         count = len(weight)
