@@ -150,7 +150,8 @@ def test_what_is_moved_after_the_run_keeps_its_part(character):
     bpy.ops.object.canonical_form_limb(patch=1)
     bpy.ops.object.canonical_form_limb(patch=0)
     for name, obj in character.items():
-        assert np.array([point.co for point in key_of(obj).data]) == pytest.approx(before[name], abs=1e-4)
+        riding = 5e-4 if name in ("shirt", "eye") else 1e-6  # riders are laid on single-precision positions anew
+        assert np.array([point.co for point in key_of(obj).data]) == pytest.approx(before[name], abs=riding)
 
 
 def test_new_objects_follow_the_first_of_them(character):
