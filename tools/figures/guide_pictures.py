@@ -95,6 +95,7 @@ def a_clothed_character():
         obj.select_set(obj == armature)
     yield from hand.over_view()
     yield 0.7
+    hand.area().spaces.active.region_3d.view_distance *= 1.25  # the form's arms reach higher
     yield from hand.picture("1-tab")
 
     bpy.context.scene.canonical_form.mesh = "SHOWN"
