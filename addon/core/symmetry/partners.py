@@ -92,9 +92,8 @@ def mirror_partners(
     for image in feature_involutions(between, adf[features]):
         plane = mirror_plane(form[features], form[features[image]], np.ones(len(features)))
         for _ in range(_ROUNDS):
-            monitor.check()
             there = _mirrored(form, normals, plane, _NEAR, _FACING, to_features[:, image])
-            partner = _nearest(there[samples], here)
+            partner = _nearest(there[samples], here, monitor)
             plane = mirror_plane(form[samples], form[partner], np.ones(len(samples)))
         apart = plane.mirrored(form[partner]) - form[samples]
         changed = to_features[partner][:, image] - to_features[samples]
@@ -104,9 +103,8 @@ def mirror_partners(
     if best is None:
         return None
     image, plane = best
-    partner = _nearest(_mirrored(form, normals, plane, _NEAR, _FACING, to_features[:, image]), here)
+    partner = _nearest(_mirrored(form, normals, plane, _NEAR, _FACING, to_features[:, image]), here, monitor)
     for count in _EIGENPAIRS:
-        monitor.check()
         waves = eigenvectors[:, :count]
         turned = product(waves, product((waves * weights[:, None]).T, waves[partner]))
         scale = _SPECTRAL / np.sqrt(waves.shape[1])
@@ -114,6 +112,7 @@ def mirror_partners(
         partner = _nearest(
             _mirrored(form, normals, plane, 1.0, _FACING_LAST, scale * turned),
             np.column_stack([scale * waves, form, _FACING_LAST * normals]),
+            monitor,
         )
     return Mirror(partner, float(np.clip((_NONE - least) / (_NONE - _SURE), 0.0, 1.0)))
 
@@ -125,11 +124,12 @@ def _mirrored(
     return np.column_stack([values, near * plane.mirrored(form), facing * plane.mirrored_vectors(normals)])
 
 
-def _nearest(points: FloatArray, others: FloatArray) -> IntArray:
+def _nearest(points: FloatArray, others: FloatArray, monitor: Monitor) -> IntArray:
     """Find the nearest of the others to each point; the first of those that tie."""
     square = (others**2).sum(axis=1)
     found = np.empty(len(points), dtype=np.int64)
     for start in range(0, len(points), _ROWS):
+        monitor.check()
         rows = slice(start, start + _ROWS)
         found[rows] = np.argmin(square - 2 * product(points[rows], others.T), axis=1)
     return found

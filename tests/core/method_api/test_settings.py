@@ -53,6 +53,11 @@ def test_former_names_work_with_a_warning(former, value, today):
 
 
 @pytest.mark.filterwarnings("ignore::FutureWarning")
+def test_unbending_is_forgotten_with_a_warning():
+    with pytest.warns(FutureWarning, match="unbending .*straight without it"):
+        assert Settings(**{"unbending": 3.0}) == Settings()
+
+
 @pytest.mark.parametrize("wrong", [{"landmarks": 2}, {"landmarks": None}, {"iterations": -1}, {"as_published": "no"}])
 def test_values_under_former_names_are_refused_like_those_under_todays(wrong):
     today = {"landmarks": "landmark_count", "iterations": "max_iterations"}
