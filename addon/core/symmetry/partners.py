@@ -13,7 +13,7 @@ from .mirror import Mirror, Plane, mirror_plane
 
 _NEAR, _FACING = 0.3, 0.08  # weights of place and normal in the form beside the distances from the feature points, and
 _FACING_LAST, _SPECTRAL = 0.05, 0.2  # of normal and eigenfunctions beside the place once a map is found
-_SURE, _NONE = 0.13, 0.2  # mismatch up to which a surface is symmetric, and from which on it is not
+_SURE, _NONE = 0.12, 0.15  # mismatch up to which a surface is symmetric, and from which on it is not
 _EIGENPAIRS = (20, 50)  # of the rounds that refine the map
 _ROUNDS = 2  # of plane and map, for each way to swap the feature points
 _ROWS = 512

@@ -55,7 +55,7 @@ def test_former_names_work_with_a_warning(former, value, today):
 @pytest.mark.filterwarnings("ignore::FutureWarning")
 def test_unbending_is_forgotten_with_a_warning():
     with pytest.warns(FutureWarning, match="unbending .*straight without it"):
-        assert Settings(**{"unbending": 3.0}) == Settings()
+        assert Settings(**current_options({"unbending": 3.0})) == Settings()
 
 
 @pytest.mark.parametrize("wrong", [{"landmarks": 2}, {"landmarks": None}, {"iterations": -1}, {"as_published": "no"}])

@@ -33,7 +33,7 @@ def test_forms_of_symmetric_bodies_are_symmetric_whatever_the_pose(name: str, re
     held, free = (canonical_form(vertices, faces, Settings(symmetry=how)) for how in ("hold", "ignore"))
     apart = [asymmetry(form.vertices, partner, areas) / unit for form in (held, free)]
     assert apart[0] < 0.035
-    assert apart[0] < 0.8 * apart[1]
+    assert apart[0] < 0.9 * apart[1]
     assert held.asymmetry < 0.025
     assert np.isnan(free.asymmetry)
 
