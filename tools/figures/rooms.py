@@ -19,14 +19,15 @@ TARGET = ROOT / "docs" / "pictures" / "rooms.png"
 COLUMNS = {  # where a room stands from left to right; its height is its floor
     "doors": 1.5, "methods": 1.5, "method_api": 1.5, "posing": 0.0, "embedding": 1.5, "measures": 3.0,
     "deformation": 0.0, "distances": 1.5, "detection": 3.0, "assembly": 0.0, "surface": 1.5, "patching": 3.0,
-    "mesh": 1.5, "numerics": 1.5, "run": 1.5,
+    "mesh": 1.5, "numerics": 1.5, "run": 1.5, "symmetry": 4.5,
 }  # fmt: skip
 SAYS = {
     "doors": "canonical_form, feature_patches,\ndistance_field, limb_shapes",
     "methods": "one file per method:\nours, the paper's letter, rivals",
     "method_api": "settings, catalogue, costs,\nthe features of a surface",
     "posing": "shapes between\npose and form",
-    "embedding": "start, pairs, stress,\nSMACOF",
+    "embedding": "start, pairs, stress,\nSMACOF, straight limbs",
+    "symmetry": "left and right,\nforms held to them",
     "measures": "alignment and\nfigures of a form",
     "deformation": "elastic body, struts,\ndetail",
     "distances": "heat, fast marching,\nspectral",
@@ -74,7 +75,7 @@ def floors(uses: dict[str, set[str]]) -> dict[str, int]:
 def main() -> None:
     uses = arrows()
     height = floors(uses)
-    figure, axes = plt.subplots(figsize=(10, 11))
+    figure, axes = plt.subplots(figsize=(13, 11))
     for room, others in uses.items():
         direct = others - {far for near in others for far in reach(near, uses)}  # what follows is not drawn twice
         for other in sorted(direct):
@@ -89,7 +90,7 @@ def main() -> None:
         axes.add_patch(plt.Rectangle(corner, WIDE, HIGH, facecolor=colour, edgecolor="0.4"))
         axes.text(column, height[room] + 0.17, room, ha="center", va="center", fontsize=13, weight="bold")
         axes.text(column, height[room] - 0.11, SAYS[room], ha="center", va="center", fontsize=8, linespacing=1.2)
-    axes.set_xlim(-0.7, 3.7)
+    axes.set_xlim(-0.7, 5.2)
     axes.set_ylim(-0.5, max(height.values()) + 0.5)
     axes.axis("off")
     figure.tight_layout()
