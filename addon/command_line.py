@@ -22,7 +22,7 @@ from .core import CanonicalForm, CanonicalFormError, Settings
 from .core.method_api.catalogue import methods
 from .core.method_api.costs import memory_estimate
 from .core.method_api.options import Option, options_of
-from .core.method_api.settings import current_options
+from .core.method_api.settings import current_options, former_options
 from .result_lines import claim_output
 
 
@@ -93,11 +93,15 @@ def _parser() -> argparse.ArgumentParser:
     compute.add_argument("--value", type=float, default=1.0, help="value of the shape key in a .blend")
     for name, about in options_of(Settings).items():
         _add_option(compute, name, about, getattr(default, name))
-    for name in ("--landmarks", "--iterations"):  # as in version 0.1
-        compute.add_argument(name, type=int, default=argparse.SUPPRESS, help=argparse.SUPPRESS)
-    compute.add_argument("--unbending", type=float, default=argparse.SUPPRESS, help=argparse.SUPPRESS)
-    compute.add_argument("--as-published", action="store_true", default=argparse.SUPPRESS, help=argparse.SUPPRESS)
+    for name, value in former_options().items():
+        told: dict[str, Any] = {"action": "store_true"} if isinstance(value, bool) else {"type": type(value)}
+        compute.add_argument(_flag(name), default=argparse.SUPPRESS, help=argparse.SUPPRESS, **told)
     return parser
+
+
+def _flag(name: str) -> str:
+    """Spell an option as on the command line."""
+    return "--" + name.replace("_", "-")
 
 
 def _add_option(parser: argparse.ArgumentParser, name: str, about: Option, default: Any) -> None:
@@ -109,14 +113,12 @@ def _add_option(parser: argparse.ArgumentParser, name: str, about: Option, defau
         told["choices"] = tuple(choice.value for choice in about.choices)
     elif default is not None:
         told["type"] = type(default)
-    parser.add_argument("--" + name.replace("_", "-"), **told)
+    parser.add_argument(_flag(name), **told)
 
 
 def _settings(options: argparse.Namespace) -> Settings:
     words = vars(options)
-    former = current_options(
-        {name: words[name] for name in ("as_published", "landmarks", "iterations", "unbending") if name in words}
-    )
+    former = current_options({name: words[name] for name in former_options() if name in words})
     chosen = {name: words[name] for name in options_of(Settings)} | former
     if chosen["feature_points"]:
         try:

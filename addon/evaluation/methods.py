@@ -7,8 +7,7 @@ from typing import Any
 
 from ..core import InvalidSettingsError, Settings
 from ..core.method_api.catalogue import OURS, methods
-from ..core.method_api.options import options_of
-from ..core.method_api.settings import current_options
+from ..core.method_api.settings import current_options, former_options
 
 _PATIENT = 1e-5  # tolerance of the other methods, which need more steps to settle than ours
 _TRUTH = {"true": True, "false": False}
@@ -102,8 +101,7 @@ def chosen_methods(words: list[str]) -> list[Method]:
 
 def _changes(text: str) -> dict[str, Any]:
     known: dict[str, Any] = {each.name: each.default for each in fields(Settings)}
-    known |= {about.former: known[name] for name, about in options_of(Settings).items() if about.former}
-    known |= {"as_published": False, "unbending": 0.0}
+    known |= former_options()
     changed: dict[str, Any] = {}
     for part in text.split(","):
         name, _, value = part.partition("=")

@@ -23,7 +23,7 @@ from ..core import InvalidSettingsError, Settings
 from ..core.distances.kinds import KINDS
 from ..core.method_api.catalogue import methods
 from ..core.method_api.options import Option, options_of
-from ..core.method_api.settings import current_options
+from ..core.method_api.settings import current_options, former_options
 
 _DEFAULT = Settings()
 DISTANCES = [(name, kind.label, kind.help) for name, kind in KINDS.items()]
@@ -71,10 +71,10 @@ def _property(name: str, about: Option, default: Any) -> Any:
 class FormerProperties:
     """Options under the names that they had in version 0.1, for scripts; gone with version 0.3."""
 
-    as_published: BoolProperty(options={"HIDDEN", "SKIP_SAVE"})  # type: ignore[valid-type]
-    landmarks: IntProperty(options={"HIDDEN", "SKIP_SAVE"})  # type: ignore[valid-type]
-    iterations: IntProperty(options={"HIDDEN", "SKIP_SAVE"})  # type: ignore[valid-type]
-    unbending: FloatProperty(options={"HIDDEN", "SKIP_SAVE"})  # type: ignore[valid-type]
+    __annotations__ = {
+        name: {bool: BoolProperty, int: IntProperty, float: FloatProperty}[type(value)](options={"HIDDEN", "SKIP_SAVE"})
+        for name, value in former_options().items()
+    }
 
 
 class MethodProperties:

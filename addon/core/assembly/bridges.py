@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..mesh.connectivity import border_labels, component_labels, edge_table, vertex_pairs
-from ..mesh.geometry import vertex_area_vectors
+from ..mesh.geometry import vertex_normals
 from ..numerics.arrays import FloatArray, IntArray
 from .roles import AROUND, TOUCH, WIDEST_GAP
 
@@ -63,8 +63,7 @@ def bridges_between(points: FloatArray, faces: IntArray, part: IntArray, surface
     (12, 3)
     """
     pairs = vertex_pairs(faces)
-    normals = vertex_area_vectors(points, faces)
-    normals /= np.maximum(np.linalg.norm(normals, axis=1), np.finfo(float).tiny)[:, None]
+    normals = vertex_normals(points, faces)
     contacts = _contacts(points, pairs, normals, border_labels(faces, edge_table(faces)), part, surfaces)
     links = _chosen(points, pairs, part, contacts)
     return _triangles(points, pairs, links)

@@ -12,7 +12,7 @@ _STEPS = 8
 _FIRST = 12.0  # times the pull of the first pass, which only smooths what the stress crumpled
 _FIRST_STEPS = 4
 _FIRST_BENDING_WEIGHT = 0.6
-_MENDING_PULL, _MENDING_STEPS = 200.0, 2  # of the pass that mends lengths and moves no limb
+_MENDING_PULL = 200.0  # 1/area: lengths are mended and no limb is moved
 
 
 def detailed(body: ElasticBody, form: FloatArray, preserve: float, monitor: Monitor) -> FloatArray:
@@ -71,22 +71,26 @@ def detailed(body: ElasticBody, form: FloatArray, preserve: float, monitor: Moni
     )
 
 
-def mended(body: ElasticBody, form: FloatArray, monitor: Monitor) -> FloatArray:
+def mended(body: ElasticBody, form: FloatArray, steps: int, monitor: Monitor, *, pressure: bool = False) -> FloatArray:
     """Mend the lengths of edges in a form whose limbs are where they belong.
 
     Parameters
     ----------
     body : ElasticBody
-        The input; if it is closed, its compactness is kept too.
+        The input.
     form : (n, 3) ndarray of float
         The form.
+    steps : int
+        Number of steps.
     monitor : Monitor
         Polled for cancellation.
+    pressure : bool
+        Whether the compactness of a closed input is kept too.
 
     Returns
     -------
     (n, 3) ndarray of float
-        The form with the lengths of the input as far as a few steps restore them.
+        The form with the lengths of the input as far as these steps restore them.
 
     Raises
     ------
@@ -100,16 +104,16 @@ def mended(body: ElasticBody, form: FloatArray, monitor: Monitor) -> FloatArray:
     >>> points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
     >>> faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
     >>> body = ElasticBody(triangulated(points, faces), points, faces)
-    >>> np.allclose(mended(body, points, Monitor()), points)
+    >>> np.allclose(mended(body, points, 2, Monitor()), points)
     True
     """
     return body.deformed_towards(
         form,
         pull=_MENDING_PULL,
-        steps=_MENDING_STEPS,
+        steps=steps,
         bending_weight=_FIRST_BENDING_WEIGHT,
         monitor=monitor,
-        pressure=True,
+        pressure=pressure,
         done=1.0,
         share=0.0,
     )

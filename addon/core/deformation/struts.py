@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..mesh.connectivity import is_closed
-from ..mesh.geometry import area_vectors, signed_volume, vertex_area_vectors
+from ..mesh.geometry import area_vectors, signed_volume, vertex_normals
 from ..numerics.arrays import FloatArray, IntArray
 from ..numerics.products import product
 from ..run.monitor import Monitor
@@ -66,8 +66,7 @@ def struts_through(
     """
     if not _has_inside(points, faces):
         return np.empty((0, 2), dtype=np.int64)
-    normals = np.sign(signed_volume(points, faces)) * vertex_area_vectors(points, faces)
-    normals /= np.maximum(np.linalg.norm(normals, axis=1), np.finfo(float).tiny)[:, None]
+    normals = np.sign(signed_volume(points, faces)) * vertex_normals(points, faces)
     other = np.arange(len(points))
     square = (points**2).sum(axis=1)
     for start in range(0, len(points), _ROWS):

@@ -63,7 +63,7 @@ def intrinsic_start(
     landmark_count: int = 100,
     smoothing: float = 0.1,
     share: float = 10.0,
-    steps: int = 18,
+    steps: int,
     monitor: Monitor,
 ) -> Start:
     """Arrange the limbs from the surface alone, and deform the input into that arrangement.
@@ -114,7 +114,7 @@ def intrinsic_start(
     >>> faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
     >>> surface, spectrum = triangulated(points, faces), Spectrum(np.full(3, 9.2), points)
     >>> body, first = ElasticBody(surface, points, faces), np.array([0])
-    >>> start = intrinsic_start(surface, spectrum, body, faces, first, np.ones((4, 1)), monitor=Monitor())
+    >>> start = intrinsic_start(surface, spectrum, body, faces, first, np.ones((4, 1)), steps=2, monitor=Monitor())
     >>> sorted(start.landmarks.tolist())
     [0, 1, 2, 3]
 

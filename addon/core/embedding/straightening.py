@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..deformation.detail import mended
 from ..deformation.elastic_body import ElasticBody
 from ..mesh.connectivity import pairs_across_edges
 from ..numerics.arrays import FloatArray, IntArray
@@ -15,7 +16,7 @@ _BENDING = 2.0  # stiffness between vertices across an edge, which keeps the sur
 _EVEN = 3**-0.5  # stiffness in the shell of an edge between equilateral triangles
 _STIFFEST = 50.0  # over that
 _AVERAGED = 0.15  # diffusion time of the stretch that is taken back, as a share of the area: lengths are those of limbs
-_PULL, _STEPS, _BENDING_WEIGHT = 200.0, 4, 0.6  # of the pass that smooths what the push crumpled
+_MENDING_STEPS = 4  # that smooth what the push crumpled
 
 
 def straightened(
@@ -91,7 +92,5 @@ def straightened(
     form, _ = pushing.lowered(
         form, max_iterations=max_iterations, tolerance=tolerance, extrapolation=extrapolation, monitor=monitor
     )
-    form = body.without_stretch(form, _AVERAGED)
-    monitor.check()
-    form = body.deformed_towards(form, pull=_PULL, steps=_STEPS, bending_weight=_BENDING_WEIGHT, monitor=monitor)
+    form = mended(body, body.without_stretch(form, _AVERAGED), _MENDING_STEPS, monitor)
     return body.without_stretch(form, _AVERAGED)

@@ -109,6 +109,30 @@ def vertex_area_vectors(vertices: FloatArray, faces: IntArray) -> FloatArray:
     return np.column_stack([np.bincount(corners, each[:, axis], minlength=len(vertices)) for axis in range(3)])
 
 
+def vertex_normals(vertices: FloatArray, faces: IntArray) -> FloatArray:
+    """Compute the unit normal of every vertex.
+
+    Parameters
+    ----------
+    vertices : (n, 3) ndarray of float
+        Vertex positions.
+    faces : (m, 3) ndarray of int
+        Triangles.
+
+    Returns
+    -------
+    (n, 3) ndarray of float
+        Normals, weighted by area; 0 where the triangles around a vertex have none.
+
+    Examples
+    --------
+    >>> vertex_normals(np.array([[0.0, 0, 0], [2, 0, 0], [0, 3, 0]]), np.array([[0, 1, 2]]))[0].tolist()
+    [0.0, 0.0, 1.0]
+    """
+    sums = vertex_area_vectors(vertices, faces)
+    return np.asarray(sums / np.maximum(np.linalg.norm(sums, axis=1), np.finfo(float).tiny)[:, None])
+
+
 def surface_area(vertices: FloatArray, faces: IntArray) -> float:
     """Compute the area of a mesh.
 

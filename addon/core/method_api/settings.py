@@ -256,6 +256,27 @@ class Settings:
         return {name: getattr(self, name) for name in ("max_iterations", "tolerance", "extrapolation")}
 
 
+_GONE: dict[str, Any] = {"as_published": False, "unbending": 0.0}  # options of version 0.1 that none replaces
+
+
+def former_options() -> dict[str, Any]:
+    """List the options of version 0.1 that are gone or have another name, with a value of the type of each.
+
+    Returns
+    -------
+    dict
+        Values by name.
+
+    Examples
+    --------
+    >>> sorted(former_options())
+    ['as_published', 'iterations', 'landmarks', 'unbending']
+    """
+    default = Settings()
+    renamed = {about.former: getattr(default, name) for name, about in options_of(Settings).items() if about.former}
+    return renamed | _GONE
+
+
 def current_options(given: dict[str, Any]) -> dict[str, Any]:
     """Translate options that had another name in version 0.1, with a warning.
 
@@ -283,7 +304,7 @@ def current_options(given: dict[str, Any]) -> dict[str, Any]:
     """
     today = {about.former: name for name, about in options_of(Settings).items() if about.former}
     # `dataclasses.replace` gives all of today's names beside the former one, which is the one that is meant
-    result = {name: value for name, value in given.items() if name not in (*today, "as_published", "unbending")}
+    result = {name: value for name, value in given.items() if name not in (*today, *_GONE)}
     for name, value in given.items():
         if name == "unbending":
             _warn_former(name, "limbs are straight without it")

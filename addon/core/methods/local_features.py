@@ -22,10 +22,11 @@ from ..numerics.arrays import FloatArray, IntArray
 from ..patching.cells import patches_of
 from ..run.memory import require_pair_memory
 from ..run.monitor import Monitor
-from ..symmetry.mirror import Mirror, asymmetry, held_symmetric
+from ..symmetry.mirror import MirrorMap, asymmetry, held_symmetric
 from ..symmetry.partners import mirror_partners
 
 _STEPS, _FEW_STEPS = 18, 6  # that make the start round: a straight arrangement hardly depends on it
+_MENDING_STEPS = 2  # after the form was held symmetric
 
 
 def local_feature_form(found: SurfaceFeatures, settings: Settings, monitor: Monitor) -> MethodResult:
@@ -111,8 +112,9 @@ def local_feature_form(found: SurfaceFeatures, settings: Settings, monitor: Moni
         with monitor.stage("Detail"):
             form = detailed(body, form, settings.preserve_detail, monitor)
             if mirror is not None:
-                firm = Mirror(mirror.partner, mirror.sure * min(1.0, 2 * (1 - settings.preserve_detail)))
-                form = mended(body, held_symmetric(body, form, firm), monitor)
+                firm = mirror.sure * min(1.0, 2 * (1 - settings.preserve_detail))
+                form = held_symmetric(body, form, mirror._replace(sure=firm))
+                form = mended(body, form, _MENDING_STEPS, monitor, pressure=True)
     apart = float("nan") if mirror is None else asymmetry(form, mirror.partner, body.mass)
     with monitor.stage("Prolongation"):
         if surface.coarse:
@@ -145,7 +147,7 @@ def _start(
 
 def _mirror(
     found: SurfaceFeatures, body: ElasticBody, form: FloatArray, samples: IntArray, monitor: Monitor
-) -> Mirror | None:
+) -> MirrorMap | None:
     """Find left and right on the straight form."""
     return mirror_partners(
         form,

@@ -58,7 +58,7 @@ class Plane(NamedTuple):
         return np.asarray(vectors - 2.0 * (vectors @ self.normal)[:, None] * self.normal)
 
 
-class Mirror(NamedTuple):
+class MirrorMap(NamedTuple):
     """Left and right of a surface.
 
     Attributes
@@ -123,11 +123,11 @@ def asymmetry(form: FloatArray, partner: IntArray, weights: FloatArray) -> float
     >>> round(asymmetry(form, np.array([1, 0, 2, 3]), np.ones(4)), 6)
     0.0
     """
-    apart = mirror_plane(form, form[partner], weights).mirrored(form[partner]) - form
-    return float(np.sqrt(weights @ (apart**2).sum(axis=1) / weights.sum()))
+    way = _way_to_image(form, partner, weights)
+    return float(np.sqrt(weights @ (way**2).sum(axis=1) / weights.sum()))
 
 
-def held_symmetric(body: ElasticBody, form: FloatArray, mirror: Mirror) -> FloatArray:
+def held_symmetric(body: ElasticBody, form: FloatArray, mirror: MirrorMap) -> FloatArray:
     """Move a form to the mean of itself and its mirror image, as far as the surface is symmetric.
 
     What is smaller than a limb keeps its differences: the way to the mean is smoothed over the surface.
@@ -138,7 +138,7 @@ def held_symmetric(body: ElasticBody, form: FloatArray, mirror: Mirror) -> Float
         The surface.
     form : (n, 3) ndarray of float
         The form.
-    mirror : Mirror
+    mirror : MirrorMap
         Its left and right.
 
     Returns
@@ -154,12 +154,17 @@ def held_symmetric(body: ElasticBody, form: FloatArray, mirror: Mirror) -> Float
     >>> body = ElasticBody(triangulated(points, faces), points, faces)
     >>> skew = points + [[0.1, 0, 0], [0, 0, 0], [0, 0, 0], [0, 0, 0]]
     >>> partner = np.array([1, 0, 2, 3])
-    >>> held = held_symmetric(body, skew, Mirror(partner, 1.0))
+    >>> held = held_symmetric(body, skew, MirrorMap(partner, 1.0))
     >>> asymmetry(held, partner, body.mass) < 0.5 * asymmetry(skew, partner, body.mass)
     True
     """
     for _ in range(_ROUNDS):
-        image = form[mirror.partner]
-        way = mirror_plane(form, image, body.mass).mirrored(image) - form
+        way = _way_to_image(form, mirror.partner, body.mass)
         form = form + mirror.sure / 2 * body.smoothed(way * body.mass[:, None], _SMOOTHING)
     return form
+
+
+def _way_to_image(form: FloatArray, partner: IntArray, weights: FloatArray) -> FloatArray:
+    """Point from each vertex to where the mirror image of its partner lies."""
+    image = form[partner]
+    return mirror_plane(form, image, weights).mirrored(image) - form

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..mesh.geometry import vertex_area_vectors
+from ..mesh.geometry import vertex_normals
 from ..numerics.arrays import FloatArray, IntArray
 from ..numerics.products import product
 from ..run.monitor import Monitor
 from .involutions import feature_involutions
-from .mirror import Mirror, Plane, mirror_plane
+from .mirror import MirrorMap, Plane, mirror_plane
 
 _NEAR, _FACING = 0.3, 0.08  # weights of place and normal in the form beside the distances from the feature points, and
 _FACING_LAST, _SPECTRAL = 0.05, 0.2  # of normal and eigenfunctions beside the place once a map is found
@@ -29,7 +29,7 @@ def mirror_partners(
     adf: FloatArray,
     samples: IntArray,
     monitor: Monitor,
-) -> Mirror | None:
+) -> MirrorMap | None:
     """Find left and right of a surface.
 
     Feature points are swapped in the ways that keep their distances. Each way gives a plane that mirrors those of the
@@ -60,7 +60,7 @@ def mirror_partners(
 
     Returns
     -------
-    Mirror or None
+    MirrorMap or None
         The map; None for a surface that is not its own mirror image.
 
     Raises
@@ -85,15 +85,14 @@ def mirror_partners(
     for Efficient Shape Correspondence", 2019, doi:10.1145/3355089.3356524.
     """
     between = (to_features[features] + to_features[features].T) / 2
-    normals = vertex_area_vectors(form, faces)
-    normals /= np.maximum(np.linalg.norm(normals, axis=1), np.finfo(float).tiny)[:, None]
+    normals = vertex_normals(form, faces)
     best, least = None, _NONE
     here = np.column_stack([to_features, _NEAR * form, _FACING * normals])
     for image in feature_involutions(between, adf[features]):
         plane = mirror_plane(form[features], form[features[image]], np.ones(len(features)))
         for _ in range(_ROUNDS):
-            there = _mirrored(form, normals, plane, _NEAR, _FACING, to_features[:, image])
-            partner = _nearest(there[samples], here, monitor)
+            there = _mirrored(form[samples], normals[samples], plane, _NEAR, _FACING, to_features[samples][:, image])
+            partner = _nearest(there, here, monitor)
             plane = mirror_plane(form[samples], form[partner], np.ones(len(samples)))
         apart = plane.mirrored(form[partner]) - form[samples]
         changed = to_features[partner][:, image] - to_features[samples]
@@ -114,7 +113,7 @@ def mirror_partners(
             np.column_stack([scale * waves, form, _FACING_LAST * normals]),
             monitor,
         )
-    return Mirror(partner, float(np.clip((_NONE - least) / (_NONE - _SURE), 0.0, 1.0)))
+    return MirrorMap(partner, float(np.clip((_NONE - least) / (_NONE - _SURE), 0.0, 1.0)))
 
 
 def _mirrored(

@@ -7,7 +7,7 @@ from scipy.spatial import KDTree
 from addon.core.deformation.elastic_body import ElasticBody
 from addon.core.mesh.geometry import surface_area
 from addon.core.surface.triangulation import triangulated
-from addon.core.symmetry.mirror import Mirror, asymmetry, held_symmetric, mirror_plane
+from addon.core.symmetry.mirror import MirrorMap, asymmetry, held_symmetric, mirror_plane
 from tests.meshes import shapes
 
 
@@ -31,12 +31,12 @@ def test_the_plane_of_a_mirrored_cloud_is_found_wherever_it_lies(rotation):
 def test_a_symmetric_form_stays_and_a_skew_one_comes_to_the_mean(ball):
     body, partner = ball
     assert asymmetry(body.points, partner, body.mass) < 1e-10
-    np.testing.assert_allclose(held_symmetric(body, body.points, Mirror(partner, 1.0)), body.points, atol=1e-10)
+    np.testing.assert_allclose(held_symmetric(body, body.points, MirrorMap(partner, 1.0)), body.points, atol=1e-10)
     swung = body.points + 0.2 * np.maximum(body.points[:, :1], 0) ** 2 * [0, 1, 0]  # one side alone
     before = asymmetry(swung, partner, body.mass)
-    held = held_symmetric(body, swung, Mirror(partner, 1.0))
+    held = held_symmetric(body, swung, MirrorMap(partner, 1.0))
     assert asymmetry(held, partner, body.mass) < 0.2 * before
-    np.testing.assert_array_equal(held_symmetric(body, swung, Mirror(partner, 0.0)), swung)
+    np.testing.assert_array_equal(held_symmetric(body, swung, MirrorMap(partner, 0.0)), swung)
 
 
 def test_what_is_small_keeps_its_side(ball):
@@ -44,5 +44,5 @@ def test_what_is_small_keeps_its_side(ball):
     wart = np.zeros(len(body.points))
     wart[np.argmax(body.points[:, 0])] = 0.05
     warty = body.points * (1 + wart)[:, None]
-    held = held_symmetric(body, warty, Mirror(partner, 1.0))
+    held = held_symmetric(body, warty, MirrorMap(partner, 1.0))
     assert np.abs(held - warty).max() < 0.2 * np.abs(warty - body.points).max()
