@@ -14,10 +14,10 @@ from typing import Any
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 TARGET = ROOT / "docs" / "api.md"
-DOORS = ("canonical", "features", "distance_fields", "limbs", "opening", "results")
+DOORS = ("canonical", "features", "distance_fields", "limbs", "opening", "placing", "results")
 ROOMS = (
     "run", "numerics", "mesh", "surface", "distances", "detection", "patching", "deformation", "embedding", "symmetry",
-    "measures", "method_api", "methods", "posing", "assembly",
+    "measures", "method_api", "methods", "posing", "matching", "assembly",
 )  # fmt: skip
 HEAD = """# API of the core
 

@@ -31,7 +31,7 @@ class FormReport:
     vertices, faces : int
         Size of the mesh, faces counted as triangles.
     feature_points : list of int
-        Vertex indices, most prominent first; -1 for those on another object of the body.
+        Vertex indices, in the order of the patches; -1 for those on another object of the body.
     patch_sizes : list of int
         Vertices of this mesh in each patch.
     timings : dict of str to float

@@ -7,18 +7,16 @@ from numpy.typing import ArrayLike
 
 from .assembly.bodies import Chosen
 from .assembly.body import Body
-from .measures.alignment import rigid_fit
-from .mesh.geometry import surface_area, vertex_areas
 from .method_api.catalogue import method_named
 from .method_api.method_result import MethodResult
 from .method_api.settings import Settings
-from .method_api.surface_features import DETECTION, SurfaceFeatures
-from .numerics.arrays import FloatArray, IntArray
-from .opening import OPENING, features_of, opened
+from .method_api.surface_features import DETECTION
+from .numerics.arrays import FloatArray
+from .opening import OPENING, Found, body_limbs, features_of, opened
+from .placing import ReferenceBody, in_place, reference_bodies
 from .results import CanonicalForm
 from .run.monitor import Cancelled, Monitor, Progress
-
-Found = tuple[IntArray, IntArray, FloatArray]  # feature points, cells and ADF of a piece
+from .symmetry.limbs import Limbs
 
 
 def canonical_form(
@@ -26,6 +24,7 @@ def canonical_form(
     faces: ArrayLike,
     settings: Settings | None = None,
     *,
+    reference: CanonicalForm | None = None,
     progress: Progress | None = None,
     cancelled: Cancelled | None = None,
 ) -> CanonicalForm:
@@ -39,6 +38,9 @@ def canonical_form(
         Triangles of one or several surfaces, with or without borders, in any state that docs/any-mesh.md lists.
     settings : Settings, optional
         Options.
+    reference : CanonicalForm, optional
+        A form of the same mesh in another pose, or of another mesh of a like body. The form is laid onto it by a proper
+        rotation and shift, and its limbs are numbered as there.
     progress : callable, optional
         Called with the fraction done (0 to 1) and the name of the stage.
     cancelled : callable, optional
@@ -54,7 +56,8 @@ def canonical_form(
     InvalidMeshError
         If the mesh cannot be used; the message says what to do.
     InvalidSettingsError
-        If a feature point given by hand is not a vertex of a surface, or is given twice.
+        If a feature point given by hand is not a vertex of a surface, or is given twice, or the reference has no
+        feature points.
     TooLargeError
         If all pairs inside the patches do not fit into the memory limit.
     SolverError
@@ -79,33 +82,36 @@ def canonical_form(
     monitor = Monitor(progress, cancelled, OPENING)
     bodies = opened(vertices, faces, settings, monitor)
 
-    def work(body: Body, chosen: Chosen | None, own: Monitor) -> tuple[Found, FloatArray, MethodResult]:
+    count = len(bodies.bodies)
+    others: list[ReferenceBody | None] = [None] * count
+    if reference is not None:
+        known = reference_bodies(reference, bodies.faces, count, monitor)
+        others[: len(known)] = known
+
+    def work(
+        body: Body, chosen: Chosen | None, other: ReferenceBody | None, own: Monitor
+    ) -> tuple[Found, Limbs, FloatArray, MethodResult]:
         found = features_of(body, chosen, settings, own)
         embedded = method.unfold(found, settings, own)
         with own.stage("Alignment"):
-            return found.prolonged(own), _laid_onto_input(embedded.points, found), embedded
+            form, order = in_place(embedded, found, settings, other, own)
+            return found.prolonged(own, order), found.limbs.sorted_by(order), form, embedded
 
     plan = {**DETECTION, **method.stages, "Alignment": 1}
-    results = bodies.map(work, monitor, plan, bodies.chosen)
-    histories = [embedded.history for _, _, embedded in results]
+    results = bodies.map(work, monitor, plan, bodies.chosen, others)
+    histories = [embedded.history for *_, embedded in results]
     steps = max(map(len, histories))  # each stays at its end value once it has ended
-    pair_count = sum(embedded.pair_count for _, _, embedded in results)
+    pair_count = sum(embedded.pair_count for *_, embedded in results)
+    found_on_each = [found for found, *_ in results]
     return CanonicalForm(
-        bodies.shaped([form for _, form, _ in results], monitor, area_kept=True),
+        bodies.shaped([form for _, _, form, _ in results], monitor, area_kept=True),
         bodies.faces,
-        *bodies.gathered_features([found for found, _, _ in results]),
+        *bodies.gathered_features(found_on_each),
         np.sum([np.pad(each, (0, steps - len(each)), mode="edge") for each in histories], axis=0),
         pair_count,
         1 - pair_count / len(bodies.vertices) ** 2,
         monitor.timings,
         monitor.warnings,
-        float(np.fmax.reduce([embedded.asymmetry for _, _, embedded in results])),
+        float(np.fmax.reduce([embedded.asymmetry for *_, embedded in results])),
+        body_limbs(bodies, found_on_each, [limbs for _, limbs, *_ in results]),
     )
-
-
-def _laid_onto_input(points: FloatArray, found: SurfaceFeatures) -> FloatArray:
-    """Give a form the input's area and the proper rotation and place that fit the input best."""
-    form = points / np.sqrt(surface_area(points, found.whole_faces))
-    areas = vertex_areas(found.whole_points, found.whole_faces)
-    rotation, shift = rigid_fit(form, found.whole_points, areas)
-    return (form @ rotation + shift) * found.unit + found.centre

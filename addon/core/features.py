@@ -9,10 +9,10 @@ from .assembly.body import Body
 from .method_api.catalogue import method_named
 from .method_api.settings import Settings
 from .method_api.surface_features import DETECTION
-from .numerics.arrays import FloatArray, IntArray
-from .opening import OPENING, features_of, opened
+from .opening import OPENING, Found, body_limbs, features_of, opened
 from .results import FeaturePatches
 from .run.monitor import Cancelled, Monitor, Progress
+from .symmetry.limbs import Limbs
 
 
 def feature_patches(
@@ -56,8 +56,15 @@ def feature_patches(
     monitor = Monitor(progress, cancelled, OPENING)
     bodies = opened(vertices, faces, settings, monitor)
 
-    def work(body: Body, chosen: Chosen | None, own: Monitor) -> tuple[IntArray, IntArray, FloatArray]:
-        return features_of(body, chosen, settings, own).prolonged(own)
+    def work(body: Body, chosen: Chosen | None, own: Monitor) -> tuple[Found, Limbs]:
+        found = features_of(body, chosen, settings, own)
+        return found.prolonged(own), found.limbs
 
-    found = bodies.map(work, monitor, DETECTION, bodies.chosen)
-    return FeaturePatches(*bodies.gathered_features(found), monitor.timings, monitor.warnings)
+    results = bodies.map(work, monitor, DETECTION, bodies.chosen)
+    found_on_each = [found for found, _ in results]
+    return FeaturePatches(
+        *bodies.gathered_features(found_on_each),
+        monitor.timings,
+        monitor.warnings,
+        body_limbs(bodies, found_on_each, [limbs for _, limbs in results]),
+    )

@@ -1,6 +1,8 @@
-"""What the doors to features and forms share: finding the bodies of a mesh, and the features of one."""
+"""What the doors to features and forms share: finding the bodies of a mesh, the features of one, limbs told apart."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 from numpy.typing import ArrayLike
 
@@ -9,7 +11,12 @@ from .assembly.body import Body
 from .method_api.costs import require_memory
 from .method_api.settings import Settings
 from .method_api.surface_features import SurfaceFeatures, detected
+from .numerics.arrays import FloatArray, IntArray
+from .results import BodyLimbs
 from .run.monitor import Monitor, Plan
+from .symmetry.limbs import Limbs
+
+Found = tuple[IntArray, IntArray, FloatArray]  # feature points, cells and ADF of a body, on its vertices
 
 OPENING: Plan = {"Surface": 2, "Pieces": 98}  # stages
 
@@ -94,3 +101,35 @@ def features_of(body: Body, chosen: Chosen | None, settings: Settings, monitor: 
     """
     given = None if chosen is None else chosen.vertices
     return detected(body.points, body.faces, given, settings, monitor, reduced=body.working_surface)
+
+
+def body_limbs(bodies: Bodies, found: Sequence[Found], limbs: Sequence[Limbs]) -> list[BodyLimbs]:
+    """Tell what tells the feature points of each body apart, in terms of the whole mesh.
+
+    Parameters
+    ----------
+    bodies : Bodies
+        The bodies.
+    found : sequence of tuple
+        Feature points, cells and Auto Diffusion Function of each, on its vertices.
+    limbs : sequence of Limbs
+        What tells its feature points apart.
+
+    Returns
+    -------
+    list of BodyLimbs
+        One per body.
+
+    Examples
+    --------
+    >>> from addon.core import feature_patches
+    >>> tetrahedron = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+    >>> found = feature_patches(tetrahedron, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
+    >>> found.bodies[0].vertices.tolist()
+    [0, 1, 2, 3]
+    """
+    numbers = bodies.feature_numbers([features for features, *_ in found])
+    return [
+        BodyLimbs(body.vertices, features, own, each)
+        for body, (features, *_), own, each in zip(bodies.bodies, found, numbers, limbs, strict=True)
+    ]

@@ -2,10 +2,33 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from .numerics.arrays import FloatArray, IntArray
 from .run.messages import Message
+from .symmetry.limbs import Limbs
+
+
+class BodyLimbs(NamedTuple):
+    """A body of a mesh and what tells its feature points apart.
+
+    Attributes
+    ----------
+    vertices : (p,) ndarray of int
+        Vertices of its surface, riders left out.
+    tips : (k,) ndarray of int
+        Its feature points, as places in `vertices`.
+    numbers : (k,) ndarray of int
+        Which of the mesh's feature points are its.
+    limbs : Limbs
+        What tells them apart.
+    """
+
+    vertices: IntArray
+    tips: IntArray
+    numbers: IntArray
+    limbs: Limbs
 
 
 @dataclass(frozen=True, eq=False)
@@ -15,7 +38,8 @@ class FeaturePatches:
     Attributes
     ----------
     feature_points : (k,) ndarray of int
-        Vertices, most prominent first, or as given; piece by piece, those of the largest first.
+        Vertices, in an order that does not depend on the pose: head, tail, limbs in pairs, left before right; or as
+        given. Piece by piece, those of the largest first.
     patches : (n,) ndarray of int
         Index into `feature_points` of the patch that each vertex belongs to; -1 for vertices of no face.
     adf : (n,) ndarray of float
@@ -24,6 +48,8 @@ class FeaturePatches:
         Seconds by stage.
     warnings : list of Message
         Sentences for the user.
+    bodies : list of BodyLimbs
+        What tells the feature points of each body apart; a form of this mesh needs it to be a reference.
     """
 
     feature_points: IntArray
@@ -31,6 +57,7 @@ class FeaturePatches:
     adf: FloatArray
     timings: dict[str, float]
     warnings: list[Message]
+    bodies: list[BodyLimbs] = field(default_factory=list)
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +72,8 @@ class CanonicalForm:
     faces : (m', 3) ndarray of int
         The triangles that it is the form of: those given, repaired where the warnings say so.
     feature_points : (k,) ndarray of int
-        Vertices, most prominent first, piece by piece, those of the largest first.
+        Vertices, in an order that does not depend on the pose: head, tail, limbs in pairs, left before right; or as
+        given. Piece by piece, those of the largest first.
     patches : (n,) ndarray of int
         Index into `feature_points` of the patch that each vertex belongs to; -1 for vertices of no face.
     adf : (n,) ndarray of float
@@ -65,6 +93,8 @@ class CanonicalForm:
     asymmetry : float
         How far the form is from its own mirror image, in units of sqrt(area), root mean square; of several bodies the
         farthest. nan where no left and right was found.
+    bodies : list of BodyLimbs
+        What tells the feature points of each body apart.
     """
 
     vertices: FloatArray
@@ -78,3 +108,4 @@ class CanonicalForm:
     timings: dict[str, float]
     warnings: list[Message]
     asymmetry: float = float("nan")
+    bodies: list[BodyLimbs] = field(default_factory=list)

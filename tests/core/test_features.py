@@ -18,9 +18,10 @@ def test_features_and_patches_alone_are_those_of_the_form(figure):
 
 def test_the_number_of_feature_points_can_be_asked_for(figure):
     vertices, faces = figure
-    five = feature_patches(vertices, faces).feature_points
+    five = feature_patches(vertices, faces)
     three = feature_patches(vertices, faces, Settings(feature_count=3))
-    np.testing.assert_array_equal(three.feature_points, five[:3])
+    highest = five.feature_points[np.argsort(-five.adf[five.feature_points])[:3]]
+    assert set(three.feature_points) == set(highest)
     assert len(feature_patches(vertices, faces, Settings(feature_count=7)).feature_points) == 7
     many = feature_patches(vertices, faces, Settings(feature_count=400))
     assert "fewer than requested" in many.warnings[-1]

@@ -19,7 +19,7 @@ TARGET = ROOT / "docs" / "pictures" / "rooms.png"
 COLUMNS = {  # where a room stands from left to right; its height is its floor
     "doors": 1.5, "methods": 1.5, "method_api": 1.5, "posing": 0.0, "embedding": 1.5, "measures": 3.0,
     "deformation": 0.0, "distances": 1.5, "detection": 3.0, "assembly": 0.0, "surface": 1.5, "patching": 3.0,
-    "mesh": 1.5, "numerics": 1.5, "run": 1.5, "symmetry": 4.5,
+    "mesh": 1.5, "numerics": 1.5, "run": 1.5, "symmetry": 4.5, "matching": 3.0,
 }  # fmt: skip
 SAYS = {
     "doors": "canonical_form, feature_patches,\ndistance_field, limb_shapes",
@@ -27,7 +27,8 @@ SAYS = {
     "method_api": "settings, catalogue, costs,\nthe features of a surface",
     "posing": "shapes between\npose and form",
     "embedding": "start, pairs, stress,\nSMACOF, straight limbs",
-    "symmetry": "left and right,\nforms held to them",
+    "symmetry": "limbs told apart, left and right,\nforms held to them, upright",
+    "matching": "which limbs are the same,\none form laid on another",
     "measures": "alignment and\nfigures of a form",
     "deformation": "elastic body, struts,\ndetail",
     "distances": "heat, fast marching,\nspectral",

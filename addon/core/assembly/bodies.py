@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
@@ -221,21 +222,37 @@ class Bodies:
             Auto Diffusion Function of every vertex; 0 for vertices of no piece.
         """
         count = len(self.vertices)
-        features = [body.vertices[points] for body, (points, _, _) in zip(self.bodies, found, strict=True)]
-        first = np.cumsum([0, *[len(each) for each in features]])
-        place = [
-            count + start + np.arange(len(each)) if chosen is None else chosen.positions
-            for start, each, chosen in zip(first[:-1], features, self.chosen, strict=True)
-        ]
-        order = np.argsort(np.concatenate(place), kind="stable")
-        number = np.empty(len(order), dtype=np.int64)
-        number[order] = np.arange(len(order))
-        cells = [number[start + own] for start, (_, own, _) in zip(first[:-1], found, strict=True)]
-        points = np.concatenate(features)[order]
+        numbers = self.feature_numbers([points for points, _, _ in found])
+        cells = [number[own] for number, (_, own, _) in zip(numbers, found, strict=True)]
+        points = np.empty(sum(map(len, numbers)), dtype=np.int64)
+        for body, number, (own, _, _) in zip(self.bodies, numbers, found, strict=True):
+            points[number] = body.vertices[own]
         if self._given is not None:
             points[: len(self._given)] = self._given  # which may be copies, along a seam, or on riders
         patches = self.gathered(cells, np.full(count, -1))
         return points, patches, self.gathered([adf for _, _, adf in found], np.zeros(count))
+
+    def feature_numbers(self, features: Sequence[IntArray]) -> list[IntArray]:
+        """Give the feature points of the bodies numbers: those chosen by hand in their order, then body by body.
+
+        Parameters
+        ----------
+        features : sequence of (k,) ndarray of int
+            Feature points of each body.
+
+        Returns
+        -------
+        list of (k,) ndarray of int
+            Their numbers in the whole mesh.
+        """
+        first = np.cumsum([0, *map(len, features)])
+        place = [
+            len(self.vertices) + start + np.arange(len(each)) if chosen is None else chosen.positions
+            for start, each, chosen in zip(first[:-1], features, self.chosen, strict=True)
+        ]
+        number = np.empty(first[-1], dtype=np.int64)
+        number[np.argsort(np.concatenate(place), kind="stable")] = np.arange(first[-1])
+        return [number[start:end] for start, end in pairwise(first)]
 
     @property
     def apart(self) -> list[Message]:

@@ -98,8 +98,7 @@ def closest_point_fit(
     from scipy.spatial import KDTree
 
     tree = KDTree(target)
-    rng = np.random.default_rng(0)
-    some = source if len(source) <= _SCOUTS else source[np.sort(rng.choice(len(source), _SCOUTS, replace=False))]
+    some = _scouts(source)
     source_centre, target_centre = source.mean(axis=0), target.mean(axis=0)
     source_axes = np.linalg.eigh(np.cov(source.T))[1]
     target_axes = np.linalg.eigh(np.cov(target.T))[1]
@@ -116,6 +115,58 @@ def closest_point_fit(
     return best if some is source else _closer(source, target, tree, *best, max_iterations, mirror)[:2]
 
 
+def closest_points_from(
+    source: FloatArray, target: FloatArray, rotation: FloatArray, shift: FloatArray, *, max_iterations: int = 60
+) -> tuple[FloatArray, FloatArray, float]:
+    """Move one point cloud onto another without known matches, from a motion that nearly does.
+
+    Parameters
+    ----------
+    source : (p, 3) ndarray of float
+        Points to move; of large clouds a few thousand are used.
+    target : (q, 3) ndarray of float
+        Points to move them to.
+    rotation : (3, 3) ndarray of float
+        R at the start, proper.
+    shift : (3,) ndarray of float
+        t at the start.
+    max_iterations : int
+        Most steps.
+
+    Returns
+    -------
+    rotation : (3, 3) ndarray of float
+        R.
+    shift : (3,) ndarray of float
+        t; the motion is ``x ↦ x R + t``.
+    left : float
+        Root mean squared distance from the target that is left.
+
+    Examples
+    --------
+    >>> points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 4], [1, 1, 5]])
+    >>> rotation, shift, left = closest_points_from(points, points + 0.1, np.eye(3), np.zeros(3))
+    >>> np.allclose(shift, 0.1), round(left, 6)
+    (True, 0.0)
+
+    References
+    ----------
+    Besl and McKay, "A Method for Registration of 3-D Shapes", 1992.
+    """
+    from scipy.spatial import KDTree
+
+    some = _scouts(source)
+    *motion, error = _closer(some, target, KDTree(target), rotation, shift, max_iterations, False)
+    return motion[0], motion[1], float(np.sqrt(error))
+
+
+def _scouts(cloud: FloatArray) -> FloatArray:
+    """Choose a few thousand points of a large cloud."""
+    if len(cloud) <= _SCOUTS:
+        return cloud
+    return cloud[np.sort(np.random.default_rng(0).choice(len(cloud), _SCOUTS, replace=False))]
+
+
 def _closer(
     source: FloatArray,
     target: FloatArray,
@@ -130,7 +181,7 @@ def _closer(
     for _ in range(iterations):
         distance, match = tree.query(source @ rotation + shift)
         previous, error = error, float(np.mean(distance**2))
-        if previous - error <= 1e-9 * previous:
+        if error >= (1 - 1e-9) * previous:
             break
         rotation, shift = rigid_fit(source, target[match], mirror=mirror)
     return rotation, shift, float(np.mean(tree.query(source @ rotation + shift)[0] ** 2))

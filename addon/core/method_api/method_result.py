@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ..numerics.arrays import FloatArray
+from ..numerics.arrays import FloatArray, IntArray
 from ..run.monitor import Monitor
 from .settings import Settings
 
@@ -22,12 +22,15 @@ class MethodResult(NamedTuple):
         Entries of the distance matrices that the method uses.
     asymmetry : float
         How far the form is from its own mirror image, in units of sqrt(area); nan where no left and right was found.
+    partner : (c,) ndarray of int or None
+        The vertex that mirrors each of those worked on, where the method found them.
     """
 
     points: FloatArray
     history: FloatArray
     pair_count: int
     asymmetry: float = float("nan")
+    partner: IntArray | None = None
 
 
 def warn_if_still_falling(history: FloatArray, settings: Settings, monitor: Monitor) -> None:

@@ -61,6 +61,8 @@ class Settings:
         stress leaves them. With `start` 'input' or `preserve_detail` 0 they always do the latter.
     symmetry : {'hold', 'ignore'}
         Whether a straight form of a surface that is its own mirror image is held to that.
+    orientation : {'posed', 'upright', 'two_legs', 'all_fours'}
+        How the form lies: as the input does, or as the surface itself decides, alike for all poses: Z up, facing -Y.
     max_iterations : int
         Most majorisation steps.
     tolerance : float
@@ -182,6 +184,17 @@ class Settings:
         choices=(
             Choice("hold", "Hold", "Where the surface has a left and a right, the form has them alike"),
             Choice("ignore", "Ignore", "Left and right come out as the surface has them in this pose"),
+        ),
+    )
+    orientation: str = option(
+        "posed",
+        "Orientation",
+        "How the form lies",
+        choices=(
+            Choice("posed", "As Posed", "As near to the pose as a rotation brings it"),
+            Choice("upright", "Upright", "Z up, facing -Y, as the surface decides: alike for all poses of a body"),
+            Choice("two_legs", "On Two Legs", "Upright, with the head up"),
+            Choice("all_fours", "On All Fours", "Upright, with the head to the front and the belly down"),
         ),
     )
     max_iterations: int = option(

@@ -18,6 +18,8 @@ from ..run.monitor import Monitor, Plan
 from ..surface.laplacian import mass, stiffness
 from ..surface.spectrum import Spectrum, compute_spectrum
 from ..surface.working_surface import Reduced, WorkingSurface, working_surface
+from ..symmetry.chirality import chirality
+from ..symmetry.limbs import Limbs, lasting_order, limbs_of
 from .settings import Settings
 
 if TYPE_CHECKING:
@@ -58,6 +60,8 @@ class SurfaceFeatures:
         Geodesic distances from them.
     cells : (c,) ndarray of int
         Patch of every vertex that is worked on.
+    limbs : Limbs
+        Head, tail and sides among the feature points.
     """
 
     whole_points: FloatArray
@@ -72,6 +76,7 @@ class SurfaceFeatures:
     features: IntArray
     to_features: FloatArray
     cells: IntArray
+    limbs: Limbs
 
     @property
     def joined_faces(self) -> IntArray:
@@ -79,17 +84,24 @@ class SurfaceFeatures:
         return np.concatenate([self.whole_faces, self.surface.kept[self.surface.bridges]])
 
     @property
+    def summit(self) -> int:
+        """The feature point where the Auto Diffusion Function is highest, among all vertices."""
+        return int(self.whole_features[np.argmax(self.adf[self.features])])
+
+    @property
     def whole_features(self) -> IntArray:
         """Feature points among all vertices, (k,)."""
         return self.surface.kept[self.features]
 
-    def prolonged(self, monitor: Monitor) -> tuple[IntArray, IntArray, FloatArray]:
+    def prolonged(self, monitor: Monitor, order: IntArray | None = None) -> tuple[IntArray, IntArray, FloatArray]:
         """Interpolate what was found to all vertices.
 
         Parameters
         ----------
         monitor : Monitor
             Polled for cancellation.
+        order : (k,) ndarray of int, optional
+            Which feature point comes first, second, …; as they are when left out.
 
         Returns
         -------
@@ -105,12 +117,14 @@ class SurfaceFeatures:
         CancelledError
             If the run is cancelled.
         """
-        features = self.whole_features
-        if not self.surface.coarse:
-            return features, self.cells, self.adf
-        cells = voronoi_cells(self.surface.prolong(self.to_features), features, self.joined_faces)
-        monitor.check()
-        return features, cells, self.surface.prolong(self.adf)
+        features, cells, adf = self.whole_features, self.cells, self.adf
+        if self.surface.coarse:
+            cells = voronoi_cells(self.surface.prolong(self.to_features), features, self.joined_faces)
+            monitor.check()
+            adf = self.surface.prolong(self.adf)
+        if order is None:
+            return features, cells, adf
+        return features[order], np.argsort(order)[cells], adf
 
 
 def detected(
@@ -177,13 +191,15 @@ def detected(
         heat = HeatMethod(surface.triangulation, refine=settings.whole, monitor=monitor)
         if chosen is not None:
             features = surface.numbers_of(chosen)
-            to_features = heat.distances(features)
+            to_features, prominence = heat.distances(features), None
         else:
-            features, to_features = _feature_points(adf, surface.faces, heat, settings, monitor)
+            features, to_features, prominence = _feature_points(adf, surface.faces, heat, settings, monitor)
+        monitor.check()
+        features, to_features, limbs = _in_lasting_order(features, to_features, prominence, adf, surface)
     with monitor.stage("Patches"):
         cells = voronoi_cells(to_features, features, surface.faces)
     return SurfaceFeatures(
-        whole_points, faces, centre, unit, surface, L, M, spectrum, adf, features, to_features, cells
+        whole_points, faces, centre, unit, surface, L, M, spectrum, adf, features, to_features, cells, limbs
     )
 
 
@@ -206,9 +222,9 @@ def _spectrum(
 
 def _feature_points(
     adf: FloatArray, faces: IntArray, heat: HeatMethod, settings: Settings, monitor: Monitor
-) -> tuple[IntArray, FloatArray]:
+) -> tuple[IntArray, FloatArray, FloatArray]:
     """Take the prominent maxima of the Auto Diffusion Function, and of those close to each other the first."""
-    features = prominent_maxima(adf, faces, 0.0 if settings.feature_count else settings.prominence)[0]
+    features, prominence = prominent_maxima(adf, faces, 0.0 if settings.feature_count else settings.prominence)
     if settings.feature_count:
         features = features[: _SPARE * settings.feature_count]
     monitor.check()
@@ -217,4 +233,17 @@ def _feature_points(
     kept = kept[: settings.feature_count or None]
     if len(kept) < settings.feature_count:
         monitor.warn("few_features", count=len(kept))
-    return features[kept], to_features[:, kept]
+    return features[kept], to_features[:, kept], prominence[kept]
+
+
+def _in_lasting_order(
+    features: IntArray, to_features: FloatArray, prominence: FloatArray | None, adf: FloatArray, surface: WorkingSurface
+) -> tuple[IntArray, FloatArray, Limbs]:
+    """Tell limbs apart, and number them; those without a prominence were chosen by hand and keep their order."""
+    between = (to_features[features] + to_features[features].T) / 2
+    vertices = surface.kept[features]
+    limbs = limbs_of(between, chirality(to_features, surface.faces), adf[features], vertices)
+    if prominence is None:
+        return features, to_features, limbs
+    order = lasting_order(limbs, prominence, vertices)
+    return features[order], to_features[:, order], limbs.sorted_by(order)

@@ -107,6 +107,8 @@ class WholeSurface:
         Triangles.
     features : (k,) ndarray of int
         Feature points.
+    summit : int
+        The most prominent of them.
 
     Examples
     --------
@@ -121,6 +123,7 @@ class WholeSurface:
 
     def __init__(self, found: SurfaceFeatures, settings: Settings, monitor: Monitor) -> None:
         self.points, self.faces, self.features = found.whole_points, found.joined_faces, found.whole_features
+        self.summit = found.summit
         self._settings, self._monitor = settings, monitor
 
     @cached_property

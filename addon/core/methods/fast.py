@@ -90,7 +90,7 @@ def _form(found: SurfaceFeatures, settings: Settings, monitor: Monitor) -> Metho
         return fields[point]
 
     with monitor.stage("Embedding"):
-        form, pivots = fast_map(distances_from, int(whole.features[0]))
+        form, pivots = fast_map(distances_from, whole.summit)
         between = np.column_stack([fields[point][pivots] for point in pivots])
         stress = raw_stress(form[pivots], (between + between.T) / 2)
         return whole.embedding(form, [stress], len(fields) * len(form))

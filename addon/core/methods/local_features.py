@@ -115,13 +115,14 @@ def local_feature_form(found: SurfaceFeatures, settings: Settings, monitor: Moni
                 firm = mirror.sure * min(1.0, 2 * (1 - settings.preserve_detail))
                 form = held_symmetric(body, form, mirror._replace(sure=firm))
                 form = mended(body, form, _MENDING_STEPS, monitor, pressure=True)
-    apart = float("nan") if mirror is None else asymmetry(form, mirror.partner, body.mass)
+    partner = None if mirror is None else mirror.partner
+    apart = float("nan") if partner is None else asymmetry(form, partner, body.mass)
     with monitor.stage("Prolongation"):
         if surface.coarse:
             rotation, shift = surface.prolong_frames(*body.frames(form))
             form = moved_by_frames(found.whole_points, rotation, shift)
             monitor.check()
-    return MethodResult(form, history, sum(len(pairs.vertices) ** 2 for pairs in sets), apart)
+    return MethodResult(form, history, sum(len(pairs.vertices) ** 2 for pairs in sets), apart, partner)
 
 
 def _start(
@@ -156,7 +157,7 @@ def _mirror(
         found.spectrum.eigenvectors,
         found.features,
         found.to_features,
-        found.adf,
+        found.limbs,
         samples,
         monitor,
     )

@@ -166,7 +166,7 @@ def _form(found: SurfaceFeatures, settings: Settings, monitor: Monitor) -> Metho
     """Unfold a surface by least-squares scaling of its curve skeleton, which starts as it lies."""
     whole = WholeSurface(found, settings, monitor)
     with monitor.stage("Skeleton"):
-        from_root = np.maximum(whole.heat.distances(whole.features[:1])[:, 0], 0.0)
+        from_root = np.maximum(whole.heat.distances([whole.summit])[:, 0], 0.0)
         skeleton = curve_skeleton(whole.points, whole.faces, from_root)
         wanted = skeleton.path_lengths()
     with monitor.stage("Embedding"):

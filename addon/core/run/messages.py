@@ -67,6 +67,13 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
     "limb_mask": "chosen must be a boolean array of length {count}.",
     "limb_ways": "ways must lie between 0 and 1.",
     "diffusion_time": "The diffusion time must be positive; got {value}.",
+    # a reference
+    "reference_without_limbs": "The reference has no feature points to go by. Compute its form again and use that.",
+    "reference_bodies": "This mesh has {count} bodies and the reference {others}; only those that both have, the "
+    "largest first, were laid onto it.",
+    "reference_unlike": "This body is unlike the reference. Check how the form lies, or choose another reference.",
+    "reference_features": "This body has {count} feature points and the reference {others}; those without their like "
+    "come last.",
     # memory
     "mesh_memory": "A mesh of {vertices:,} vertices needs about {needed:.1f} GB, more than {limit}. Reduce the mesh, "
     "close other programs, or raise the memory limit.",

@@ -1,1 +1,1 @@
-"""Left and right of a surface: which vertices mirror each other, and forms held to that."""
+"""Left and right of a surface: limbs told apart, which vertices mirror each other, forms held to that and upright."""

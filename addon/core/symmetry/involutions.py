@@ -1,4 +1,4 @@
-"""Which feature points may mirror which: the swaps that keep the distances between them."""
+"""Which feature points may mirror which: the swaps that keep the distances between them and reverse handedness."""
 
 from __future__ import annotations
 
@@ -8,16 +8,24 @@ from ..numerics.arrays import FloatArray, IntArray
 
 _ALIKE = np.log(1.6)  # most that the logarithms of the Auto Diffusion Function differ between a point and its image
 _MISMATCH = 0.375  # most that a single distance may change, over the mean distance
+_HANDEDNESS = 4.0  # weight of a handedness that is not reversed, a cubed length, beside the change of distances
+_FULL = 0.03  # by which a swap of one more pair is preferred: bodies are symmetric as a whole, not limb by limb
 _MOST_TRIED = 20_000  # partial swaps; only surfaces of dozens of like limbs have more
 
 
-def feature_involutions(distances: FloatArray, adf: FloatArray, most: int = 6) -> list[IntArray]:
-    """Find the ways to swap feature points in pairs that change the distances between them least.
+def feature_involutions(
+    distances: FloatArray, handedness: FloatArray, adf: FloatArray, most: int = 6
+) -> list[tuple[IntArray, float]]:
+    """Find the ways to swap feature points in pairs that keep their distances and reverse their handedness.
+
+    Distances alone cannot tell a mirror image from a body of which only the forelegs change places.
 
     Parameters
     ----------
     distances : (k, k) ndarray of float
-        Geodesic distances between the feature points, symmetric.
+        Geodesic distances between the feature points, symmetric, on a surface of unit area.
+    handedness : (k, k, k) ndarray of float
+        Chirality of the distances from them, as `chirality` gives it.
     adf : (k,) ndarray of float
         Auto Diffusion Function there; limbs that mirror each other have like values.
     most : int
@@ -25,13 +33,15 @@ def feature_involutions(distances: FloatArray, adf: FloatArray, most: int = 6) -
 
     Returns
     -------
-    list of (k,) ndarray of int
-        The image of each feature point; at least one pair is swapped. Least change of the distances first.
+    list of tuple
+        The image of each feature point, (k,) ndarray of int, and a mismatch without unit. At least one pair is swapped;
+        the best way comes first.
 
     Examples
     --------
     >>> arms_and_head = np.array([[0.0, 2.0, 1.5], [2.0, 0.0, 1.5], [1.5, 1.5, 0.0]])
-    >>> [image.tolist() for image in feature_involutions(arms_and_head, np.array([2.0, 2.0, 1.0]))]
+    >>> ways = feature_involutions(arms_and_head, np.zeros((3, 3, 3)), np.array([2.0, 2.0, 1.0]))
+    >>> [image.tolist() for image, _ in ways]
     [[1, 0, 2]]
 
     References
@@ -53,8 +63,10 @@ def feature_involutions(distances: FloatArray, adf: FloatArray, most: int = 6) -
         if unset not in image:
             swapped = np.array(image)
             if (swapped != np.arange(count)).any():
-                change = distances[np.ix_(swapped, swapped)] - distances
-                found.append((float(np.sqrt((change**2).mean()) / scale), image))
+                change = np.sqrt(((distances[np.ix_(swapped, swapped)] - distances) ** 2).mean()) / scale
+                kept = np.sqrt(((handedness[np.ix_(swapped, swapped, swapped)] + handedness) ** 2).mean())
+                pairs = (swapped != np.arange(count)).sum() // 2
+                found.append((float(change + _HANDEDNESS * kept - _FULL * pairs), image))
             continue
         first = image.index(unset)
         for other in range(count - 1, first - 1, -1):
@@ -66,4 +78,4 @@ def feature_involutions(distances: FloatArray, adf: FloatArray, most: int = 6) -
             images = [longer[at] for at in known]
             if np.abs(distances[np.ix_(images, images)] - distances[np.ix_(known, known)]).max() <= _MISMATCH * scale:
                 waiting.append(tuple(longer))
-    return [np.array(image) for _, image in sorted(found)[:most]]
+    return [(np.array(image), mismatch) for mismatch, image in sorted(found)[:most]]

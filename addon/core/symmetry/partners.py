@@ -9,6 +9,7 @@ from ..numerics.arrays import FloatArray, IntArray
 from ..numerics.products import product
 from ..run.monitor import Monitor
 from .involutions import feature_involutions
+from .limbs import Limbs
 from .mirror import MirrorMap, Plane, mirror_plane
 
 _NEAR, _FACING = 0.3, 0.08  # weights of place and normal in the form beside the distances from the feature points, and
@@ -26,7 +27,7 @@ def mirror_partners(
     eigenvectors: FloatArray,
     features: IntArray,
     to_features: FloatArray,
-    adf: FloatArray,
+    limbs: Limbs,
     samples: IntArray,
     monitor: Monitor,
 ) -> MirrorMap | None:
@@ -51,8 +52,8 @@ def mirror_partners(
         Feature points.
     to_features : (n, k) ndarray of float
         Geodesic distances from them.
-    adf : (n,) ndarray of float
-        Auto Diffusion Function.
+    limbs : Limbs
+        What tells the feature points apart.
     samples : (s,) ndarray of int
         Vertices spread over the surface, on which the ways are compared.
     monitor : Monitor
@@ -70,12 +71,14 @@ def mirror_partners(
 
     Examples
     --------
+    >>> from addon.core.symmetry.limbs import limbs_of
     >>> arms = np.array([[-2.0, 0, 0], [-1, 0, 0.1], [0, 0.5, 0], [0, -1, 0.2], [1, 0, 0.1], [2, 0, 0]])
     >>> faces = np.array([[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 4], [2, 4, 5], [3, 5, 4]])
     >>> far = np.abs(arms[:, :1] - [-2.0, 2.0])
     >>> waves = np.linalg.qr(arms[:, :2])[0] * np.sqrt(6)
+    >>> limbs = limbs_of(far[[0, 5]] / 3, np.zeros((2, 2, 2)), np.ones(2), np.array([0, 5]))
     >>> mirror = mirror_partners(
-    ...     arms / 3, faces, np.ones(6) / 6, waves, np.array([0, 5]), far / 3, np.ones(6), np.arange(6), Monitor())
+    ...     arms / 3, faces, np.ones(6) / 6, waves, np.array([0, 5]), far / 3, limbs, np.arange(6), Monitor())
     >>> mirror.partner.tolist()
     [5, 4, 2, 3, 1, 0]
 
@@ -84,11 +87,10 @@ def mirror_partners(
     The map between eigenfunctions and its refinement: Melzi and others, "ZoomOut: Spectral Upsampling
     for Efficient Shape Correspondence", 2019, doi:10.1145/3355089.3356524.
     """
-    between = (to_features[features] + to_features[features].T) / 2
     normals = vertex_normals(form, faces)
     best, least = None, _NONE
     here = np.column_stack([to_features, _NEAR * form, _FACING * normals])
-    for image in feature_involutions(between, adf[features]):
+    for image, _ in feature_involutions(limbs.distances, limbs.handedness, limbs.adf):
         plane = mirror_plane(form[features], form[features[image]], np.ones(len(features)))
         for _ in range(_ROUNDS):
             there = _mirrored(form[samples], normals[samples], plane, _NEAR, _FACING, to_features[samples][:, image])

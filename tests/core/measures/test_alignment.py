@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from addon.core.deformation.elastic_body import ElasticBody
-from addon.core.measures.alignment import closest_point_fit, outside_out, rigid_fit
+from addon.core.measures.alignment import closest_point_fit, closest_points_from, outside_out, rigid_fit
 from addon.core.surface.delaunay import intrinsic_delaunay
 from addon.core.surface.triangulation import triangulated
 
@@ -52,3 +52,11 @@ def test_a_mirror_image_is_told_apart(figure, rotation):
     body = ElasticBody(surface, vertices, faces)
     np.testing.assert_array_equal(outside_out(body, vertices @ rotation), vertices @ rotation)
     np.testing.assert_array_equal(outside_out(body, vertices * [1, -1, 1]), vertices * [1, -1, -1])
+
+
+def test_closest_points_come_nearer_step_by_step(figure):
+    vertices, _ = figure
+    turn = Rotation.from_rotvec([0.15, -0.1, 0.2]).as_matrix()
+    found, _, left = closest_points_from(vertices @ turn + 0.05, vertices, np.eye(3), np.zeros(3))
+    np.testing.assert_allclose(found, turn.T, atol=1e-6)
+    assert left < 1e-6

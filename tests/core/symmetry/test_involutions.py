@@ -3,10 +3,15 @@
 import numpy as np
 from scipy.spatial.distance import cdist
 
-from addon.core.symmetry.involutions import feature_involutions
+from addon.core.symmetry.involutions import feature_involutions as ranked_involutions
 
 FOUR_LEGS = np.array([[1.0, 3, 0], [-1, 3, 0], [1.2, -3, 0], [-1.2, -3, 0], [0, 5, 1], [0, -6, 1]])  # head, tail
 SWAPPED = [1, 0, 3, 2, 4, 5]
+
+
+def feature_involutions(distances, adf, **how):
+    """The ways alone, of bodies of which no handedness is known."""
+    return [way for way, _ in ranked_involutions(distances, np.zeros((len(adf),) * 3), adf, **how)]
 
 
 def test_left_and_right_legs_are_swapped_and_head_and_tail_stay():
@@ -43,3 +48,15 @@ def test_many_like_limbs_take_no_longer_than_a_moment():
     star = np.column_stack([np.cos(angle), np.sin(angle)])
     ways = feature_involutions(cdist(star, star), np.ones(40))
     assert len(ways) <= 6
+
+
+def test_handedness_tells_a_mirror_image_from_a_body_whose_forelegs_alone_change_places():
+    distances = cdist(FOUR_LEGS, FOUR_LEGS)
+    distances[[0, 1, 2, 3], [2, 3, 0, 1]] = distances[[0, 1, 2, 3], [3, 2, 1, 0]] = 6.0  # beside and across alike
+    handedness = np.zeros((6, 6, 6))
+    for triple, value in (((0, 4, 1), 0.05), ((2, 4, 3), 0.05), ((0, 5, 3), 0.02), ((2, 5, 1), 0.02)):
+        for turn in range(3):
+            i, j, k = np.roll(triple, turn)
+            handedness[i, j, k], handedness[i, k, j] = value, -value
+    assert ranked_involutions(distances, handedness, np.ones(6))[0][0].tolist() == SWAPPED
+    assert ranked_involutions(distances, handedness, np.ones(6))[0][1] < 0.0

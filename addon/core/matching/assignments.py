@@ -1,0 +1,91 @@
+"""Which feature point of one surface is which of another: assignments that keep distances and handedness."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..numerics.arrays import FloatArray, IntArray
+from ..symmetry.limbs import Limbs
+
+_ALIKE = np.log(2.5)  # most that the logarithms of the Auto Diffusion Function differ between a point and its like
+_MISMATCH = 0.5  # most that a single distance may change, over the mean distance
+_HANDEDNESS = 4.0  # weight of a change of handedness, a cubed length, beside the change of distances
+_SIDES = 1.5  # weight of a change of the handedness of all pairs of limbs together, which poses disturb less
+_WITHOUT = 0.15  # mismatch that a feature point without its like counts as, over the number of feature points
+_MOST = 40  # feature points
+_BEAM = 500  # partial assignments that are followed
+
+
+def feature_assignments(limbs: Limbs, others: Limbs, most: int = 6) -> list[tuple[IntArray, float]]:
+    """Find the ways to assign feature points of one surface to those of another.
+
+    Parameters
+    ----------
+    limbs, others : Limbs
+        What tells the feature points of each surface apart.
+    most : int
+        Most ways to return.
+
+    Returns
+    -------
+    list of tuple
+        For each feature point that of the other surface which it is, -1 for those without, (k,) ndarray of int; and a
+        mismatch without unit. The best way comes first. Ways that assign fewer than half of the points are left out.
+
+    Examples
+    --------
+    >>> from addon.core.symmetry.limbs import limbs_of
+    >>> def limbs(points):
+    ...     far = np.linalg.norm(points[:, None] - points, axis=2)
+    ...     return limbs_of(far, np.zeros((3, 3, 3)), np.ones(3), np.arange(3))
+    >>> corner = np.array([[0.0, 0], [1, 0], [0, 2]])
+    >>> feature_assignments(limbs(corner), limbs(corner[[2, 0, 1]]))[0][0].tolist()
+    [1, 2, 0]
+    """
+    count, total = len(limbs.adf), len(others.adf)
+    if not 0 < count <= _MOST or not 0 < total <= _MOST:
+        return []
+    scale = (limbs.distances.mean() + others.distances.mean()) / 2 or 1.0
+    alike = np.abs(np.log(limbs.adf)[:, None] - np.log(others.adf)) <= _ALIKE
+    fewest = (min(count, total) + 1) // 2
+    beam: list[tuple[float, tuple[int, ...]]] = [(0.0, ())]
+    for at in range(count):
+        longer = []
+        for cost, image in beam:
+            known = [number for number in range(at) if image[number] >= 0]
+            given = [image[number] for number in known]
+            if len(known) + count - at > fewest:
+                longer.append((cost + _WITHOUT**2, (*image, -1)))
+            change = np.abs(others.distances[:, given] - limbs.distances[at, known]) / scale  # (k', a)
+            fits = alike[at] & (change <= _MISMATCH).all(axis=1)
+            fits[given] = False
+            more = (change**2).sum(axis=1)
+            longer += [(cost + float(more[other]), (*image, int(other))) for other in np.flatnonzero(fits)]
+        beam = sorted(longer)[:_BEAM]
+    found = sorted((_mismatch(limbs, others, np.array(image), scale), image) for _, image in beam)
+    return [(np.array(image), mismatch) for mismatch, image in found[:most]]
+
+
+def _mismatch(limbs: Limbs, others: Limbs, image: IntArray, scale: float) -> float:
+    """Measure how far an assignment is from keeping distances, handedness and thickness."""
+    known = np.flatnonzero(image >= 0)
+    there = image[known]
+    change = others.distances[np.ix_(there, there)] - limbs.distances[np.ix_(known, known)]
+    turned = others.handedness[np.ix_(there, there, there)] - limbs.handedness[np.ix_(known, known, known)]
+    sides = _handedness(limbs, known, limbs.handedness, known) - _handedness(limbs, known, others.handedness, there)
+    thicker = np.log(others.adf[there] / limbs.adf[known])
+    without = (len(image) - len(known) + len(others.adf) - len(known)) / (len(image) + len(others.adf))
+    return float(
+        np.sqrt((change**2).mean()) / scale
+        + _HANDEDNESS * np.sqrt((turned**2).mean())
+        + _SIDES * abs(sides)
+        + 0.1 * np.sqrt((thicker**2).mean())
+        + _WITHOUT * 2 * without
+    )
+
+
+def _handedness(limbs: Limbs, known: IntArray, handedness: FloatArray, there: IntArray) -> float:
+    """Add up the handedness of left limbs, the way to the head, and right limbs, as one surface or another has it."""
+    side, along = limbs.side[known], limbs.along[known]
+    own = handedness[np.ix_(there, there, there)]
+    return float(np.einsum("ijk,i,j,k", own, (side == 1).astype(float), along, (side == -1).astype(float)))

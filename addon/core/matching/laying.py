@@ -1,0 +1,142 @@
+"""Laying one form onto another: the proper motion, and which feature points are the same."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..measures.alignment import closest_point_fit, closest_points_from, rigid_fit
+from ..numerics.arrays import FloatArray, IntArray
+from ..symmetry.limbs import Limbs
+from .assignments import feature_assignments
+
+_NEAR = 0.25  # sqrt(area): feature points of one mesh that are farther apart on the form are not the same
+_RESIDUAL = 2.0  # weight of the distance that is left, in sqrt(area), beside the mismatch of an assignment
+
+
+class Laying(NamedTuple):
+    """How a form is laid onto another.
+
+    Attributes
+    ----------
+    rotation : (3, 3) ndarray of float
+        R, proper.
+    shift : (3,) ndarray of float
+        t; the motion is ``x ↦ x R + t``.
+    image : (k,) ndarray of int
+        For each feature point which of the other form's it is; -1 for those without.
+    mismatch : float
+        How unlike the two are, without unit: below 0.2 for poses of a body, above 0.3 for bodies of another kind.
+    """
+
+    rotation: FloatArray
+    shift: FloatArray
+    image: IntArray
+    mismatch: float
+
+
+def laid_by_vertices(
+    form: FloatArray, other: FloatArray, weights: FloatArray, tips: IntArray, others: IntArray
+) -> Laying:
+    """Lay a form onto that of another pose of the same mesh, vertex on vertex.
+
+    Parameters
+    ----------
+    form, other : (n, 3) ndarray of float
+        The forms, of unit area, their vertices in the same order.
+    weights : (n,) ndarray of float
+        Areas of the vertices.
+    tips : (k,) ndarray of int
+        Feature points of the form.
+    others : (k',) ndarray of int
+        Feature points of the other.
+
+    Returns
+    -------
+    Laying
+        The motion of least squares.
+
+    Examples
+    --------
+    >>> points = np.diag([1.0, 2, 3])
+    >>> laying = laid_by_vertices(points + 5, points, np.ones(3), np.array([2, 0]), np.array([0, 1, 2]))
+    >>> np.round(laying.shift, 6).tolist(), laying.image.tolist()
+    ([-5.0, -5.0, -5.0], [2, 0])
+    """
+    rotation, shift = rigid_fit(form, other, weights)
+    image = _completed(np.full(len(tips), -1), other[tips], other[others])
+    apart = ((form @ rotation + shift - other) ** 2).sum(axis=1)
+    return Laying(rotation, shift, image, float(np.sqrt(weights @ apart / weights.sum())))
+
+
+def laid_by_limbs(
+    form: FloatArray, other: FloatArray, tips: IntArray, others: IntArray, limbs: Limbs, other_limbs: Limbs
+) -> Laying:
+    """Lay a form onto that of another mesh of a like body.
+
+    Every way to assign the feature points gives a start for closest points; the way that fits best, by what the
+    surfaces say and by the distance that is left, is taken. Where no feature points agree, closest points start from
+    the principal axes.
+
+    Parameters
+    ----------
+    form : (n, 3) ndarray of float
+        The form, of unit area.
+    other : (n', 3) ndarray of float
+        The other form, of unit area.
+    tips : (k,) ndarray of int
+        Feature points of the form.
+    others : (k',) ndarray of int
+        Feature points of the other.
+    limbs, other_limbs : Limbs
+        What tells them apart.
+
+    Returns
+    -------
+    Laying
+        The motion.
+
+    Examples
+    --------
+    >>> body = np.array([[0.0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 3]]) / 3
+    >>> from addon.core.symmetry.limbs import limbs_of
+    >>> far = np.linalg.norm(body[:, None] - body, axis=2)
+    >>> limbs = limbs_of(far, np.zeros((4, 4, 4)), np.ones(4), np.arange(4))
+    >>> turned = body @ np.array([[0.0, 1, 0], [-1, 0, 0], [0, 0, 1]]) + 1
+    >>> laying = laid_by_limbs(turned, body, np.arange(4), np.arange(4), limbs, limbs)
+    >>> bool(np.allclose(turned @ laying.rotation + laying.shift, body)), laying.image.tolist()
+    (True, [0, 1, 2, 3])
+
+    References
+    ----------
+    Besl and McKay, "A Method for Registration of 3-D Shapes", 1992.
+    """
+    best: Laying | None = None
+    for image, mismatch in feature_assignments(limbs, other_limbs):
+        known = np.flatnonzero(image >= 0)
+        if len(known) < 3:
+            continue
+        start = rigid_fit(form[tips[known]], other[others[image[known]]])
+        rotation, shift, left = closest_points_from(form, other, *start)
+        mismatch = mismatch + _RESIDUAL * left
+        if best is None or mismatch < best.mismatch:
+            best = Laying(rotation, shift, image, mismatch)
+    if best is None:
+        *motion, left = closest_points_from(form, other, *closest_point_fit(form, other))
+        best = Laying(motion[0], motion[1], np.full(len(tips), -1), _RESIDUAL * left)
+    placed = form[tips] @ best.rotation + best.shift
+    return best._replace(image=_completed(best.image, placed, other[others]))
+
+
+def _completed(image: IntArray, tips: FloatArray, others: FloatArray) -> IntArray:
+    """Assign feature points that are without their like to the nearest of those left."""
+    from scipy.optimize import linear_sum_assignment
+
+    image = image.copy()
+    alone, left = np.flatnonzero(image < 0), np.setdiff1d(np.arange(len(others)), image)
+    far = np.linalg.norm(tips[alone][:, None] - others[left], axis=2)
+    rows, columns = linear_sum_assignment(np.minimum(far, _NEAR))
+    near = far[rows, columns] < _NEAR
+    image[alone[rows[near]]] = left[columns[near]]
+    return image

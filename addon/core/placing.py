@@ -1,0 +1,165 @@
+"""Where a form lies: as the pose does, upright, or on a reference; and how a reference numbers its feature points."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .matching.laying import laid_by_limbs, laid_by_vertices
+from .measures.alignment import rigid_fit
+from .mesh.geometry import of_unit_area, surface_area, vertex_areas
+from .method_api.method_result import MethodResult
+from .method_api.settings import Settings
+from .method_api.surface_features import SurfaceFeatures
+from .numerics.arrays import FloatArray, IntArray
+from .results import CanonicalForm
+from .run.errors import InvalidSettingsError
+from .run.monitor import Monitor
+from .symmetry.limbs import Limbs
+from .symmetry.upright import upright_rotation
+
+_UNLIKE = 0.3  # mismatch from which on two bodies count as unlike
+
+
+class ReferenceBody(NamedTuple):
+    """A body of a form that others are laid onto.
+
+    Attributes
+    ----------
+    points : (p, 3) ndarray of float
+        Its form, scaled to unit area.
+    centre : (3,) ndarray of float
+        Where its centre was, in the unit of the form.
+    tips : (k,) ndarray of int
+        Its feature points among its vertices, in the order of the mesh.
+    limbs : Limbs
+        What tells them apart.
+    same_mesh : bool
+        Whether the mesh that is laid onto it has the same triangles.
+    """
+
+    points: FloatArray
+    centre: FloatArray
+    tips: IntArray
+    limbs: Limbs
+    same_mesh: bool
+
+
+def reference_bodies(reference: CanonicalForm, faces: IntArray, count: int, monitor: Monitor) -> list[ReferenceBody]:
+    """Take a form apart into the bodies that others are laid onto.
+
+    Parameters
+    ----------
+    reference : CanonicalForm
+        The form.
+    faces : (m, 3) ndarray of int
+        Triangles of the mesh that is laid onto it.
+    count : int
+        Number of bodies of that mesh; the largest is laid onto the largest, and so on.
+    monitor : Monitor
+        Receives a warning where one has more bodies than the other.
+
+    Returns
+    -------
+    list of ReferenceBody
+        At most `count`.
+
+    Raises
+    ------
+    InvalidSettingsError
+        If the form was made without feature points, so that nothing tells its limbs apart.
+
+    Examples
+    --------
+    >>> from addon.core import canonical_form
+    >>> corner = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+    >>> form = canonical_form(corner, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
+    >>> [body.same_mesh for body in reference_bodies(form, form.faces, 1, Monitor())]
+    [True]
+    """
+    if not reference.bodies:
+        raise InvalidSettingsError("reference_without_limbs")
+    if len(reference.bodies) != count:
+        monitor.warn("reference_bodies", count=count, others=len(reference.bodies))
+    same = np.array_equal(reference.faces, faces)
+    found = []
+    for body in reference.bodies[:count]:
+        number = np.full(len(reference.vertices), -1)
+        number[body.vertices] = np.arange(len(body.vertices))
+        own = number[reference.faces]
+        points, centre, _ = of_unit_area(reference.vertices[body.vertices], own[(own >= 0).all(axis=1)])
+        order = np.argsort(body.numbers, kind="stable")
+        found.append(ReferenceBody(points, centre, body.tips[order], body.limbs.sorted_by(order), same))
+    return found
+
+
+def in_place(
+    embedded: MethodResult,
+    found: SurfaceFeatures,
+    settings: Settings,
+    reference: ReferenceBody | None,
+    monitor: Monitor,
+) -> tuple[FloatArray, IntArray]:
+    """Give a form the area of its input, a place and an orientation, by a proper motion.
+
+    Parameters
+    ----------
+    embedded : MethodResult
+        The form, of any size and in any place.
+    found : SurfaceFeatures
+        The surface that it is the form of.
+    settings : Settings
+        Whether it lies as posed, or upright.
+    reference : ReferenceBody or None
+        What it is laid onto instead.
+    monitor : Monitor
+        Receives a warning where the reference is a body of another kind.
+
+    Returns
+    -------
+    form : (n, 3) ndarray of float
+        The form in its place.
+    order : (k,) ndarray of int
+        Which feature point comes first, second, …: as in the reference, where there is one.
+
+    Examples
+    --------
+    >>> from addon.core.method_api.surface_features import detected
+    >>> points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
+    >>> found = detected(points, np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]]), None, Settings(), Monitor())
+    >>> turned = MethodResult(7 * points[:, [1, 2, 0]], np.zeros(1), 0)
+    >>> np.allclose(in_place(turned, found, Settings(), None, Monitor())[0], points)
+    True
+    """
+    form = embedded.points / np.sqrt(surface_area(embedded.points, found.whole_faces))
+    areas = vertex_areas(found.whole_points, found.whole_faces)
+    order = np.arange(len(found.features))
+    if reference is not None:
+        if reference.same_mesh and len(form) == len(reference.points):
+            laying = laid_by_vertices(form, reference.points, areas, found.whole_features, reference.tips)
+        else:
+            tips = found.whole_features
+            laying = laid_by_limbs(form, reference.points, tips, reference.tips, found.limbs, reference.limbs)
+        if laying.mismatch > _UNLIKE:
+            monitor.warn("reference_unlike")
+        elif len(laying.image) != len(reference.tips) or (laying.image < 0).any():
+            monitor.warn("reference_features", count=len(laying.image), others=len(reference.tips))
+        if settings.feature_points is None:
+            order = np.argsort(np.where(laying.image < 0, len(reference.tips), laying.image), kind="stable")
+        return (form @ laying.rotation + laying.shift) * found.unit + reference.centre, order
+    if settings.orientation == "posed":
+        rotation, shift = rigid_fit(form, found.whole_points, areas)
+    else:
+        rotation = upright_rotation(
+            form[found.surface.kept],
+            found.mass,
+            found.features,
+            found.to_features,
+            found.limbs,
+            embedded.partner,
+            settings.orientation,
+        )
+        share = areas / areas.sum()
+        shift = share @ found.whole_points - share @ form @ rotation
+    return (form @ rotation + shift) * found.unit + found.centre, order

@@ -1,0 +1,44 @@
+"""The handedness of functions on a surface: what changes sign when left and right are swapped, and nothing else."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..numerics.arrays import FloatArray, IntArray
+
+
+def chirality(functions: FloatArray, faces: IntArray) -> FloatArray:
+    """Integrate one function over the area that two others span, for all triples.
+
+    ``c_ijk = ∫ f_i df_j ∧ df_k``, made antisymmetric, as it is on a closed surface by Stokes' theorem. It needs no
+    lengths and no place in space, only which side of the triangles is outside. A mirror image of the surface has
+    ``-c``; so has a surface whose functions were swapped as a mirror swaps them.
+
+    Parameters
+    ----------
+    functions : (n, k) ndarray of float
+        Values at the vertices; here geodesic distances from the feature points, on a surface of unit area.
+    faces : (m, 3) ndarray of int
+        Triangles, anticlockwise seen from outside.
+
+    Returns
+    -------
+    (k, k, k) ndarray of float
+        c, in the cube of the unit of the functions.
+
+    Examples
+    --------
+    >>> points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])  # a corner of a cube, seen from outside
+    >>> faces = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+    >>> round(float(chirality(points, faces)[0, 1, 2]), 6)  # its volume
+    0.166667
+    """
+    values = (functions - functions.mean(axis=0))[faces]  # (m, 3, k)
+    middle = values.mean(axis=1)
+    one, two = values[:, 1] - values[:, 0], values[:, 2] - values[:, 0]
+    count = functions.shape[1]
+    spanned = np.empty((count, count, count))
+    for index in range(count):
+        half = (one * middle[:, index : index + 1]).T @ two / 2
+        spanned[index] = half - half.T
+    return np.asarray((spanned + spanned.transpose(1, 2, 0) + spanned.transpose(2, 0, 1)) / 3)

@@ -1,0 +1,184 @@
+"""Feature points told apart by the surface: head, tail, and limbs in pairs, left and right."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..numerics.arrays import FloatArray, IntArray
+from .involutions import feature_involutions
+
+_MOST = 40  # feature points among which a swap is looked for
+_SYMMETRIC = 0.25  # mismatch of a swap from which on a surface counts as having no left and right
+_TOLD = 0.002  # least handedness, a cubed length, that tells left from right
+_ALIKE = 0.1  # prominences that differ by less count as equal
+
+
+class Limbs(NamedTuple):
+    """What the surface tells about its feature points.
+
+    Attributes
+    ----------
+    distances : (k, k) ndarray of float
+        Geodesic distances between them, symmetric, on a surface of unit area.
+    handedness : (k, k, k) ndarray of float
+        Chirality of the distances from them.
+    adf : (k,) ndarray of float
+        Auto Diffusion Function there.
+    partner : (k,) ndarray of int
+        The feature point that mirrors each; itself for those in the middle, and all where there is no left and right.
+    side : (k,) ndarray of int
+        1 on the left, -1 on the right, 0 in the middle.
+    along : (k,) ndarray of float
+        Weights with which distances from the feature points add up to a function that rises towards the head.
+    """
+
+    distances: FloatArray
+    handedness: FloatArray
+    adf: FloatArray
+    partner: IntArray
+    side: IntArray
+    along: FloatArray
+
+    def sorted_by(self, order: IntArray) -> Limbs:
+        """Put the feature points in another order.
+
+        Parameters
+        ----------
+        order : (k,) ndarray of int
+            Which feature point comes first, second, …
+
+        Returns
+        -------
+        Limbs
+            The same of feature points in that order.
+
+        Examples
+        --------
+        >>> distances = np.array([[0.0, 2, 1], [2, 0, 1], [1, 1, 0]])
+        >>> limbs = limbs_of(distances, np.zeros((3, 3, 3)), np.array([2.0, 2, 1]), np.arange(3))
+        >>> limbs.sorted_by(np.array([2, 1, 0])).side.tolist()
+        [0, -1, 1]
+        """
+        place = np.empty(len(order), dtype=np.int64)
+        place[order] = np.arange(len(order))
+        return Limbs(
+            self.distances[np.ix_(order, order)],
+            self.handedness[np.ix_(order, order, order)],
+            self.adf[order],
+            place[self.partner[order]],
+            self.side[order],
+            self.along[order],
+        )
+
+
+def limbs_of(distances: FloatArray, handedness: FloatArray, adf: FloatArray, vertices: IntArray) -> Limbs:
+    """Find head, tail, left and right among the feature points.
+
+    The head is the broadest of those in the middle, where the Auto Diffusion Function is least; the tail the thinnest,
+    if there are two. Limbs of one side lie nearer to each other than to those of the other side. Which side is left
+    follows from handedness: a body has its limbs on its front, or underneath, so the side where distances from them are
+    shorter is the front; front, head and outside tell left. Where they do not, the order of the vertices does.
+
+    Parameters
+    ----------
+    distances : (k, k) ndarray of float
+        Geodesic distances between the feature points, symmetric, on a surface of unit area.
+    handedness : (k, k, k) ndarray of float
+        Chirality of the distances from them, as `chirality` gives it.
+    adf : (k,) ndarray of float
+        Auto Diffusion Function there.
+    vertices : (k,) ndarray of int
+        Which vertices they are.
+
+    Returns
+    -------
+    Limbs
+        What was found.
+
+    Examples
+    --------
+    >>> from scipy.spatial.distance import cdist
+    >>> body = np.array([[1.0, 2, 0], [-1, 2, 0], [1.1, -2, 0], [-1.1, -2, 0], [0, 4, 0]]) / 3
+    >>> limbs = limbs_of(cdist(body, body), np.zeros((5, 5, 5)), np.array([2.0, 2, 2, 2, 1]), np.arange(5))
+    >>> limbs.partner.tolist(), limbs.side.tolist()
+    ([1, 0, 3, 2, 4], [1, -1, 1, -1, 0])
+    """
+    count = len(distances)
+    partner, mismatch = np.arange(count), np.inf
+    if count <= _MOST:
+        for image, mismatch in feature_involutions(distances, handedness, adf, most=1):
+            partner = image if mismatch < _SYMMETRIC else partner
+    along = _along(partner, adf)
+    ones = np.flatnonzero(partner > np.arange(count))
+    others = partner[ones]
+    far = distances[np.ix_(ones, others)]
+    beside = distances[np.ix_(ones, ones)] + distances[np.ix_(others, others)]
+    same = far + far.T - beside  # (p, p) above 0 where the pairs are numbered from the same side
+    np.fill_diagonal(same, 0.0)
+    side = np.zeros(count, dtype=np.int64)
+    if len(ones):
+        agree = np.where(np.linalg.eigh(same)[1][:, -1] >= 0, 1, -1)
+        side[ones], side[others] = agree, -agree
+        left, right = (side == 1).astype(float), (side == -1).astype(float)
+        told = float(np.einsum("ijk,i,j,k", handedness, left, along, right))
+        if abs(told) < _TOLD:
+            told = float(vertices @ right - vertices @ left)
+        side = side if told >= 0 else -side
+    return Limbs(distances, handedness, adf, partner, side, along)
+
+
+def lasting_order(limbs: Limbs, prominence: FloatArray, vertices: IntArray) -> IntArray:
+    """Sort feature points so that alike limbs of alike surfaces come in the same place, whatever the pose.
+
+    Those in the middle come first, from head to tail; then the pairs, from the head backwards, each with its left one
+    first. On a surface without left and right the most prominent come first; by the order of the vertices, where
+    prominences are alike.
+
+    Parameters
+    ----------
+    limbs : Limbs
+        Head, tail and sides.
+    prominence : (k,) ndarray of float
+        Their prominence.
+    vertices : (k,) ndarray of int
+        Which vertices they are.
+
+    Returns
+    -------
+    (k,) ndarray of int
+        Which feature point comes first, second, …
+
+    Examples
+    --------
+    >>> distances = np.array([[0.0, 2, 1], [2, 0, 1], [1, 1, 0]])
+    >>> limbs = limbs_of(distances, np.zeros((3, 3, 3)), np.array([2.0, 2, 1]), np.arange(3))
+    >>> lasting_order(limbs, np.ones(3), np.arange(3)).tolist()
+    [2, 0, 1]
+    """
+    count = len(vertices)
+    if not limbs.side.any():
+        falling = np.argsort(-prominence, kind="stable")
+        level = np.empty(count, dtype=np.int64)
+        level[falling] = np.concatenate([[0], np.cumsum(np.diff(prominence[falling]) < -_ALIKE)])
+        return np.lexsort((vertices, level))
+    ahead = limbs.distances @ limbs.along
+    ahead = (ahead + ahead[limbs.partner]) / 2
+    pair = np.minimum(np.arange(count), limbs.partner)
+    return np.lexsort((-limbs.side, pair, -ahead, limbs.side != 0))
+
+
+def _along(partner: IntArray, adf: FloatArray) -> FloatArray:
+    """Weigh distances so that their sum rises towards the head: minus those from it, plus those from the tail."""
+    weights = np.zeros(len(partner))
+    middle = np.flatnonzero(partner == np.arange(len(partner)))
+    if len(middle):
+        head, tail = middle[np.argmin(adf[middle])], middle[np.argmax(adf[middle])]
+        weights[tail] += 1.0
+        weights[head] -= 1.0
+    if not weights.any():  # one alone in the middle, or none: then the broadest pair leads
+        first = int(np.argmin(adf + adf[partner])) if not len(middle) else int(middle[0])
+        weights[first] -= 0.5
+        weights[partner[first]] -= 0.5
+    return weights

@@ -1,0 +1,114 @@
+"""Which way up a body stands: its left, head and front by the surface, laid onto the axes of the scene."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..numerics.arrays import FloatArray, IntArray
+from .limbs import Limbs
+from .mirror import mirror_plane
+
+_UNDERNEATH = 0.12  # least mean offset of the limbs' ends towards the front, in sqrt(area), of a body on all fours
+_TAIL = 0.25  # least distance from the middle to the tail's end, in sqrt(area): hair is no tail
+_UNTOLD = 1e-3  # what is shorter tells no direction
+# left, head and front of a body in axes with Z up and -Y towards the viewer of the front view
+_STANDING = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])
+_ON_ALL_FOURS = np.array([[1.0, 0, 0], [0, -1, 0], [0, 0, -1]])
+
+
+def upright_rotation(
+    form: FloatArray,
+    weights: FloatArray,
+    features: IntArray,
+    to_features: FloatArray,
+    limbs: Limbs,
+    partner: IntArray | None,
+    stance: str = "upright",
+) -> FloatArray:
+    """Find the rotation that makes a form stand: Z up, its face or the front of its trunk towards -Y.
+
+    Left and right come from the plane that mirrors the form, the direction of the head from the whole surface: where
+    the distance from the tail less that from the head rises. A body with a tail, or with its limbs underneath, stands
+    on all fours, with its head towards -Y; any other on two legs, with its head up. A surface without left and right
+    stands along its longest axis, its broad side to the front, and the ends of its axes go by the first feature point
+    and the order of the vertices.
+
+    Parameters
+    ----------
+    form : (n, 3) ndarray of float
+        The form, of unit area, outside out.
+    weights : (n,) ndarray of float
+        Areas of the vertices.
+    features : (k,) ndarray of int
+        Feature points.
+    to_features : (n, k) ndarray of float
+        Geodesic distances from them.
+    limbs : Limbs
+        Head, tail and sides among them.
+    partner : (n,) ndarray of int or None
+        The vertex that mirrors each; None where it is not known: then the feature points tell the plane.
+    stance : {'upright', 'two_legs', 'all_fours'}
+        Whether the surface decides on how many legs it stands.
+
+    Returns
+    -------
+    (3, 3) ndarray of float
+        R, proper; the upright form is ``form @ R``.
+
+    Examples
+    --------
+    >>> from addon.core.symmetry.limbs import limbs_of
+    >>> body = np.array([[1.0, 0, 2], [-1, 0, 2], [1.1, 0, -2], [-1.1, 0, -2], [0, 0.1, 4]]) / 3
+    >>> far = np.linalg.norm(body[:, None] - body, axis=2)
+    >>> limbs = limbs_of(far, np.zeros((5, 5, 5)), np.array([2.0, 2, 2, 2, 1]), np.arange(5))
+    >>> turned = body[:, [1, 2, 0]]
+    >>> upright = turned @ upright_rotation(turned, np.ones(5), np.arange(5), far, limbs, None)
+    >>> bool(np.allclose(upright[:2, 0], [1 / 3, -1 / 3])), bool(upright[4, 2] > 1)
+    (True, True)
+    """
+    share = weights / weights.sum()
+    centred = form - share @ form
+    ahead = to_features @ _poles(limbs)
+    headward = centred.T @ (share * (ahead - share @ ahead))
+    covariance = (centred * share[:, None]).T @ centred
+    place = share * (np.arange(len(form)) - share @ np.arange(len(form)))  # the order of the vertices
+    if limbs.side.any():
+        other = form[features[limbs.partner]] if partner is None else form[partner]
+        some, per = (form[features], np.ones(len(features))) if partner is None else (form, share)
+        left = mirror_plane(some, other, per).normal
+        left = left * _sign(float(limbs.side @ (form[features] @ left)))
+        headward = headward - (headward @ left) * left
+        if np.linalg.norm(headward) < _UNTOLD:  # a tube of two like ends
+            within = np.eye(3) - np.outer(left, left)
+            headward = np.linalg.eigh(within @ covariance @ within)[1][:, 2]
+            headward = headward * _sign(float(place @ centred @ headward))
+        headward = headward / np.linalg.norm(headward)
+    else:
+        axes = np.linalg.eigh(covariance)[1]
+        end = float(centred[features[0]] @ axes[:, 2])
+        headward = axes[:, 2] * _sign(end if abs(end) > _UNTOLD else float(place @ centred @ axes[:, 2]))
+        left = axes[:, 1] * _sign(float(place @ centred @ axes[:, 1]))
+    front = np.cross(left, headward)
+    if stance == "upright":
+        paired = limbs.side != 0
+        underneath = (centred[features[paired]] @ front).mean() if paired.any() else 0.0
+        tailed = (limbs.along > 0).any() and (centred[features[np.argmax(limbs.along)]] @ headward) < -_TAIL
+        stance = "all_fours" if tailed or underneath > _UNDERNEATH else "two_legs"
+    axes = np.column_stack([left, headward, front])
+    return np.asarray(axes @ (_ON_ALL_FOURS if stance == "all_fours" else _STANDING))
+
+
+def _poles(limbs: Limbs) -> FloatArray:
+    """Weigh distances so that their sum rises from tail to head, or from the hindmost limbs where there is no tail."""
+    weights = limbs.along.copy()
+    paired = limbs.side != 0
+    if paired.any() and not (weights > 0).any():
+        far = np.where(paired, limbs.distances @ -weights, -np.inf)
+        last = int(np.argmax(far + far[limbs.partner]))
+        weights[[last, limbs.partner[last]]] += -weights.sum() / 2
+    return weights
+
+
+def _sign(value: float) -> float:
+    """Return -1 for what is below 0, and 1 otherwise."""
+    return -1.0 if value < 0 else 1.0

@@ -1,0 +1,58 @@
+"""Which feature point is which on another surface."""
+
+import numpy as np
+from scipy.spatial.distance import cdist
+
+from addon.core.matching.assignments import feature_assignments
+from addon.core.symmetry.limbs import limbs_of
+
+FOUR_LEGS = np.array([[1.0, 3, 0], [-1, 3, 0], [1.2, -3, 0], [-1.2, -3, 0], [0, 5, 1], [0, -6, 1]]) / 5
+
+
+def limbs(points, adf=None, handedness=None):
+    count = len(points)
+    flat = np.zeros((count,) * 3) if handedness is None else handedness
+    return limbs_of(cdist(points, points), flat, np.ones(count) if adf is None else adf, np.arange(count))
+
+
+def volumes(points):
+    """The handedness of a body whose functions are its coordinates along each point: signed volumes."""
+    return np.linalg.det(points[np.indices((len(points),) * 3).transpose(1, 2, 3, 0)])
+
+
+def test_points_in_another_order_are_found_again():
+    order = np.array([3, 5, 0, 2, 4, 1])
+    thick = np.array([2.0, 2.1, 3, 3.1, 1, 4])
+    image, mismatch = feature_assignments(
+        limbs(FOUR_LEGS, thick, volumes(FOUR_LEGS)), limbs(FOUR_LEGS[order], thick[order], volumes(FOUR_LEGS[order]))
+    )[0]
+    assert order[image].tolist() == [0, 1, 2, 3, 4, 5]
+    assert mismatch < 1e-9
+
+
+def test_handedness_decides_where_distances_tie():
+    mirrored = FOUR_LEGS[[1, 0, 3, 2, 4, 5]]  # the same distances with left and right exchanged
+    best, next_best = feature_assignments(
+        limbs(FOUR_LEGS, None, volumes(FOUR_LEGS)), limbs(mirrored, None, volumes(mirrored))
+    )[:2]
+    assert best[0].tolist() == [1, 0, 3, 2, 4, 5]
+    assert best[1] < next_best[1] - 0.02
+
+
+def test_a_missing_limb_is_left_out_and_the_others_stay():
+    image, mismatch = feature_assignments(limbs(FOUR_LEGS), limbs(FOUR_LEGS[[0, 2, 3, 4, 5]]))[0]
+    assert sorted(image[image >= 0].tolist()) == [0, 1, 2, 3, 4]
+    assert image[4] == 3
+    assert mismatch < 0.1
+
+
+def test_bodies_of_another_kind_have_no_way_or_a_bad_one():
+    line = np.arange(6.0)[:, None] * [1.0, 0, 0]
+    ways = feature_assignments(limbs(FOUR_LEGS), limbs(line))
+    assert not ways or ways[0][1] > 0.1
+
+
+def test_dozens_of_like_limbs_take_no_longer_than_a_moment():
+    angle = np.linspace(0, 2 * np.pi, 30, endpoint=False)
+    star = limbs(np.column_stack([np.cos(angle), np.sin(angle), 0 * angle]))
+    assert len(feature_assignments(star, star)) <= 6

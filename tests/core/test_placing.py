@@ -1,0 +1,152 @@
+"""Where forms lie: upright, and on a reference."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from addon.core import InvalidSettingsError, Settings, canonical_form
+from addon.core.measures.alignment import rigid_fit
+from addon.core.mesh.coarsening import coarsened
+from addon.core.mesh.geometry import surface_area, vertex_areas
+from tests.meshes import shapes
+
+UPRIGHT = Settings(orientation="upright", quality="draft")
+DRAFT = Settings(quality="draft")
+
+
+Mesh = tuple[np.ndarray, np.ndarray]
+
+
+def form_of(mesh: Mesh, settings: Settings, **how):
+    return canonical_form(mesh[0], mesh[1], settings, **how)
+
+
+def angle_between(one, two, weights):
+    return np.degrees(Rotation.from_matrix(rigid_fit(one, two, weights)[0]).magnitude())
+
+
+@pytest.fixture(scope="module")
+def bear(real_mesh) -> dict[str, Mesh]:
+    return {pose: real_mesh(f"bear/{pose}.obj") for pose in ("bind", "bear_run_f12", "bear_walk_f18")}
+
+
+def test_an_upright_form_does_not_hang_on_how_the_mesh_lies(real_mesh, rotation):
+    vertices, faces = real_mesh("horse/horse_gallop_f00.obj")
+    form = canonical_form(vertices, faces, UPRIGHT).vertices
+    turned = canonical_form(vertices @ rotation + [3.0, -1, 2], faces, UPRIGHT).vertices
+    centre, other = form.mean(axis=0), turned.mean(axis=0)
+    np.testing.assert_allclose(turned - other, form - centre, atol=1e-6 * float(np.ptp(form)))
+
+
+@pytest.mark.parametrize(
+    ("name", "up", "ahead"), [("man/dance1_00", [0, 1, 0], [0, 0, 1]), ("horse/horse_trot_f06", [0, 1, 0], [0, 0, -1])]
+)
+def test_bodies_stand_on_their_feet_and_face_the_viewer(name, up, ahead, real_mesh):
+    rest = {"man": "man/rest", "horse": "horse/bind"}[name.split("/")[0]]
+    vertices, faces = real_mesh(f"{name}.obj")
+    standing = real_mesh(f"{rest}.obj")[0]  # whose up and ahead are known
+    form = canonical_form(vertices, faces, UPRIGHT).vertices
+    to_standing, _ = rigid_fit(form, standing, vertex_areas(vertices, faces))
+    assert np.array([0, 0, 1]) @ to_standing @ up > 0.9
+    assert np.array([0, -1, 0]) @ to_standing @ ahead > 0.9
+
+
+def test_poses_of_a_body_stand_alike(bear):
+    forms = [form_of(mesh, UPRIGHT).vertices for mesh in bear.values()]
+    weights = vertex_areas(*bear["bind"])
+    assert max(angle_between(forms[0], each, weights) for each in forms[1:]) < 12  # 6 at normal quality
+
+
+def test_the_stance_can_be_chosen(real_mesh):
+    vertices, faces = real_mesh("bear/bind.obj")
+    up = canonical_form(vertices, faces, replace(UPRIGHT, orientation="two_legs")).vertices
+    down = canonical_form(vertices, faces, replace(UPRIGHT, orientation="all_fours")).vertices
+    np.testing.assert_allclose(up - up.mean(axis=0), (down - down.mean(axis=0)) @ [[1, 0, 0], [0, 0, -1], [0, 1, 0]])
+    upright = canonical_form(vertices, faces, UPRIGHT).vertices
+    np.testing.assert_array_equal(upright, down)
+
+
+@pytest.mark.parametrize("make", [lambda: shapes.sphere(3), lambda: shapes.joint(60), lambda: shapes.figure()])
+def test_bodies_of_any_kind_can_stand(make):
+    vertices, faces = make()
+    form = canonical_form(vertices, faces, UPRIGHT)
+    assert np.isfinite(form.vertices).all()
+    assert surface_area(form.vertices, faces) == pytest.approx(surface_area(vertices, faces))
+
+
+def test_every_method_can_stand(figure):
+    vertices, faces = figure
+    for method in ("classical", "euclidean_normalised", "skeleton"):
+        assert np.isfinite(canonical_form(vertices, faces, replace(UPRIGHT, method=method)).vertices).all()
+
+
+def test_a_form_is_laid_onto_that_of_another_pose(bear):
+    reference = form_of(bear["bind"], DRAFT)
+    weights = vertex_areas(*bear["bind"])
+    for pose in ("bear_run_f12", "bear_walk_f18"):
+        form = form_of(bear[pose], DRAFT, reference=reference)
+        rotation, shift = rigid_fit(form.vertices, reference.vertices, weights)
+        apart = [
+            np.sqrt(weights @ ((each - reference.vertices) ** 2).sum(axis=1))
+            for each in (form.vertices, form.vertices @ rotation + shift)
+        ]
+        assert apart[0] < 1.1 * apart[1]
+        assert surface_area(form.vertices, form.faces) == pytest.approx(surface_area(*bear[pose]))
+        assert not form.warnings
+
+
+def test_a_form_is_laid_onto_that_of_another_mesh_of_the_body(real_mesh):
+    rest, faces = real_mesh("man/rest.obj")
+    reference = canonical_form(rest, faces)
+    vertices, _ = real_mesh("man/benchmark_00.obj")
+    coarse = coarsened(vertices, faces, 7000)
+    order = np.random.default_rng(0).permutation(len(coarse.kept))
+    form = canonical_form(vertices[coarse.kept][order], np.argsort(order)[coarse.faces], reference=reference)
+    there = reference.vertices[coarse.kept][order]
+    assert angle_between(form.vertices, there, np.ones(len(there))) < 5
+    tips = rest[coarse.kept][order][form.feature_points]
+    nearest = np.linalg.norm(tips[:, None] - rest[reference.feature_points], axis=2).argmin(axis=1)
+    assert nearest.tolist() == [0, 1, 2, 3, 4]
+
+
+def test_limbs_are_numbered_as_in_the_reference(bear):
+    reference = form_of(bear["bind"], DRAFT)
+    (body,) = reference.bodies
+    order = np.array([2, 0, 4, 1, 3])
+    other = replace(
+        reference,
+        feature_points=reference.feature_points[order],
+        bodies=[body._replace(tips=body.tips[order], limbs=body.limbs.sorted_by(order))],
+    )
+    form = form_of(bear["bear_walk_f18"], DRAFT, reference=other)
+    plain = form_of(bear["bear_walk_f18"], DRAFT)
+    np.testing.assert_array_equal(form.feature_points, plain.feature_points[order])
+    np.testing.assert_array_equal(form.feature_points[form.patches], plain.feature_points[plain.patches])
+    np.testing.assert_array_equal(form.bodies[0].limbs.adf, plain.bodies[0].limbs.adf[order])
+
+
+def test_feature_points_chosen_by_hand_keep_their_order_on_a_reference(bear):
+    reference = form_of(bear["bind"], DRAFT)
+    chosen = tuple(int(each) for each in reference.feature_points[::-1])
+    form = form_of(bear["bear_walk_f18"], replace(DRAFT, feature_points=chosen), reference=reference)
+    assert tuple(form.feature_points) == chosen
+
+
+def test_an_unlike_body_and_bodies_too_many_are_told(real_mesh, figure):
+    man = form_of(real_mesh("man/rest.obj"), DRAFT)
+    horse = form_of(real_mesh("horse/bind.obj"), DRAFT, reference=man)
+    assert [warning.kind for warning in horse.warnings] == ["reference_unlike"]
+    vertices, faces = figure
+    two = np.concatenate([vertices, vertices + np.array([100.0, 0, 0])]), np.concatenate([faces, faces + len(vertices)])
+    alone = canonical_form(vertices, faces, DRAFT)
+    found = form_of(two, DRAFT, reference=alone)
+    assert "reference_bodies" in [warning.kind for warning in found.warnings]
+    np.testing.assert_allclose(found.vertices[: len(vertices)].mean(axis=0), alone.vertices.mean(axis=0), atol=0.2)
+    assert found.vertices[len(vertices) :, 0].mean() > 90
+
+
+def test_a_form_without_limbs_is_no_reference(figure):
+    with pytest.raises(InvalidSettingsError, match="Compute its form again"):
+        form_of(figure, DRAFT, reference=replace(form_of(figure, DRAFT), bodies=[]))
