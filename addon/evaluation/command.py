@@ -11,10 +11,10 @@ from time import perf_counter
 from typing import TextIO
 
 from ..core import CanonicalFormError
+from ..scheduling.crews import crew
 from .dataset import Shape, shapes_in
 from .methods import DEFAULT, KNOWN, Method, chosen_methods
 from .running import Lost, Rows, compute_forms, compute_hausdorff, hausdorff_rows, pending_forms
-from .scheduling import crew
 from .store import Store
 from .tables import method_table
 

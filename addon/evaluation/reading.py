@@ -17,8 +17,8 @@ import numpy as np
 from ..blender.off_format import read_off
 from ..core import InvalidMeshError
 from ..core.numerics.arrays import FloatArray, IntArray
-from .scheduling import LocalCrew
-from .work import Failure
+from ..scheduling.attempts import Failure
+from ..scheduling.crews import LocalCrew
 
 
 class Reader:

@@ -9,13 +9,14 @@ from typing import cast
 import numpy as np
 
 from ..core import CanonicalFormError
+from ..scheduling.attempts import Failure, give_memory_back
+from ..scheduling.crews import Crew, Work
 from .dataset import Shape
 from .methods import INPUT, KNOWN, Method
 from .reading import Reader
-from .scheduling import Crew, Work
 from .store import Store, digest, keys_of
 from .tables import evenly
-from .work import Failure, Outcome, give_memory_back, hausdorff_row, measured
+from .work import Outcome, hausdorff_row, measured
 
 Told = Callable[[str], object]
 Lost = dict[tuple[Shape, Method], str]

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import os
 import sys
 import time
-from collections.abc import Callable
-from contextlib import nullcontext, suppress
+from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -21,8 +19,6 @@ from ..core.method_api.surface_features import DETECTION
 from ..core.numerics.arrays import FloatArray, IntArray
 from .descriptor import harmonic_descriptor
 from .methods import Method
-
-_DIE_WITH_PARENT = 1  # PR_SET_PDEATHSIG of the Linux kernel
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,58 +42,6 @@ class Outcome:
     cost: dict[str, float | None]
     form: np.ndarray | None = None
     descriptor: FloatArray | None = None
-
-
-@dataclass(frozen=True)
-class Failure:
-    """Takes the place of a result where there is none.
-
-    Attributes
-    ----------
-    reason : str
-        A sentence.
-    died : bool
-        Whether the work took its process along, again and again.
-    """
-
-    reason: str
-    died: bool = False
-
-
-def attempted(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
-    """Run a piece of work where it may fail, and bring back what any process can read.
-
-    Parameters
-    ----------
-    function : callable
-        The work.
-    arguments : tuple
-        Its arguments.
-
-    Returns
-    -------
-    object
-        Its result, or a `Failure` with what it raised: an exception itself may not survive the way back.
-    """
-    try:
-        return function(*arguments)
-    except CanonicalFormError as error:
-        return Failure(str(error))
-    except MemoryError:
-        return Failure("Not enough memory.")
-    except Exception as error:  # any: it must not take the worker along
-        return Failure(f"{type(error).__name__}: {error}")
-    finally:
-        give_memory_back()
-
-
-def give_memory_back() -> None:
-    """Return freed memory to the system, where the C library keeps it: meshes of many sizes leave holes in it."""
-    if sys.platform == "linux":
-        import ctypes
-
-        with suppress(OSError, AttributeError):  # another C library, which has no need of it
-            ctypes.CDLL("libc.so.6").malloc_trim(0)
 
 
 def measured(vertices: FloatArray, faces: IntArray, method: Method) -> Outcome:
@@ -218,26 +162,3 @@ class _Peak:
 def _kilobytes(name: str) -> int:
     lines = Path("/proc/self/status").read_text().splitlines()
     return int(next(line.split()[1] for line in lines if line.startswith(name + ":")))
-
-
-def begin_work() -> None:
-    """Leave the keyboard to the process that started this one, and end when that is gone, killed or not."""
-    import signal
-    from multiprocessing import parent_process
-    from threading import Thread
-
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    if sys.platform == "linux":
-        import ctypes
-
-        with suppress(OSError, AttributeError):  # at once, also while Blender reads
-            ctypes.CDLL("libc.so.6").prctl(_DIE_WITH_PARENT, signal.SIGKILL)
-    parent = parent_process()
-    if parent is None:
-        return
-
-    def watch() -> None:
-        parent.join()
-        os._exit(1)
-
-    Thread(target=watch, daemon=True).start()

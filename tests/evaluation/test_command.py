@@ -10,14 +10,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from addon.evaluation import scheduling
 from addon.evaluation.command import main
 from addon.evaluation.methods import KNOWN
 from addon.evaluation.report import FIGURES
-from addon.evaluation.scheduling import LocalCrew
 from addon.evaluation.store import code_version
 from addon.evaluation.tables import evenly
-from addon.evaluation.work import Failure, hausdorff_row, measured
+from addon.evaluation.work import hausdorff_row, measured
+from addon.scheduling import crews
+from addon.scheduling.attempts import Failure
+from addon.scheduling.crews import LocalCrew
 from tests.meshes import shapes
 from tests.meshes.shapes import write_off
 
@@ -173,7 +174,7 @@ def test_a_mesh_that_fails_is_a_row_with_its_reason(dataset, tmp_path):
      (["--scheduler", "host:abc"], "No Dask scheduler answers")],
 )  # fmt: skip
 def test_words_that_make_no_sense(dataset, tmp_path, capsys, monkeypatch, words, message):
-    monkeypatch.setattr(scheduling, "_PATIENCE", "2s")
+    monkeypatch.setattr(crews, "_PATIENCE", "2s")
     where = [] if words == ["none"] else [str(dataset)]
     assert main([*where, *words, "--output", str(tmp_path / "out")], io.StringIO()) == 2
     assert message in capsys.readouterr().err

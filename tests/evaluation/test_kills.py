@@ -16,8 +16,8 @@ import psutil
 import pytest
 
 from addon.evaluation.command import main
-from addon.evaluation.scheduling import crew
-from addon.evaluation.work import Failure
+from addon.scheduling.attempts import Failure
+from addon.scheduling.crews import crew
 from tests.meshes import shapes
 
 METHODS = "ours,skeleton,fast"

@@ -11,9 +11,9 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Protocol
 
-from ..core import CanonicalFormError
+from ..core.run.errors import CanonicalFormError
+from .attempts import Failure, attempted, begin_work
 from .shipping import packed_code, remote_runner, unpacked
-from .work import Failure, attempted, begin_work
 
 _AHEAD = 2  # pieces waiting for each worker
 _PATIENCE = "20s"  # for an answer of the scheduler
@@ -212,7 +212,7 @@ class DaskCrew:
                 yield name, result
                 submit_some()
         except OSError as error:
-            raise CanonicalFormError("The Dask scheduler is lost. Start the evaluation again to go on.") from error
+            raise CanonicalFormError("The Dask scheduler is lost. Start again to go on.") from error
 
     def _fetched(self, future: Any) -> Any:
         """Get a result. If its worker dies before it is here, Dask computes it again, which may fail."""
@@ -222,7 +222,7 @@ class DaskCrew:
             packed = future.result()
         except Exception as error:
             if future.status == "cancelled":
-                raise CanonicalFormError("The Dask scheduler is lost. Start the evaluation again to go on.") from error
+                raise CanonicalFormError("The Dask scheduler is lost. Start again to go on.") from error
             if future.status != "error":  # not of the work, but of the connection
                 raise
             if isinstance(error, KilledWorker):

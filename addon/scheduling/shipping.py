@@ -5,6 +5,7 @@ What travels through a cluster's scheduler is bytes alone, which the scheduler n
 
 from __future__ import annotations
 
+import hashlib
 import io
 import pickle
 import zipfile
@@ -12,9 +13,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from .store import digest
-
-PACKAGE = __name__.split(".evaluation")[0]  # the name of this code here
+PACKAGE = __name__.split(".scheduling")[0]  # the name of this code here
+_PARTS = ("core", "scheduling", "evaluation", "blender", "batch")  # what a worker may need
 
 
 def packed_code(folder: Path) -> tuple[Path, str]:
@@ -33,8 +33,9 @@ def packed_code(folder: Path) -> tuple[Path, str]:
         The name to import the code by: unlike that of any other version.
     """
     root = Path(__file__).resolve().parents[1]
-    sources = [path for part in ("core", "evaluation", "blender") for path in sorted((root / part).rglob("*.py"))]
-    name = f"canonical_form_{digest(*(path.read_text(encoding='utf-8') for path in sources))}"
+    sources = [path for part in _PARTS for path in sorted((root / part).rglob("*.py"))]
+    texts = "\0".join(path.read_text(encoding="utf-8") for path in sources)
+    name = f"canonical_form_{hashlib.sha256(texts.encode()).hexdigest()[:24]}"
     target = folder / f"{name}.zip"
     with zipfile.ZipFile(target, "w") as archive:
         archive.writestr(f"{name}/__init__.py", "")
