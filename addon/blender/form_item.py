@@ -20,6 +20,7 @@ from .mesh_reading import Reading, find_object, read_object, require_unchanged
 from .new_objects import add_result_object
 from .object_states import object_mode
 from .object_warnings import object_warnings
+from .placement import world_rotation
 from .record import Part
 from .request import Request
 from .result_clearing import clear_results
@@ -142,16 +143,19 @@ class FormItem:
         CanonicalFormError
             If the mesh cannot be used, or the run was cancelled; the message names the remedy.
         """
-        from ..core import canonical_form, feature_patches
+        from ..core import feature_patches
 
-        work = canonical_form if request.step == "FORM" else feature_patches
         request.require_points(self.name, self.chosen)
         try:
             whole = combined(self.readings)
             settings = self.settings
             if any(self.chosen) and len(whole.vertices) > len(self.readings[0].vertices):
                 settings = replace(settings, feature_points=whole.numbers_of(self.chosen))
-            found = work(whole.vertices, whole.faces, settings, progress=progress, cancelled=cancelled)
+            found: CanonicalForm | FeaturePatches
+            if request.step == "FORM":
+                found = self._form(whole, settings, request, progress, cancelled)
+            else:
+                found = feature_patches(whole.vertices, whole.faces, settings, progress=progress, cancelled=cancelled)
             shapes = self._shapes_between(whole, found, cancelled)
             self.results = results_of(self.readings, whole, found, shapes, request)
         except MemoryError as error:
@@ -257,6 +261,29 @@ class FormItem:
         write_results(target, found, result.colours, result.report, value=request.value, patches=patches, part=part)
         if shapes:
             write_in_betweens(target, shapes)
+
+    def _form(
+        self,
+        whole: Combined,
+        settings: Settings,
+        request: Request,
+        progress: Progress | None,
+        cancelled: Cancelled | None,
+    ) -> CanonicalForm:
+        """Compute the form; where it is not to lie as posed, as the objects stand in the scene."""
+        from ..core import canonical_form
+
+        if settings.orientation == "posed" and request.reference is None:
+            return canonical_form(whole.vertices, whole.faces, settings, progress=progress, cancelled=cancelled)
+        alone = len(self.readings) == 1
+        turn = world_rotation(self.readings[0].placement) if alone else np.eye(3)
+        posed = whole.vertices @ turn.T
+        reference = None if request.reference is None else request.reference(cancelled)
+        found = canonical_form(
+            posed, whole.faces, settings, reference=reference, progress=progress, cancelled=cancelled
+        )
+        form = found.vertices if alone else found.vertices + (posed.mean(axis=0) - found.vertices.mean(axis=0))
+        return replace(found, vertices=form @ turn)
 
     def _shapes_between(
         self, whole: Combined, found: CanonicalForm | FeaturePatches, cancelled: Cancelled | None

@@ -31,6 +31,25 @@ def placement_of(obj: bpy.types.Object, deformed: bool) -> FloatArray:
     return np.array(obj.matrix_world if deformed else _resting(obj))
 
 
+def world_rotation(placement: FloatArray) -> FloatArray:
+    """Find how an object is turned in the scene.
+
+    Parameters
+    ----------
+    placement : (4, 4) ndarray of float
+        Its transform, for columns.
+
+    Returns
+    -------
+    (3, 3) ndarray of float
+        The nearest proper rotation, for columns.
+    """
+    left, _, right = np.linalg.svd(placement[:3, :3])
+    if np.linalg.det(left @ right) < 0:
+        left[:, -1] *= -1
+    return np.asarray(left @ right)
+
+
 def _resting(obj: bpy.types.Object) -> Matrix:
     """Find the transform of an object with all armatures above it in the rest position."""
     if not _hangs_on_bone(obj):

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import KW_ONLY, dataclass, field, replace
+from typing import TYPE_CHECKING
 
 import bpy
 
@@ -11,6 +12,10 @@ from ..core import CanonicalFormError, Settings
 from .chosen_features import MOST_FEATURES, members_of
 from .in_betweens import animated, has_in_betweens
 from .record import require_record
+
+if TYPE_CHECKING:
+    from ..core import CanonicalForm
+    from ..core.run.monitor import Cancelled
 
 
 @dataclass(frozen=True)
@@ -35,6 +40,9 @@ class Request:
         Measure the Hausdorff distance too.
     objects : {'TOUCHING', 'TOGETHER', 'EACH'}
         Which of several objects are one body: those that touch, all, or none.
+    reference : callable, optional
+        Gives the form that the result is laid onto, turned as it stands in the scene; may take a while, takes
+        `cancelled`, as in `canonical_form`, and touches no data of Blender's.
     """
 
     settings: Settings = field(default_factory=Settings)
@@ -46,6 +54,7 @@ class Request:
     new_object: bool = False
     hausdorff: bool = False
     objects: str = "EACH"
+    reference: Callable[[Cancelled | None], CanonicalForm] | None = None
 
     def settings_for(self, obj: bpy.types.Object) -> Settings:
         """Return the settings for an object, with the feature points of the vertex group, if one is named.

@@ -55,6 +55,7 @@ class OBJECT_OT_canonical_form(JobOperator, MethodProperties, FormerProperties, 
     def task(self, context: bpy.types.Context) -> "FormTask":
         """Read the active and the other selected meshes."""
         from ..blender.form_task import FormTask
+        from ..blender.reference import Reference
         from ..blender.request import Request
 
         objects, self._refused = chosen_objects(context)
@@ -66,6 +67,7 @@ class OBJECT_OT_canonical_form(JobOperator, MethodProperties, FormerProperties, 
             deformed=self.mesh == "SHOWN",
             new_object=self.result == "OBJECT",
             objects=self.objects,
+            reference=Reference(self.reference).computed if self.reference and self.step == "FORM" else None,
         )
         return FormTask(objects, request)
 

@@ -26,7 +26,16 @@ from .properties import METHOD_NAMES, hand_over
 from .tool_operators import OBJECT_OT_canonical_form_choose, OBJECT_OT_canonical_form_distance
 
 _MAIN = ("quality", "preserve_detail")
-_EVERY_METHOD = (*FEATURE_OPTIONS, "method", "value", "feature_points", "quality", "pieces", "memory_limit")
+_EVERY_METHOD = (
+    *FEATURE_OPTIONS,
+    "method",
+    "value",
+    "feature_points",
+    "quality",
+    "pieces",
+    "orientation",
+    "memory_limit",
+)
 _BUTTON_SCALE = 1.4  # height of the main button relative to others
 _USUAL, _SHORTEST = 42, 20  # characters in a line of the sidebar
 _CHARACTER, _MARGIN = 6.4, 55  # width of a character and of what stands beside a line, in pixels
@@ -66,6 +75,10 @@ class VIEW3D_PT_canonical_form(_Tab, bpy.types.Panel):
             layout.prop(chosen, "method")
         for name in (*_MAIN, "mesh", "result"):
             layout.prop(chosen, name)
+        row = layout.row()
+        row.active = not chosen.reference
+        row.prop(chosen, "orientation")
+        layout.prop_search(chosen, "reference", bpy.data, "objects")
         if len(objects) > 1:
             layout.prop(chosen, "objects")
         _offer_shown(layout, chosen, obj)
@@ -230,7 +243,7 @@ class VIEW3D_PT_canonical_form_advanced(_Tab, bpy.types.Panel):
         column, chosen = self.layout.column(), context.scene.canonical_form
         method = methods()[chosen.method]
         for name in ("value", *METHOD_NAMES):
-            if name not in (*_MAIN, "prominence", "feature_count"):
+            if name not in (*_MAIN, "orientation", "prominence", "feature_count"):
                 row = column.row()
                 row.active = name in (*_EVERY_METHOD, *method.uses) and name not in method.fixed
                 row.prop(chosen, name)

@@ -128,6 +128,11 @@ class RequestProperties:
         ),
         default="TOUCHING",
     )
+    reference: StringProperty(  # type: ignore[valid-type]
+        name="Reference",
+        description="Object with a form of the same or a like body: the form is turned as that one is, and its limbs "
+        "are numbered and coloured alike",
+    )
     feature_group: StringProperty(  # type: ignore[valid-type]
         name="Vertex Group",
         description="Vertex group that holds the feature points, one vertex per limb; empty to detect them",

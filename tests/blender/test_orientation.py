@@ -1,0 +1,79 @@
+"""Upright forms, and forms on a reference, as objects stand in the scene."""
+
+import bpy
+import numpy as np
+import pytest
+from mathutils import Euler, Matrix
+
+from .conftest import QUICK, add_object, snapshot
+
+
+def form_of(obj):
+    points = obj.data.shape_keys.key_blocks["Canonical Form"].data
+    found = np.empty(3 * len(points), dtype=np.float32)
+    points.foreach_get("co", found)
+    return found.reshape(-1, 3).astype(float)
+
+
+def in_scene(obj, points):
+    return points @ np.array(obj.matrix_world)[:3, :3].T
+
+
+def compute(obj, **how):
+    for other in bpy.context.view_layer.objects:
+        other.select_set(other == obj)
+    bpy.context.view_layer.objects.active = obj
+    bpy.context.view_layer.update()
+    assert bpy.ops.object.canonical_form(**{**QUICK, **how}) == {"FINISHED"}
+
+
+def centred(points):
+    return points - points.mean(axis=0)
+
+
+def test_upright_is_upright_in_the_scene_whatever_the_objects_transform(figure_object, arrays):
+    turned = add_object("Turned", *arrays)
+    turned.matrix_world = Matrix.LocRotScale((4.0, 1, 0), Euler((0.7, -0.3, 2.0)), (1, 1, 1))
+    for obj in (figure_object, turned):
+        compute(obj, orientation="upright")
+    one, two = (centred(in_scene(obj, form_of(obj))) for obj in (figure_object, turned))
+    np.testing.assert_allclose(two, one, atol=2e-3 * np.ptp(one))
+    compute(figure_object)  # as posed
+    assert np.abs(centred(form_of(figure_object)) - one).max() > 0.05 * np.ptp(one)
+
+
+def test_a_form_is_laid_onto_that_of_another_object(figure_object, arrays):
+    vertices, faces = arrays
+    turn = np.array(Euler((0.4, 1.1, -0.6)).to_matrix())
+    other = add_object("Other", vertices @ turn.T + [0, 0, 3], faces)
+    other.matrix_world = Matrix.LocRotScale((9.0, 0, 0), Euler((0.0, 0.0, 1.0)), (1, 1, 1))
+    compute(figure_object, orientation="upright")
+    before = snapshot(figure_object)
+    compute(other, reference="Figure")
+    assert snapshot(figure_object)["keys"] == before["keys"]
+    one, two = (in_scene(obj, form_of(obj)) for obj in (figure_object, other))
+    np.testing.assert_allclose(two, one, atol=2e-3 * np.ptp(one))
+    names = [[group.name for group in obj.vertex_groups] for obj in (figure_object, other)]
+    assert names[0] == names[1]
+    patches = [
+        np.array([[colour.color[:] for colour in obj.data.color_attributes["Patches"].data]])
+        for obj in (figure_object, other)
+    ]
+    np.testing.assert_allclose(patches[0], patches[1], atol=1e-3)
+
+
+@pytest.mark.parametrize(("name", "words"), [("Nobody", "no object Nobody"), ("Plain", "has no form to refer to")])
+def test_a_reference_without_a_form_is_refused_in_a_sentence(figure_object, arrays, name, words):
+    add_object("Plain", *arrays)
+    before = snapshot(figure_object)
+    with pytest.raises(RuntimeError, match=words):
+        compute(figure_object, reference=name)
+    assert snapshot(figure_object) == before
+
+
+def test_the_panel_offers_orientation_and_reference(figure_object):
+    chosen = bpy.context.scene.canonical_form
+    assert [each.identifier for each in chosen.bl_rna.properties["orientation"].enum_items] == [
+        "posed", "upright", "two_legs", "all_fours",
+    ]  # fmt: skip
+    assert chosen.reference == ""
