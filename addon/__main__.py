@@ -1,23 +1,31 @@
-"""Runs ``python -m addon``: `compute` where the bpy module is installed, `evaluate` anywhere."""
+"""Runs ``python -m addon``: `compute` and `evaluate`, with Blender as a module or without it."""
 
 import sys
+from collections.abc import Sequence
 
-from .result_lines import claim_output
-from .supervision import done_before, is_supervised, supervised
 
-if __name__ == "__main__":
-    if sys.argv[1:2] == ["evaluate"]:
+def main(words: Sequence[str] | None = None) -> int:
+    """Run the command line.
+
+    Parameters
+    ----------
+    words : sequence of str, optional
+        The words; those of this process when left out.
+
+    Returns
+    -------
+    int
+        The exit code.
+    """
+    words = sys.argv[1:] if words is None else words
+    if words[:1] == ["evaluate"]:
         from .evaluation.command import main as evaluate
 
-        sys.exit(evaluate(sys.argv[2:]))
-    if not is_supervised():
-        sys.exit(supervised(sys.argv[1:]))
-    done = done_before()
-    claimed = claim_output()  # before bpy is imported: it has something to say too
-    try:
-        import bpy  # noqa: F401
-    except ImportError:
-        sys.exit("The command line needs Blender as a module. Install it with: pip install bpy")
-    from .command_line import main
+        return evaluate(list(words[1:]))
+    from .batch.command import main as run
 
-    sys.exit(main(sys.argv[1:], claimed, done))
+    return run(words, sys.stdout)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

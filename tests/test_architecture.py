@@ -138,6 +138,7 @@ def test_a_new_method_is_one_new_file(tmp_path):
     assert NEW_METHOD.count("\n") <= 30
     (tmp_path / "addon" / "core" / "methods" / "ball.py").write_text(NEW_METHOD.lstrip(), encoding="utf-8")
     script = """
+        import sys
         import numpy as np
         from addon.core import Settings, canonical_form
         from addon.evaluation.methods import KNOWN
@@ -150,10 +151,10 @@ def test_a_new_method_is_one_new_file(tmp_path):
         except ImportError:
             print("ball in everything but Blender")
         else:
-            from addon.command_line import main
+            from addon.batch.command import main
             from addon.interface.properties import method_items
             assert "ball" in [item[0] for item in method_items(None, None)]
-            assert main(["compute", "--help"]) == 0
+            assert main(["compute", "--help"], sys.stdout) == 0
         """
     done = subprocess.run(
         [sys.executable, "-c", textwrap.dedent(script)], cwd=tmp_path, capture_output=True, text=True, check=False

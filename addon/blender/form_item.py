@@ -55,6 +55,8 @@ class FormItem:
         Names of the objects that show the results; empty where nothing was written.
     error : str or None
         Why there is no result, or why it could not be written.
+    whole_form : CanonicalForm or None
+        The form of all objects together, turned as they stand in the scene: what others can be laid onto.
     """
 
     readings: list[Reading]
@@ -65,6 +67,7 @@ class FormItem:
     results: list[FormResult] = field(default_factory=list)
     written_to: list[str] = field(default_factory=list)
     error: str | None = None
+    whole_form: CanonicalForm | None = None
 
     @classmethod
     def read(cls, obj: bpy.types.Object, request: Request) -> FormItem:
@@ -273,15 +276,18 @@ class FormItem:
         """Compute the form; where it is not to lie as posed, as the objects stand in the scene."""
         from ..core import canonical_form
 
-        if settings.orientation == "posed" and request.reference is None:
-            return canonical_form(whole.vertices, whole.faces, settings, progress=progress, cancelled=cancelled)
         alone = len(self.readings) == 1
         turn = world_rotation(self.readings[0].placement) if alone else np.eye(3)
+        if settings.orientation == "posed" and request.reference is None:
+            found = canonical_form(whole.vertices, whole.faces, settings, progress=progress, cancelled=cancelled)
+            self.whole_form = replace(found, vertices=found.vertices @ turn.T)
+            return found
         posed = whole.vertices @ turn.T
         reference = None if request.reference is None else request.reference(cancelled)
         found = canonical_form(
             posed, whole.faces, settings, reference=reference, progress=progress, cancelled=cancelled
         )
+        self.whole_form = found
         form = found.vertices if alone else found.vertices + (posed.mean(axis=0) - found.vertices.mean(axis=0))
         return replace(found, vertices=form @ turn)
 

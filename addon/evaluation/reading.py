@@ -85,8 +85,8 @@ def _read_by_blender(path: Path) -> tuple[FloatArray, IntArray]:
         raise InvalidMeshError(
             f"{path.name} can only be read by Blender as a module: pip install bpy. Triangles in .off files need none."
         ) from error
-    from ..blender.files import open_meshes
     from ..blender.mesh_reading import read_mesh
+    from ..blender.reading_files import open_meshes
 
     try:
         with _blender_silenced():

@@ -8,9 +8,10 @@ class _Command:
 
 
 def _run(arguments: list[str]) -> int:
-    from .. import command_line
+    from ..batch.command import main
+    from ..result_lines import claim_output
 
-    return command_line.main(arguments)
+    return main(arguments, claim_output(), alone=True)
 
 
 def register() -> None:

@@ -15,6 +15,7 @@ from ..core.run.errors import CanonicalFormError
 from .attempts import Failure, attempted, begin_work
 from .shipping import packed_code, remote_runner, unpacked
 
+_THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 _AHEAD = 2  # pieces waiting for each worker
 _PATIENCE = "20s"  # for an answer of the scheduler
 Work = tuple[Callable[..., Any], tuple[Any, ...]]
@@ -39,7 +40,7 @@ class Crew(Protocol):
 
 
 class LocalCrew:
-    """Processes of this machine, each on one thread.
+    """Processes of this machine.
 
     Parameters
     ----------
@@ -47,9 +48,12 @@ class LocalCrew:
         Number of processes.
     attempts : int
         Times that a piece of work may cost its worker the life before it is given up.
+    one_thread : bool
+        Whether each process keeps to one thread, so that none slows another.
     """
 
-    def __init__(self, count: int, attempts: int = 3) -> None:
+    def __init__(self, count: int, attempts: int = 3, *, one_thread: bool = True) -> None:
+        self._one_thread = one_thread
         self._count = count
         self._attempts = attempts
         self._pool: Any = None
@@ -58,7 +62,7 @@ class LocalCrew:
         from concurrent.futures import ProcessPoolExecutor
         from multiprocessing import get_context
 
-        for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
+        for name in _THREADS if self._one_thread else ():
             os.environ[name] = "1"  # the processes inherit it; this one has its libraries loaded
         return ProcessPoolExecutor(self._count, get_context("spawn"), begin_work)
 

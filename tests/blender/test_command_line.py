@@ -4,15 +4,15 @@ import os
 import re
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import bpy
 import numpy as np
 import pytest
 
+from addon.batch.command import main
+from addon.batch.inputs import output_stems, separators
 from addon.blender.off_format import read_off
-from addon.command_line import _output_names, main
 from addon.core import CanonicalFormError, InvalidMeshError
 from tests.meshes import shapes
 
@@ -65,8 +65,8 @@ def test_every_format_gives_the_same_form(folder, tmp_path):
         assert len(line["feature_points"]) == len(lines[0]["feature_points"])
         assert line["stress"]["last"] == pytest.approx(lines[0]["stress"]["last"], rel=1e-3)
         assert set(line) == {
-            "input", "object", "output", "vertices", "faces", "feature_points", "patch_sizes", "stress", "pair_count",
-            "pair_reduction", "method", "pieces", "memory_estimate", "measures", "timings", "warnings",
+            "schema", "input", "object", "output", "vertices", "faces", "feature_points", "patch_sizes", "stress",
+            "pair_count", "pair_reduction", "method", "pieces", "memory_estimate", "measures", "timings", "warnings",
         }  # fmt: skip
         bpy.ops.wm.open_mainfile(filepath=line["output"])
         obj = bpy.data.objects[line["object"]]
@@ -94,14 +94,14 @@ def test_the_bare_form_has_the_inputs_order_and_space(folder, tmp_path, kind):
 
 
 def test_a_failed_mesh_does_not_stop_the_others(folder, tmp_path):
-    broken = [folder / "short.off", folder / "empty.blend", folder / "text.txt", folder / "missing.obj", folder]
+    broken = [folder / "short.off", folder / "empty.blend", folder / "text.txt", folder / "missing.obj"]
     code, lines, errors = run(*broken, folder / "off.off", "--output", tmp_path)
     assert code == 1
-    assert [("error" in line) for line in lines] == [True] * 5 + [False]
+    assert [("error" in line) for line in lines] == [True] * 4 + [False]
     assert "cut short" in lines[0]["error"]
     assert "not of a kind" in lines[2]["error"]
     assert "not a file" in lines[3]["error"]
-    for line in lines[:5]:
+    for line in lines[:4]:
         assert line["error"] in errors
     assert [path.name for path in tmp_path.iterdir()] == ["off.blend"]
 
@@ -164,9 +164,9 @@ def test_no_words_and_help():
 
 def test_files_of_one_name_get_their_folders_names(tmp_path):
     paths = [tmp_path / "a" / "rest.obj", tmp_path / "b" / "rest.obj", tmp_path / "b" / "walk.obj"]
-    assert _output_names(paths) == ["a-rest", "b-rest", "walk"]
-    with pytest.raises(CanonicalFormError, match="named twice"):
-        _output_names([paths[0], paths[0]])
+    assert output_stems(paths) == ["a-rest", "b-rest", "walk"]
+    with pytest.raises(CanonicalFormError, match="would have the same name"):
+        output_stems([paths[0], paths[0]])
 
 
 @pytest.mark.parametrize(
@@ -253,8 +253,6 @@ def test_hostile_files_are_reported_in_sentences(tmp_path):
     for suffix in (".blend", ".obj", ".ply", ".stl", ".glb", ".off"):
         wanted[where / f"empty-{suffix[1:]}{suffix}"] = "cannot read|no mesh|does not start"
         (where / f"empty-{suffix[1:]}{suffix}").write_bytes(b"")
-    wanted[where / "folder.obj"] = "is not a file"
-    (where / "folder.obj").mkdir()
     wanted[where / "nowhere.ply"] = "is not a file"
     if sys.platform != "win32":
         wanted[where / "pipe.stl"] = "is not a file"
@@ -314,30 +312,6 @@ def test_a_full_disk_is_reported_and_the_old_file_stays(tmp_path, folder):
     assert [path.read_bytes() for path in tmp_path.iterdir()] == [old]
 
 
-def test_a_crash_costs_one_file(tmp_path, folder):
-    psutil = pytest.importorskip("psutil")
-    slow = tmp_path / "slow.off"
-    shapes.write_off(slow, *shapes.figure(44))
-    words = [sys.executable, "-m", "addon", "compute", slow, folder / "off.off", "--output", tmp_path / "out",
-             "--quality", "full", *QUICK]  # fmt: skip
-    process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-                               cwd=Path(__file__).resolve().parents[2])  # fmt: skip
-    until = time.monotonic() + 120
-    while time.monotonic() < until:
-        children = psutil.Process(process.pid).children()
-        if children and children[0].cpu_times().user > 3.5:  # Blender is there and the first mesh under way
-            children[0].kill()
-            break
-        time.sleep(0.05)
-    output, errors = process.communicate(timeout=300)
-    lines = [json.loads(line) for line in output.splitlines()]
-    assert process.returncode == 1
-    assert [Path(line["input"]).name for line in lines] == ["slow.off", "off.off"]
-    assert "crashed on this file" in lines[0]["error"]
-    assert "crashed on this file" in errors
-    assert Path(lines[1]["output"]).is_file()
-
-
 def test_a_file_that_is_still_to_be_read_is_never_overwritten(tmp_path, folder):
     out = tmp_path / "out"
     out.mkdir()
@@ -352,8 +326,8 @@ def test_a_file_that_is_still_to_be_read_is_never_overwritten(tmp_path, folder):
     code, [line], _ = run(other, "--output", out, "--format", "obj")
     assert code == 1
     assert "overwrite an input" in line["error"]
-    with pytest.raises(CanonicalFormError, match="named twice"):
-        _output_names([tmp_path / "Bear.ply", tmp_path / "bear.obj"])
+    with pytest.raises(CanonicalFormError, match="would have the same name"):
+        output_stems([tmp_path / "Bear.ply", tmp_path / "bear.obj"])
 
 
 def test_words_after_two_dashes_are_files(tmp_path, folder, monkeypatch):
@@ -366,35 +340,5 @@ def test_words_after_two_dashes_are_files(tmp_path, folder, monkeypatch):
     assert [json.loads(line)["input"] for line in done.stdout.splitlines()] == ["-odd.off"]
 
 
-def test_a_second_process_does_not_take_the_names_of_the_first(tmp_path, folder):
-    output = io.StringIO()
-    words = ["compute", str(folder / "off.off"), str(folder / "obj.obj"), "--output", str(tmp_path), "--format", "obj"]
-    code = main([*words, *QUICK], output, {"files": 1, "written": ["obj"]})
-    lines = [json.loads(line) for line in output.getvalue().splitlines()]
-    assert code == 0
-    assert [next(iter(line)) for line in lines] == ["begun", "input", "ended", "finished"]
-    assert Path(lines[1]["output"]).name == "obj-2.obj"
-
-
-@pytest.mark.skipif(os.name != "posix", reason="needs signals")
-def test_the_keyboard_stops_both_processes(tmp_path):
-    psutil = pytest.importorskip("psutil")
-    import signal
-
-    shapes.write_off(tmp_path / "mesh.off", *shapes.figure(44))
-    words = [sys.executable, "-m", "addon", "compute", tmp_path / "mesh.off", "--output", tmp_path, "--quality", "full"]
-    process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-                               cwd=Path(__file__).resolve().parents[2],
-                               # a job in the background of a shell starts deaf to the keyboard
-                               preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))  # fmt: skip
-    until = time.monotonic() + 120
-    while time.monotonic() < until:
-        children = psutil.Process(process.pid).children()
-        if children and children[0].cpu_times().user > 3.0:
-            break
-        time.sleep(0.05)
-    process.send_signal(signal.SIGINT)
-    output, errors = process.communicate(timeout=60)
-    assert (process.returncode, output) == (130, "")
-    assert "Traceback" not in errors
-    assert not children[0].is_running()
+def test_names_of_objects_never_meet_those_of_other_files():
+    assert separators(["cat", "cat-black", "dog"]) == ["--", "-", "-"]

@@ -6,8 +6,8 @@ import json
 import bpy
 import pytest
 
+from addon.batch.command import main
 from addon.blender.record import require_record
-from addon.command_line import main
 from tests.meshes import shapes
 
 from .conftest import QUICK
@@ -32,11 +32,11 @@ def test_the_command_line_takes_former_flags(tmp_path):
     lines = io.StringIO()
     words = ["compute", str(tmp_path / "figure.off"), "--output", str(tmp_path / "out")]
     with pytest.warns(FutureWarning, match="use landmark_count"):
-        assert main([*words, "--eigenpairs", "20", "--iterations", "2", "--landmarks", "12"], lines) == 0
+        assert main([*words, "--eigenpairs", "20", "--iterations", "2", "--landmarks", "12"], lines, alone=True) == 0
     assert json.loads(lines.getvalue())["stress"]["steps"] == 2
     lines = io.StringIO()
     with pytest.warns(FutureWarning, match='method="as_published"'):
-        assert main([*words, "--max-iterations", "1", "--as-published"], lines) == 0
+        assert main([*words, "--max-iterations", "1", "--as-published"], lines, alone=True) == 0
     assert json.loads(lines.getvalue())["method"] == "as_published"
 
 

@@ -7,14 +7,15 @@ import sys
 from pathlib import Path
 
 import bpy
+import numpy as np
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
 import addon  # noqa: E402
-from addon.blender.files import save_form  # noqa: E402
 from addon.blender.mesh_reading import read_mesh  # noqa: E402
 from addon.blender.record import require_record  # noqa: E402
+from addon.blender.writing_files import Shown, save_forms  # noqa: E402
 from tools.sample.picture import render  # noqa: E402
 from tools.sample.posed_figure import build  # noqa: E402
 
@@ -26,7 +27,9 @@ def main(levels: int) -> None:
     bpy.ops.wm.read_factory_settings(use_empty=True)
     addon.register()
     figure = build(levels=levels)
-    save_form(OUTPUT / "figure-posed.obj", read_mesh(figure.data)[0], figure.data)  # for any Blender
+    posed, _ = read_mesh(figure.data)
+    plain = Shown(figure, posed, np.full(len(posed), -1), np.ones((len(posed), 4)))
+    save_forms(OUTPUT / "figure-posed.obj", [plain])  # for any Blender
     print(f"Built a posed figure of {len(figure.data.vertices):,} vertices. Taking its pose out …", flush=True)
     bpy.ops.object.canonical_form()
     report = require_record(figure.data).report

@@ -1,10 +1,10 @@
-"""Opens mesh files in Blender and writes results; a file is replaced only when the new one is complete."""
+"""Opens mesh files in Blender, of every kind that it reads."""
 
 from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -13,10 +13,22 @@ import bpy
 import numpy as np
 
 from ..core import InvalidMeshError
-from ..core.numerics.arrays import FloatArray
 from .off_format import read_off
 
-SUFFIXES = (".blend", ".obj", ".ply", ".stl", ".glb", ".off")
+_IMPORTERS = {  # operators by kind, the first that this Blender has is taken
+    ".obj": ("wm.obj_import",),
+    ".ply": ("wm.ply_import",),
+    ".stl": ("wm.stl_import",),
+    ".glb": ("import_scene.gltf",),
+    ".gltf": ("import_scene.gltf",),
+    ".fbx": ("wm.fbx_import", "import_scene.fbx"),
+    ".usd": ("wm.usd_import",),
+    ".usda": ("wm.usd_import",),
+    ".usdc": ("wm.usd_import",),
+    ".usdz": ("wm.usd_import",),
+    ".abc": ("wm.alembic_import",),
+}
+SUFFIXES = (".blend", ".off", *_IMPORTERS)
 _BONE_SHAPES = "glTF_not_exported"  # collection in which the .glb importer puts the custom shapes of bones
 _KINDS = [  # collections of bpy.data that a file may fill
     "actions",
@@ -52,15 +64,15 @@ _KINDS = [  # collections of bpy.data that a file may fill
 ]
 
 
-def open_meshes(path: Path, name: str | None = None) -> list[bpy.types.Object]:
+def open_meshes(path: Path, names: Sequence[str] = ()) -> list[bpy.types.Object]:
     """Open a file in place of the current one and list its mesh objects, each mesh once.
 
     Parameters
     ----------
     path : Path
-        A .blend, .obj, .ply, .stl, .glb or .off file.
-    name : str, optional
-        Name of the one object wanted.
+        A file of a kind in `SUFFIXES`.
+    names : sequence of str
+        Names of the objects wanted; all where there are none.
 
     Returns
     -------
@@ -70,14 +82,14 @@ def open_meshes(path: Path, name: str | None = None) -> list[bpy.types.Object]:
     Raises
     ------
     InvalidMeshError
-        If the file does not exist, has another format, cannot be read or holds no mesh.
+        If the file does not exist, is of a kind that this Blender does not read, cannot be read or holds no mesh.
     """
     if path.suffix.lower() not in SUFFIXES:
         raise InvalidMeshError(f"{path.name} is not of a kind that can be read: {', '.join(SUFFIXES)}.")
     if not path.is_file():
         raise InvalidMeshError(f"{path} is not a file.")
     try:
-        with _quiet():
+        with quiet():
             if path.suffix.lower() == ".blend":
                 bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False)
             else:
@@ -91,74 +103,25 @@ def open_meshes(path: Path, name: str | None = None) -> list[bpy.types.Object]:
     found: dict[bpy.types.Mesh, bpy.types.Object] = {}
     for obj in sorted(bpy.data.objects, key=lambda each: each.name):
         visible = obj.users_scene and not any(each.name == _BONE_SHAPES for each in obj.users_collection)
-        if obj.type == "MESH" and visible and len(obj.data.polygons) and name in (None, obj.name):
+        if obj.type == "MESH" and visible and len(obj.data.polygons) and (not names or obj.name in names):
             found.setdefault(obj.data, obj)
+    missing = sorted(set(names) - {obj.name for obj in found.values()})
+    if missing:
+        raise InvalidMeshError(f"{path.name} holds no mesh object named {', '.join(map(repr, missing))}.")
     if not found:
-        raise InvalidMeshError(
-            f"{path.name} holds no mesh with faces."
-            if name is None
-            else f"{path.name} holds no mesh object named {name!r}."
-        )
+        raise InvalidMeshError(f"{path.name} holds no mesh with faces.")
     return list(found.values())
 
 
-def save_blend(path: Path) -> None:
-    """Save the current file as a .blend file.
-
-    Parameters
-    ----------
-    path : Path
-        The file; it is replaced atomically when the new one is complete.
-    """
-    _replace(path, lambda partial: bpy.ops.wm.save_as_mainfile(filepath=str(partial), copy=True, compress=True))
-
-
-def save_form(path: Path, vertices: FloatArray, mesh: bpy.types.Mesh) -> None:
-    """Write positions with the polygons of a mesh to an .obj or .ply file, in local space and the mesh's order.
-
-    Parameters
-    ----------
-    path : Path
-        The file, ending in .obj or .ply; it is replaced atomically when the new one is complete.
-    vertices : (n, 3) ndarray of float
-        Positions.
-    mesh : bpy.types.Mesh
-        The mesh whose polygons are written.
-
-    Raises
-    ------
-    InvalidMeshError
-        If the format cannot hold the mesh.
-    """
-    polygons = [list(polygon.vertices) for polygon in mesh.polygons]
-    most = max(map(len, polygons))
-    if path.suffix == ".ply" and most > 255:
-        raise InvalidMeshError(f"{mesh.name} has a face of {most} corners, and .ply holds 255. Write .obj instead.")
-    if path.suffix == ".obj":
-        lines = [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in vertices.tolist()]
-        lines += ["f " + " ".join(str(corner + 1) for corner in corners) for corners in polygons]
-    else:
-        lines = ["ply", "format ascii 1.0", f"element vertex {len(vertices)}"]
-        lines += ["property double x", "property double y", "property double z"]
-        lines += [f"element face {len(polygons)}", "property list uchar int vertex_indices", "end_header"]
-        lines += [f"{x:.9g} {y:.9g} {z:.9g}" for x, y, z in vertices.tolist()]
-        lines += [f"{len(corners)} " + " ".join(map(str, corners)) for corners in polygons]
-    text = "\n".join(lines) + "\n"
-    _replace(path, lambda partial: partial.write_text(text))
-
-
-def _replace(path: Path, write: Callable[[Path], object]) -> None:
-    partial = path.with_name(f".{path.stem}.{os.getpid()}.partial{path.suffix}")
-    try:
-        write(partial)
-        partial.replace(path)
-    finally:
-        partial.unlink(missing_ok=True)
-
-
 @contextmanager
-def _quiet() -> Iterator[None]:
-    """Discard what Blender's importers print about a file: they raise errors too."""
+def quiet() -> Iterator[None]:
+    """Discard what Blender prints as it reads or writes a file: it raises errors too.
+
+    Yields
+    ------
+    None
+        Meanwhile standard output and standard error lead nowhere.
+    """
     sys.stderr.flush()
     terminals = {number: os.dup(number) for number in (1, 2)}
     try:
@@ -207,22 +170,43 @@ def _weld(mesh: bpy.types.Mesh) -> None:
     edited.free()
 
 
+def importer(kind: str) -> Callable[..., set[str]] | None:
+    """Find the operator by which this Blender reads a kind of file.
+
+    Parameters
+    ----------
+    kind : str
+        A suffix, with its dot, in small letters.
+
+    Returns
+    -------
+    callable or None
+        The operator; None where this Blender was built without it or its add-on is disabled.
+    """
+    for name in _IMPORTERS[kind]:
+        group, operator = name.split(".")
+        if operator in dir(getattr(bpy.ops, group)):
+            return getattr(getattr(bpy.ops, group), operator)  # type: ignore[no-any-return]
+    return None
+
+
 def _import(path: Path) -> None:
-    name = str(path)
+    """Import a file into the empty one that is open."""
     kind = path.suffix.lower()
-    if kind == ".obj":
-        bpy.ops.wm.obj_import(filepath=name)
-    elif kind == ".ply":
-        bpy.ops.wm.ply_import(filepath=name)
-    elif kind == ".stl":
-        bpy.ops.wm.stl_import(filepath=name)
-    elif kind == ".glb":
-        bpy.ops.import_scene.gltf(filepath=name)
-        for mesh in bpy.data.meshes:
-            _weld(mesh)
-    else:
+    if kind == ".off":
         vertices, polygons = read_off(path)
         mesh = bpy.data.meshes.new(path.stem)
         mesh.from_pydata(np.asarray(vertices).tolist(), [], polygons)
         obj = bpy.data.objects.new(path.stem, mesh)
         bpy.context.scene.collection.objects.link(obj)
+        return
+    operator = importer(kind)
+    if operator is None:
+        raise InvalidMeshError(
+            f"This Blender ({bpy.app.version_string}) has no importer for {kind} ({' or '.join(_IMPORTERS[kind])}). "
+            "Use another Blender, or another kind of file."
+        )
+    operator(filepath=str(path))
+    if kind in (".glb", ".gltf"):
+        for mesh in bpy.data.meshes:
+            _weld(mesh)

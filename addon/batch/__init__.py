@@ -1,0 +1,1 @@
+"""The command compute: many files, several at once, with or without Blender."""

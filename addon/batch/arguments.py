@@ -1,0 +1,224 @@
+"""The words of the command line, their help, and what they ask for."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from ..core.method_api.catalogue import methods
+from ..core.method_api.options import Option, options_of
+from ..core.method_api.settings import Settings, current_options, former_options
+from ..core.run.errors import CanonicalFormError
+from .inputs import KINDS
+
+FORMATS = ("blend", "obj", "ply", "glb", "fbx", "usdc", "off")
+_EPILOGUE = """\
+examples:
+  compute scans --output forms                        every mesh of a folder
+  compute "scans/*.glb" --output forms --format glb   those that fit a pattern
+  compute poses --output forms --reference first --format obj
+                                                      all turned and numbered like the first
+  compute fox.glb --output forms --frames 1:40:4      ten frames of an animation
+  compute scans --output forms --jobs 4 --skip-existing
+                                                      what is missing, four at once
+
+Standard output has one line of JSON a result; docs/scripting.md lists its fields. Exit codes: 0 all done, 1 at least
+one mesh failed, 2 the words make no sense, 130 stopped by Ctrl+C.
+"""
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What a run is to do with each file.
+
+    Attributes
+    ----------
+    output : Path
+        Folder for the results.
+    format : str
+        Kind of file to write.
+    settings : Settings
+        Options of the method.
+    shown : bool
+        Whether the mesh is taken as modifiers, armature and shape keys show it.
+    frames : tuple of int
+        Frames to take it at; empty for the one that the file was saved at.
+    objects : tuple of str
+        Names of the objects wanted; all where empty.
+    together : bool
+        Whether all objects of a file are one body.
+    value : float
+        Value of the shape key in a .blend.
+    skip_existing : bool
+        Leave out what has its result already.
+    mark : str
+        Tells unfinished files of this run from those of others.
+    stages : bool
+        Whether each worker shows the stage that it is at.
+    inputs : tuple of Path
+        Every file of the run: none is written over.
+    """
+
+    output: Path
+    format: str = "blend"
+    settings: Settings = field(default_factory=Settings)
+    shown: bool = False
+    frames: tuple[int, ...] = ()
+    objects: tuple[str, ...] = ()
+    together: bool = False
+    value: float = 1.0
+    skip_existing: bool = False
+    mark: str = ""
+    stages: bool = False
+    inputs: tuple[Path, ...] = ()
+
+
+def parsed(words: list[str]) -> argparse.Namespace:
+    """Parse the words of the command line.
+
+    Parameters
+    ----------
+    words : list of str
+        The words after the name of the command.
+
+    Returns
+    -------
+    argparse.Namespace
+        The options; `wanted_of` makes sense of them.
+
+    Raises
+    ------
+    SystemExit
+        If help was asked for, or the words make no sense.
+    """
+    return _parser().parse_args(words)
+
+
+def wanted_of(options: argparse.Namespace, **more: Any) -> Wanted:
+    """Make sense of the options.
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        The options.
+    **more
+        Further attributes of `Wanted`.
+
+    Returns
+    -------
+    Wanted
+        What is to be done with each file.
+
+    Raises
+    ------
+    CanonicalFormError
+        If an option is out of its range; the sentence names it.
+    """
+    frames = _frames(options.frames) if options.frames else () if options.frame is None else (options.frame,)
+    return Wanted(
+        output=options.output,
+        format=options.format,
+        settings=_settings(options),
+        shown=options.mesh == "shown" or bool(frames),
+        frames=frames,
+        objects=tuple(options.objects or ()),
+        together=options.together,
+        value=options.value,
+        skip_existing=options.skip_existing,
+        **more,
+    )
+
+
+def _parser() -> argparse.ArgumentParser:
+    default = Settings()
+    parser = argparse.ArgumentParser(prog="canonical-form", description="Take the pose out of meshes.")
+    compute = parser.add_subparsers(dest="command", required=True).add_parser(
+        "compute", help="compute the canonical form of meshes", epilog=_EPILOGUE, formatter_class=_Help
+    )
+    files = compute.add_argument_group("files")
+    files.add_argument(
+        "meshes", nargs="+", type=Path, metavar="MESH", help=f"files, folders or patterns ({', '.join(KINDS)})"
+    )
+    files.add_argument("--output", type=Path, required=True, metavar="DIR", help="folder for the results")
+    files.add_argument("--format", choices=FORMATS, default="blend", help="what to write; off without Blender only")
+    files.add_argument("--skip-existing", action="store_true", help="leave out files that have their result already")
+    files.add_argument("--jobs", type=int, default=1, metavar="N", help="number of files worked on at once")
+    files.add_argument("--scheduler", metavar="HOST:PORT", help="work on the Dask cluster of this scheduler instead")
+    what = compute.add_argument_group("what is read")
+    what.add_argument(
+        "--mesh", choices=("base", "shown"), default="base",
+        help="base: the mesh itself; shown: as modifiers, armature and shape keys show it",
+    )  # fmt: skip
+    what.add_argument("--frame", type=int, metavar="N", help="take the mesh as shown at this frame")
+    what.add_argument("--frames", metavar="A:B[:STEP]", help="a form for each of these frames, B included, numbered")
+    what.add_argument("--objects", "--object", nargs="+", metavar="NAME", help="objects to compute (default: all)")
+    what.add_argument("--together", action="store_true", help="all objects of a file are one body, in one result")
+    how = compute.add_argument_group("how the form lies")
+    how.add_argument(
+        "--reference", metavar="FILE", help="lay all forms onto that of this mesh, with its limbs' numbers; first: of "
+        "the first mesh",
+    )  # fmt: skip
+    how.add_argument("--value", type=float, default=1.0, help="value of the shape key in a .blend, 0 to 1")
+    method = compute.add_argument_group("the method (lengths in units of the root of the area)")
+    for name, about in options_of(Settings).items():
+        _add_option(how if name == "orientation" else method, name, about, getattr(default, name))
+    for name, value in former_options().items():
+        told: dict[str, Any] = {"action": "store_true"} if isinstance(value, bool) else {"type": type(value)}
+        compute.add_argument(_flag(name), default=argparse.SUPPRESS, help=argparse.SUPPRESS, **told)
+    return parser
+
+
+class _Help(argparse.ArgumentDefaultsHelpFormatter, argparse.RawDescriptionHelpFormatter):
+    """Shows defaults where there are any, and keeps the lines of the examples."""
+
+    def _get_help_string(self, action: argparse.Action) -> str | None:
+        if action.default in (None, False):
+            return action.help
+        return super()._get_help_string(action)
+
+
+def _flag(name: str) -> str:
+    """Spell an option as on the command line."""
+    return "--" + name.replace("_", "-")
+
+
+def _add_option(parser: argparse._ArgumentGroup, name: str, about: Option, default: Any) -> None:
+    """Offer an option of the method on the command line."""
+    told: dict[str, Any] = {"default": default, "help": (about.help[0].lower() + about.help[1:]).replace("%", "%%")}
+    if name == "method":
+        told["choices"] = tuple(methods())
+    elif about.choices:
+        told["choices"] = tuple(choice.value for choice in about.choices)
+    elif default is not None:
+        told["type"] = type(default)
+    parser.add_argument(_flag(name), **told)
+
+
+def _settings(options: argparse.Namespace) -> Settings:
+    """Make settings of the options of the method."""
+    words = vars(options)
+    former = current_options({name: words[name] for name in former_options() if name in words})
+    chosen = {name: words[name] for name in options_of(Settings)} | former
+    if chosen["feature_points"]:
+        try:
+            chosen["feature_points"] = [int(word) for word in chosen["feature_points"].replace(",", " ").split()]
+        except ValueError as error:
+            raise CanonicalFormError(
+                f"--feature-points must be whole numbers; got {options.feature_points}."
+            ) from error
+    return Settings(**{**chosen, "feature_points": chosen["feature_points"] or None})
+
+
+def _frames(text: str) -> tuple[int, ...]:
+    """List the frames of A:B or A:B:STEP."""
+    try:
+        numbers = [int(word) for word in text.split(":")]
+        first, last, step = (*numbers, 1)[:3]
+        frames = tuple(range(first, last + 1, step))
+    except ValueError as error:
+        raise CanonicalFormError(f"--frames must be A:B or A:B:STEP, whole numbers; got {text}.") from error
+    if not frames or len(numbers) not in (2, 3) or step < 1:
+        raise CanonicalFormError(f"--frames must name at least one frame, A:B or A:B:STEP with A up to B; got {text}.")
+    return frames

@@ -1,0 +1,257 @@
+"""The command: words in, files worked on by as many processes as wanted, lines out."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import os
+import sys
+import time
+from argparse import Namespace
+from collections.abc import Iterator, Sequence
+from contextlib import redirect_stdout
+from pathlib import Path
+from typing import Any, Protocol, TextIO
+
+from ..core import CanonicalForm, CanonicalFormError
+from ..scheduling.attempts import Failure, attempted
+from .arguments import Wanted, parsed, wanted_of
+from .inputs import found_files, output_stems, separators
+from .lines import SCHEMA, FileCount, Line, complain
+from .targets import Targets
+
+_ATTEMPTS = 2  # of a file that may have cost a worker the life: another may have
+_CRASHED = "Blender crashed on this file; it may be damaged, or the memory was not enough."
+
+
+class _Crew(Protocol):
+    def results(self, work: Iterator[tuple[object, Any]]) -> Iterator[tuple[object, Any]]: ...
+
+    def close(self) -> None: ...
+
+
+class InThisProcess:
+    """Does all the work here, one piece after the other: inside Blender there is only one process."""
+
+    def results(self, work: Iterator[tuple[object, Any]]) -> Iterator[tuple[object, Any]]:
+        """Run all the work.
+
+        Parameters
+        ----------
+        work : iterator of (object, (callable, tuple))
+            Names and work.
+
+        Yields
+        ------
+        (object, object)
+            The name, and the result or a `Failure` in its place.
+        """
+        for name, (function, arguments) in work:
+            yield name, attempted(function, arguments)
+
+    def close(self) -> None:
+        """Do nothing: there is nobody to let go."""
+
+
+def main(words: Sequence[str], output: TextIO, *, alone: bool = False) -> int:
+    """Run the command line.
+
+    Parameters
+    ----------
+    words : sequence of str
+        The words after the name of the command.
+    output : TextIO
+        Where the lines go.
+    alone : bool
+        Work in this process, as inside Blender.
+
+    Returns
+    -------
+    int
+        0 if every mesh was done, 1 if one failed, 2 if the words make no sense, 130 if stopped by the keyboard.
+    """
+    try:
+        with redirect_stdout(output):  # for --help
+            options = parsed(list(words))
+        run = _Run(options, alone)
+    except SystemExit as stop:
+        return int(stop.code or 0)
+    except (CanonicalFormError, OSError) as error:
+        complain(str(error))
+        return 2
+    try:
+        return run.all(output)
+    except KeyboardInterrupt:
+        complain("Interrupted; files written so far are complete.")
+        return 130
+    except CanonicalFormError as error:
+        complain(str(error))
+        return 1
+    finally:
+        run.close()
+
+
+class _Run:
+    """All the files of a run."""
+
+    def __init__(self, options: Namespace, alone: bool) -> None:
+        if options.jobs < 1:
+            raise CanonicalFormError(f"--jobs must be at least 1; got {options.jobs}.")
+        if alone and (options.jobs > 1 or options.scheduler):
+            raise CanonicalFormError(
+                "Inside Blender there is one job only. For --jobs and --scheduler use Blender as a module "
+                "(pip install bpy, python -m addon)."
+            )
+        files = found_files(options.meshes, options.output)
+        stems = output_stems(files)
+        named = options.reference
+        self._reference_path = None if named is None else files[0] if named == "first" else Path(named)
+        inputs = (*files, *([self._reference_path] if self._reference_path else []))
+        options.output.mkdir(parents=True, exist_ok=True)
+        self.wanted = wanted_of(
+            options,
+            mark=str(os.getpid()),
+            stages=sys.stderr.isatty() and options.jobs == 1 and not options.scheduler,
+            inputs=inputs,
+        )
+        self._targets = [
+            Targets(path, options.output, stem, dash, options.format, inputs)
+            for path, stem, dash in zip(files, stems, separators(stems), strict=True)
+        ]
+        self._crew = _hired(options, alone)
+        self._told = {"done": 0, "failed": 0, "skipped": 0}
+
+    def all(self, output: TextIO) -> int:
+        """Do all the files and tell of each as it ends."""
+        began = time.monotonic()
+        pending = [number for number, each in enumerate(self._targets) if not self._is_done(each)]
+        for number in sorted(set(range(len(self._targets))) - set(pending)):
+            self._tell([self._targets[number].skipped(self._targets[number].of_file(), None)], output)
+        reference = self._reference() if pending and self._reference_path is not None else None
+        progress = FileCount(len(pending), time.monotonic)
+        work = ((number, (compute_file, (self._targets[number], self.wanted, reference))) for number in pending)
+        for name, result in self._crew.results(work):
+            progress.clear()
+            path = self._targets[int(str(name))].path
+            if isinstance(result, Failure):
+                result = [{"input": str(path), "error": _CRASHED if result.died else result.reason}]
+            self._tell(result, output)
+            progress.done()
+        if len(self._targets) > 1 and sys.stderr.isatty():
+            counts = ", ".join(f"{count} {name}" for name, count in self._told.items() if count)
+            complain(f"{counts}, {time.monotonic() - began:.0f} s.")
+        return int(self._told["failed"] > 0)
+
+    def close(self) -> None:
+        """Let the workers go, and remove what they left half-written."""
+        self._crew.close()
+        for partial in self.wanted.output.glob(f".*.{self.wanted.mark}.partial*"):
+            partial.unlink(missing_ok=True)
+
+    def _is_done(self, targets: Targets) -> bool:
+        """Return whether a file has its only result already; several are looked for when it is open."""
+        return self.wanted.skip_existing and not self.wanted.frames and targets.of_file().exists()
+
+    def _reference(self) -> CanonicalForm:
+        """Compute the form of the reference in a worker."""
+        assert self._reference_path is not None
+        work = iter([("reference", (compute_reference, (self._reference_path, self.wanted)))])
+        ((_, found),) = self._crew.results(work)
+        if isinstance(found, Failure):
+            reason = _CRASHED if found.died else found.reason
+            raise CanonicalFormError(f"The reference {self._reference_path} cannot be used. {reason}")
+        return found  # type: ignore[no-any-return]
+
+    def _tell(self, lines: list[Line], output: TextIO) -> None:
+        """Print the lines of a file, and complain of what failed."""
+        for line in lines:
+            if "error" in line:
+                complain(f"{line['input']}: {line['error']}")
+            self._told["failed" if "error" in line else "skipped" if line.get("skipped") else "done"] += 1
+            print(json.dumps({"schema": SCHEMA, **line}), file=output, flush=True)
+
+
+def compute_file(targets: Targets, wanted: Wanted, reference: CanonicalForm | None) -> list[Line]:
+    """Compute the meshes of one file, in the process of a worker.
+
+    Parameters
+    ----------
+    targets : Targets
+        The file, and names of its results.
+    wanted : Wanted
+        What is to be done.
+    reference : CanonicalForm or None
+        What the forms are laid onto.
+
+    Returns
+    -------
+    list of dict
+        The lines to tell.
+    """
+    if not has_blender():
+        from .plain_computing import compute_plainly
+
+        return list(compute_plainly(targets, wanted, reference))
+    _keep_output_clean()
+    from .computing import compute_in_blender
+
+    return list(compute_in_blender(targets, wanted, reference))
+
+
+def compute_reference(path: Path, wanted: Wanted) -> CanonicalForm:
+    """Compute the form that others are laid onto, in the process of a worker.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    wanted : Wanted
+        What is to be done with the others.
+
+    Returns
+    -------
+    CanonicalForm
+        Its form.
+
+    Raises
+    ------
+    CanonicalFormError
+        If it cannot be read or computed.
+    """
+    if not has_blender():
+        from .plain_computing import reference_plainly
+
+        return reference_plainly(path, wanted)
+    _keep_output_clean()
+    from .computing import reference_in_blender
+
+    return reference_in_blender(path, wanted)
+
+
+def has_blender() -> bool:
+    """Tell whether Blender is there as a module, or this is Blender.
+
+    Returns
+    -------
+    bool
+        Whether ``import bpy`` will do.
+    """
+    return "bpy" in sys.modules or importlib.util.find_spec("bpy") is not None
+
+
+def _hired(options: Namespace, alone: bool) -> _Crew:
+    """Hire the workers that the words ask for."""
+    if alone:
+        return InThisProcess()
+    from ..scheduling.crews import DaskCrew, LocalCrew
+
+    if options.scheduler:
+        return DaskCrew(options.scheduler)
+    return LocalCrew(options.jobs, _ATTEMPTS, one_thread=options.jobs > 1)
+
+
+def _keep_output_clean() -> None:
+    """Send what Blender prints in a worker to standard error: standard output is for lines."""
+    if "bpy" not in sys.modules:
+        sys.stdout.flush()
+        os.dup2(2, 1)

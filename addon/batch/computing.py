@@ -1,0 +1,170 @@
+"""The forms of one file, in Blender: opened, computed, written, told in lines."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import bpy
+
+from ..blender.advice import explained
+from ..blender.form_task import FormTask
+from ..blender.mesh_reading import refusal
+from ..blender.reading_files import open_meshes
+from ..blender.request import Request
+from ..blender.writing_files import FORMATS, Shown, save_blend, save_forms
+from ..core import CanonicalForm, CanonicalFormError
+from ..core.method_api.costs import memory_estimate
+from .arguments import Wanted
+from .lines import Line, failure, stage_line
+from .targets import Targets
+
+
+def compute_in_blender(targets: Targets, wanted: Wanted, reference: CanonicalForm | None = None) -> Iterator[Line]:
+    """Compute every mesh of a file, write the results, and tell of each.
+
+    Parameters
+    ----------
+    targets : Targets
+        The file, and names of its results.
+    wanted : Wanted
+        What is to be done.
+    reference : CanonicalForm, optional
+        What the forms are laid onto.
+
+    Yields
+    ------
+    dict
+        A line for each result, each failure, and each result that was there already.
+    """
+    path = targets.path
+    try:
+        if wanted.format not in FORMATS:
+            raise CanonicalFormError(f".{wanted.format} is written without Blender only. Choose obj or ply.")
+        objects = open_meshes(path, wanted.objects)
+    except Exception as error:  # any: the files after it are still to be computed
+        yield failure({"input": str(path)}, error, explained(error))
+        return
+    groups = [objects] if wanted.together else [[obj] for obj in objects]
+    for frame in wanted.frames or (None,):
+        if frame is not None:
+            bpy.context.scene.frame_set(frame)
+        one_file = wanted.format == "blend" or wanted.together
+        whole = targets.of_file(frame)
+        if one_file and wanted.skip_existing and whole.exists():
+            yield targets.skipped(whole, frame)
+            continue
+        lines: list[Line] = []
+        alone = one_file or len(groups) == 1
+        own = [whole] * len(groups) if alone else targets.of_objects([obj.name for obj in objects], frame)
+        for group, target in zip(groups, own, strict=True):
+            if not one_file and wanted.skip_existing and target.exists():
+                lines.append(targets.skipped(target, frame))
+                continue
+            lines.append(_computed(targets, group, target, wanted, reference, frame))
+        if wanted.format == "blend" and any("error" not in line for line in lines):
+            try:
+                targets.require_new(whole)
+                save_blend(whole, wanted.mark)
+            except (CanonicalFormError, OSError, RuntimeError) as error:
+                told = explained(error)
+                lines = [line if "error" in line else failure(_head(line), error, told) for line in lines]
+        yield from lines
+
+
+def reference_in_blender(path: Path, wanted: Wanted) -> CanonicalForm:
+    """Compute the form of the largest mesh of a file, for others to be laid onto.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    wanted : Wanted
+        What is to be done with the others.
+
+    Returns
+    -------
+    CanonicalForm
+        Its form, turned as it stands in the scene.
+
+    Raises
+    ------
+    CanonicalFormError
+        If it cannot be read or computed.
+    """
+    objects = open_meshes(path, wanted.objects)
+    if wanted.frames:
+        bpy.context.scene.frame_set(wanted.frames[0])
+    chosen = objects if wanted.together else [max(objects, key=lambda obj: len(obj.data.vertices))]
+    reason = next((reason for obj in chosen if (reason := refusal(obj)) is not None), None)
+    if reason is not None:
+        raise CanonicalFormError(reason)
+    task = FormTask(chosen, _request(wanted, None))
+    task.compute()
+    item = task.items[0]
+    if item.error is not None or item.whole_form is None:
+        raise CanonicalFormError(item.error or f"{path.name} has no form.")
+    return item.whole_form
+
+
+def _request(wanted: Wanted, reference: CanonicalForm | None) -> Request:
+    """Say what is computed: another object holds what is shown, as its mesh may have other vertices."""
+    return Request(
+        wanted.settings,
+        value=wanted.value,
+        deformed=wanted.shown,
+        new_object=wanted.shown and wanted.format != "blend",
+        hausdorff=True,
+        objects="TOGETHER" if wanted.together else "EACH",
+        reference=None if reference is None else lambda _cancelled: reference,
+    )
+
+
+def _computed(
+    targets: Targets,
+    group: Sequence[bpy.types.Object],
+    target: Path,
+    wanted: Wanted,
+    reference: CanonicalForm | None,
+    frame: int | None,
+) -> Line:
+    """Compute one body, write it unless the whole file is written later, and tell of it."""
+    first = group[0]
+    path = targets.path
+    line: Line = {"input": str(path), "object": first.name}
+    if len(group) > 1:
+        line["objects"] = [obj.name for obj in group]
+    if frame is not None:
+        line["frame"] = frame
+    try:
+        for obj in group:
+            reason = refusal(obj)
+            if reason is not None:
+                raise CanonicalFormError(reason)
+        if first.name in bpy.context.view_layer.objects:
+            bpy.context.view_layer.objects.active = first
+        memory = memory_estimate(sum(len(obj.data.vertices) for obj in group), wanted.settings)
+        task = FormTask(group, _request(wanted, reference))
+        with stage_line(f"{path.name} {first.name} (about {memory:.1f} GB)", wanted.stages) as progress:
+            task.compute(progress)
+        task.write()
+        if task.errors:
+            raise CanonicalFormError(" ".join(task.errors))
+        (item,) = task.items
+        if wanted.format != "blend":
+            shown = [
+                Shown(bpy.data.objects[name], result.found.vertices, result.found.patches, result.colours.patches)  # type: ignore[union-attr]
+                for name, result in zip(item.written_to, item.results, strict=True)
+            ]
+            targets.require_new(target)
+            save_forms(target, shown, wanted.mark)
+            bpy.data.batch_remove([each.obj for each in shown if each.obj not in group])
+        report = item.results[0].report
+        return {**line, "output": str(target), "memory_estimate": memory, "pieces": report.pieces, **report.as_json()}
+    except Exception as error:  # any: the meshes after it are still to be computed
+        return failure(line, error, explained(error))
+
+
+def _head(line: Line) -> Line:
+    """Take from a line what says of which mesh it is."""
+    return {name: line[name] for name in ("input", "object", "objects", "frame") if name in line}

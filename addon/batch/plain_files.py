@@ -1,0 +1,191 @@
+"""Reads and writes meshes without Blender: .off, .obj and .ply, their positions and polygons alone."""
+
+from __future__ import annotations
+
+import os
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..blender.off_format import read_off
+from ..core.numerics.arrays import FloatArray, IntArray
+from ..core.run.errors import InvalidMeshError
+
+KINDS = (".off", ".obj", ".ply")
+_TYPES = {
+    "char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": "i2", "int16": "i2", "ushort": "u2",
+    "uint16": "u2", "int": "i4", "int32": "i4", "uint": "u4", "uint32": "u4", "float": "f4", "float32": "f4",
+    "double": "f8", "float64": "f8",
+}  # fmt: skip
+_ORDERS = {"binary_little_endian": "<", "binary_big_endian": ">"}
+
+
+def read_plain(path: Path) -> tuple[FloatArray, list[list[int]]]:
+    """Read a mesh.
+
+    Parameters
+    ----------
+    path : Path
+        A .off, .obj or .ply file.
+
+    Returns
+    -------
+    vertices : (n, 3) ndarray of float
+        Positions.
+    polygons : list of list of int
+        Corners of each polygon.
+
+    Raises
+    ------
+    InvalidMeshError
+        If it is of another kind or damaged.
+    """
+    kind = path.suffix.lower()
+    if kind not in KINDS:
+        raise InvalidMeshError(f"{path.name} can only be read by Blender. Without it, use {', '.join(KINDS)}.")
+    if not path.is_file():
+        raise InvalidMeshError(f"{path} is not a file.")
+    try:
+        vertices, polygons = {".off": read_off, ".obj": _read_obj, ".ply": _read_ply}[kind](path)
+    except InvalidMeshError:
+        raise
+    except (ValueError, IndexError, KeyError, UnicodeDecodeError) as error:
+        raise InvalidMeshError(f"{path.name} is damaged or not a {kind} file.") from error
+    if not polygons:
+        raise InvalidMeshError(f"{path.name} holds no mesh with faces.")
+    if min(map(min, polygons)) < 0 or max(map(max, polygons)) >= len(vertices):
+        raise InvalidMeshError(f"{path.name} has faces with vertices that are not there.")
+    return vertices, polygons
+
+
+def fans(polygons: list[list[int]]) -> IntArray:
+    """Cut polygons into triangles around their first corners.
+
+    Parameters
+    ----------
+    polygons : list of list of int
+        Corners of each.
+
+    Returns
+    -------
+    (m, 3) ndarray of int
+        Triangles.
+
+    Examples
+    --------
+    >>> fans([[0, 1, 2, 3], [3, 2, 4]]).tolist()
+    [[0, 1, 2], [0, 2, 3], [3, 2, 4]]
+    """
+    corners = [[each[0], one, two] for each in polygons for one, two in pairwise(each[1:])]
+    return np.array(corners, dtype=np.int64).reshape(-1, 3)
+
+
+def write_plain(path: Path, vertices: FloatArray, polygons: list[list[int]], mark: str) -> None:
+    """Write a mesh; the file is replaced when the new one is complete.
+
+    Parameters
+    ----------
+    path : Path
+        A .off, .obj or .ply file.
+    vertices : (n, 3) ndarray of float
+        Positions.
+    polygons : list of list of int
+        Corners of each polygon.
+    mark : str
+        Tells unfinished files of one run from those of others.
+    """
+    points = [f"{x:.9g} {y:.9g} {z:.9g}" for x, y, z in vertices.tolist()]
+    if path.suffix == ".obj":
+        lines = [f"v {point}" for point in points]
+        lines += ["f " + " ".join(str(corner + 1) for corner in each) for each in polygons]
+    else:
+        head = ["OFF", f"{len(points)} {len(polygons)} 0"]
+        if path.suffix == ".ply":
+            head = ["ply", "format ascii 1.0", f"element vertex {len(points)}"]
+            head += [f"property double {axis}" for axis in "xyz"]
+            head += [f"element face {len(polygons)}", "property list uint int vertex_indices", "end_header"]
+        lines = [*head, *points, *(f"{len(each)} " + " ".join(map(str, each)) for each in polygons)]
+    partial = path.with_name(f".{path.stem}.{mark or os.getpid()}.partial{path.suffix}")
+    try:
+        partial.write_text("\n".join(lines) + "\n")
+        partial.replace(path)
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def _read_obj(path: Path) -> tuple[FloatArray, list[list[int]]]:
+    """Read the v and f lines of an .obj file."""
+    vertices: list[list[float]] = []
+    polygons: list[list[int]] = []
+    for line in path.read_text(encoding="utf-8", errors="replace").replace("\\\n", " ").splitlines():
+        words = line.split()
+        if not words:
+            continue
+        if words[0] == "v":
+            vertices.append([float(word) for word in words[1:4]])
+        elif words[0] == "f":
+            corners = [int(word.split("/")[0]) for word in words[1:]]
+            polygons.append([corner - 1 if corner > 0 else len(vertices) + corner for corner in corners])
+    return np.array(vertices, dtype=np.float64).reshape(-1, 3), polygons
+
+
+def _read_ply(path: Path) -> tuple[FloatArray, list[list[int]]]:
+    """Read the vertices and faces of a .ply file, in text or binary."""
+    data = path.read_bytes()
+    end = data.index(b"end_header")
+    body = data[data.index(b"\n", end) + 1 :]
+    header = [line.split() for line in data[:end].decode("ascii").splitlines()]
+    if header[0] != ["ply"]:
+        raise ValueError("not a .ply file")
+    order = _ORDERS.get(next(words[1] for words in header if words[0] == "format"))
+    elements: list[tuple[str, int, list[list[str]]]] = []
+    for words in header:
+        if words[:1] == ["element"]:
+            elements.append((words[1], int(words[2]), []))
+        elif words[:1] == ["property"]:
+            elements[-1][2].append(words[1:])
+    reader = _Text(body) if order is None else _Binary(body, order)
+    found: dict[str, list[dict[str, Any]]] = {}
+    for name, count, properties in elements:
+        found[name] = [{words[-1]: reader.value(words) for words in properties} for _ in range(count)]
+    points = [[row["x"], row["y"], row["z"]] for row in found["vertex"]]
+    lists = [row.get("vertex_indices", row.get("vertex_index")) for row in found.get("face", [])]
+    return np.array(points, dtype=np.float64).reshape(-1, 3), [[int(each) for each in row or ()] for row in lists]
+
+
+class _Text:
+    """The words of a .ply file in text."""
+
+    def __init__(self, body: bytes) -> None:
+        self._words = iter(body.split())
+
+    def _next(self) -> bytes:
+        word = next(self._words, None)
+        if word is None:
+            raise ValueError("cut short")
+        return word
+
+    def value(self, words: list[str]) -> Any:
+        if words[0] == "list":
+            return [float(self._next()) for _ in range(int(self._next()))]
+        return float(self._next())
+
+
+class _Binary:
+    """The bytes of a binary .ply file."""
+
+    def __init__(self, body: bytes, order: str) -> None:
+        self._body, self._order, self._at = body, order, 0
+
+    def _read(self, kind: str, count: int) -> list[Any]:
+        form = np.dtype(self._order + _TYPES[kind])
+        values = np.frombuffer(self._body, form, count, self._at)
+        self._at += form.itemsize * count
+        return list(values.tolist())
+
+    def value(self, words: list[str]) -> Any:
+        if words[0] == "list":
+            return self._read(words[2], int(self._read(words[1], 1)[0]))
+        return self._read(words[0], 1)[0]

@@ -1,0 +1,223 @@
+"""Writes forms to files of many kinds; a file is replaced only when the new one is complete."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import bpy
+import numpy as np
+
+from ..core import InvalidMeshError
+from ..core.numerics.arrays import FloatArray, IntArray
+from .form_key import remove_all_keys
+from .reading_files import quiet
+
+# operators, and what they are told: only what is selected is written, and no animation
+_EXPORTERS: dict[str, tuple[str, dict[str, Any]]] = {
+    "glb": (
+        "export_scene.gltf",
+        {"use_selection": True, "export_format": "GLB", "export_animations": False, "export_vertex_color": "ACTIVE"},
+    ),
+    "fbx": ("export_scene.fbx", {"use_selection": True, "object_types": {"MESH"}, "bake_anim": False}),
+    "usdc": ("wm.usd_export", {"selected_objects_only": True, "export_animation": False}),
+}
+FORMATS = ("blend", "obj", "ply", *_EXPORTERS)
+
+
+class Shown(NamedTuple):
+    """A form on its object, as it is written to a file.
+
+    Attributes
+    ----------
+    obj : bpy.types.Object
+        The object whose polygons, UV maps and materials are written.
+    form : (n, 3) ndarray of float
+        Positions of the vertices of its mesh, in its own space.
+    patches : (n,) ndarray of int
+        Patch of each vertex; -1 for none.
+    colours : (n, 4) ndarray of float
+        Colour of each vertex, by patch.
+    """
+
+    obj: bpy.types.Object
+    form: FloatArray
+    patches: IntArray
+    colours: np.ndarray
+
+
+def save_blend(path: Path, mark: str = "") -> None:
+    """Save the current file as a .blend file.
+
+    Parameters
+    ----------
+    path : Path
+        The file; it is replaced atomically when the new one is complete.
+    mark : str
+        As in `replaced`.
+    """
+    replaced(path, lambda partial: bpy.ops.wm.save_as_mainfile(filepath=str(partial), copy=True, compress=True), mark)
+
+
+def save_forms(path: Path, shown: Sequence[Shown], mark: str = "") -> None:
+    """Write forms with the polygons, UV maps and materials of their meshes.
+
+    .obj and .ply hold one form, in its own space and in the vertex order of the mesh; .obj has the patches as groups
+    and keeps n-gons, .ply has them as colours and no UV map. The others are written by Blender, in the space of the
+    scene, with the patches as colours.
+
+    Parameters
+    ----------
+    path : Path
+        The file, of a kind in `FORMATS` other than .blend; it is replaced atomically when the new one is complete.
+    shown : sequence of Shown
+        The forms.
+    mark : str
+        As in `replaced`.
+
+    Raises
+    ------
+    InvalidMeshError
+        If the kind cannot hold the mesh, or this Blender does not write it.
+    """
+    kind = path.suffix[1:]
+    if kind in _EXPORTERS:
+        replaced(path, lambda partial: _export(partial, kind, shown), mark)
+        return
+    (one,) = shown
+    text = _as_obj(one, path) if kind == "obj" else _as_ply(one)
+    materials = [slot.material for slot in one.obj.material_slots if slot.material is not None]
+    if kind == "obj" and materials:
+        lines = [line for material in materials for line in _as_mtl(material)]
+        replaced(path.with_suffix(".mtl"), lambda partial: partial.write_text("\n".join(lines) + "\n"), mark)
+    replaced(path, lambda partial: partial.write_text(text), mark)
+
+
+def replaced(path: Path, write: Callable[[Path], object], mark: str = "") -> None:
+    """Write a file beside its destination and rename it when it is complete.
+
+    Parameters
+    ----------
+    path : Path
+        The destination.
+    write : callable
+        Writes the file that it is given.
+    mark : str
+        Tells unfinished files of one run from those of others; the number of the process when left out.
+    """
+    partial = path.with_name(f".{path.stem}.{mark or os.getpid()}.partial{path.suffix}")
+    try:
+        write(partial)
+        partial.replace(path)
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def _export(path: Path, kind: str, shown: Sequence[Shown]) -> None:
+    """Have Blender write copies of the objects in the shape of their forms."""
+    name, told = _EXPORTERS[kind]
+    group, operator = name.split(".")
+    if operator not in dir(getattr(bpy.ops, group)):
+        raise InvalidMeshError(f"This Blender ({bpy.app.version_string}) does not write .{kind}. Choose another kind.")
+    for obj in bpy.context.view_layer.objects:
+        obj.select_set(False)
+    copies = [_copy(each) for each in shown]
+    try:
+        with quiet():
+            getattr(getattr(bpy.ops, group), operator)(filepath=str(path), **told)
+    finally:
+        bpy.data.batch_remove([each.data for each in copies])  # and the objects with them
+        bpy.data.batch_remove([each for each in copies if each.name in bpy.data.objects])
+    if not path.is_file():
+        raise InvalidMeshError(f"Blender wrote no .{kind} file.")
+
+
+def _copy(shown: Shown) -> bpy.types.Object:
+    """Add a selected copy of an object in the shape of its form, without modifiers, keys, parent and animation."""
+    mesh = shown.obj.data.copy()
+    copy = bpy.data.objects.new(shown.obj.name, mesh)
+    bpy.context.scene.collection.objects.link(copy)
+    if mesh.shape_keys is not None:
+        remove_all_keys(copy)
+    mesh.vertices.foreach_set("co", shown.form.astype(np.float32).ravel())
+    mesh.update()
+    copy.matrix_world = shown.obj.matrix_world
+    for own, slot in zip(copy.material_slots, shown.obj.material_slots, strict=False):
+        own.material = slot.material
+    copy.select_set(True)
+    bpy.context.view_layer.objects.active = copy
+    return copy
+
+
+def _as_obj(shown: Shown, path: Path) -> str:
+    """Write a form as .obj: vertices, UVs of the active map, polygons with their groups and materials."""
+    mesh = shown.obj.data
+    names = [slot.material.name if slot.material else "" for slot in shown.obj.material_slots]
+    lines = [f"mtllib {path.with_suffix('.mtl').name}"] if any(names) else []
+    lines += [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in shown.form.tolist()]
+    corner_uv: list[int] | None = None
+    if mesh.uv_layers.active is not None:
+        uv = np.empty(2 * len(mesh.loops), dtype=np.float32)
+        mesh.uv_layers.active.data.foreach_get("uv", uv)
+        places, number = np.unique(uv.reshape(-1, 2), axis=0, return_inverse=True)
+        lines += [f"vt {u:.9g} {v:.9g}" for u, v in places.tolist()]
+        corner_uv = (number.ravel() + 1).tolist()
+    group = material = None
+    patches = shown.patches.tolist()
+    for polygon in mesh.polygons:
+        corners = list(polygon.vertices)
+        own = max(patches[corner] for corner in corners)
+        if own != group:
+            group = own
+            lines.append(f"g Patch_{own + 1}" if own >= 0 else "g")
+        called = names[polygon.material_index] if polygon.material_index < len(names) else ""
+        if called and called != material:
+            material = called
+            lines.append(f"usemtl {_word(called)}")
+        if corner_uv is None:
+            lines.append("f " + " ".join(str(corner + 1) for corner in corners))
+        else:
+            uvs = corner_uv[polygon.loop_start : polygon.loop_start + len(corners)]
+            lines.append("f " + " ".join(f"{corner + 1}/{uv}" for corner, uv in zip(corners, uvs, strict=True)))
+    return "\n".join(lines) + "\n"
+
+
+def _as_mtl(material: bpy.types.Material) -> list[str]:
+    """Write the name, the colour and the first image of a material as .mtl does."""
+    red, green, blue, alpha = material.diffuse_color
+    lines = [f"newmtl {_word(material.name)}", f"Kd {red:.6g} {green:.6g} {blue:.6g}", f"d {alpha:.6g}"]
+    nodes = material.node_tree.nodes if material.node_tree is not None else ()
+    images = [node.image for node in nodes if node.type == "TEX_IMAGE" and node.image is not None]
+    if images and images[0].filepath:
+        lines.append(f"map_Kd {bpy.path.abspath(images[0].filepath)}")
+    return [*lines, ""]
+
+
+def _word(name: str) -> str:
+    """Make one word of a name: .obj ends names at spaces."""
+    return "_".join(name.split()) or "_"
+
+
+def _as_ply(shown: Shown) -> str:
+    """Write a form as .ply: vertices with the colours of their patches, and polygons."""
+    polygons = [list(polygon.vertices) for polygon in shown.obj.data.polygons]
+    most = max(map(len, polygons))
+    if most > 255:
+        name = shown.obj.data.name
+        raise InvalidMeshError(f"{name} has a face of {most} corners, and .ply holds 255. Write .obj instead.")
+    lines = ["ply", "format ascii 1.0", f"element vertex {len(shown.form)}"]
+    lines += [f"property double {axis}" for axis in "xyz"] + [
+        f"property uchar {name}" for name in ("red", "green", "blue")
+    ]
+    lines += [f"element face {len(polygons)}", "property list uchar int vertex_indices", "end_header"]
+    linear = np.clip(shown.colours[:, :3], 0, 1)
+    encoded = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)  # sRGB
+    colours = np.round(255 * encoded).astype(int).tolist()
+    lines += [
+        f"{x:.9g} {y:.9g} {z:.9g} {red} {green} {blue}"
+        for (x, y, z), (red, green, blue) in zip(shown.form.tolist(), colours, strict=True)
+    ]
+    lines += [f"{len(corners)} " + " ".join(map(str, corners)) for corners in polygons]
+    return "\n".join(lines) + "\n"
