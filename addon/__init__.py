@@ -1,4 +1,6 @@
-"""Canonical Form: takes the pose out of a mesh."""
+"""Canonical Form: takes the pose out of a mesh. What `core` exports can be imported from here as well."""
+
+from typing import Any
 
 
 def register() -> None:
@@ -13,3 +15,13 @@ def unregister() -> None:
     from . import interface
 
     interface.unregister()
+
+
+def __getattr__(name: str) -> Any:
+    """Import a name of the core when it is first asked for: ``from canonical_form import Settings``."""
+    from importlib import import_module
+
+    core = import_module(".core", __name__)
+    if name in core.__all__:
+        return getattr(core, name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

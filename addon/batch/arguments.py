@@ -7,9 +7,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ..core.method_api.catalogue import methods
 from ..core.method_api.options import Option, options_of
 from ..core.method_api.settings import Settings, current_options, former_options
+from ..core.numerics.arrays import FloatArray
 from ..core.run.errors import CanonicalFormError
 from .inputs import KINDS
 
@@ -29,7 +32,7 @@ one mesh failed, 2 the words make no sense, 130 stopped by Ctrl+C.
 """
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Wanted:
     """What a run is to do with each file.
 
@@ -49,6 +52,9 @@ class Wanted:
         Names of the objects wanted; all where empty.
     together : bool
         Whether all objects of a file are one body.
+    axes : (3, 3) ndarray of float or None
+        Rotation from the axes of the scene to those of the file, for rows; None to write .obj and .ply in the space of
+        the mesh.
     value : float
         Value of the shape key in a .blend.
     skip_existing : bool
@@ -68,6 +74,7 @@ class Wanted:
     frames: tuple[int, ...] = ()
     objects: tuple[str, ...] = ()
     together: bool = False
+    axes: FloatArray | None = None
     value: float = 1.0
     skip_existing: bool = False
     mark: str = ""
@@ -125,6 +132,7 @@ def wanted_of(options: argparse.Namespace, **more: Any) -> Wanted:
         frames=frames,
         objects=tuple(options.objects or ()),
         together=options.together,
+        axes=None if options.axes is None else _axes(options.axes, options.format),
         value=options.value,
         skip_existing=options.skip_existing,
         **more,
@@ -159,6 +167,10 @@ def _parser() -> argparse.ArgumentParser:
     how.add_argument(
         "--reference", metavar="FILE", help="lay all forms onto that of this mesh, with its limbs' numbers; first: of "
         "the first mesh",
+    )  # fmt: skip
+    how.add_argument(
+        "--axes", metavar="UP,FACING", help="axes of .obj, .ply and .off files: which way is up and which way upright "
+        "bodies face, as Z,-Y in Blender or Y,Z in most .obj files (default: the space of the mesh)",
     )  # fmt: skip
     how.add_argument("--value", type=float, default=1.0, help="value of the shape key in a .blend, 0 to 1")
     method = compute.add_argument_group("the method (lengths in units of the root of the area)")
@@ -209,6 +221,22 @@ def _settings(options: argparse.Namespace) -> Settings:
                 f"--feature-points must be whole numbers; got {options.feature_points}."
             ) from error
     return Settings(**{**chosen, "feature_points": chosen["feature_points"] or None})
+
+
+def _axes(text: str, kind: str) -> FloatArray:
+    """Make the rotation to axes given as UP,FACING."""
+    if kind not in ("obj", "ply", "off"):
+        raise CanonicalFormError(f"--axes is for .obj, .ply and .off; .{kind} has axes of its own.")
+    named = {
+        sign + letter: direction * np.eye(3)[place]
+        for sign, direction in (("", 1.0), ("+", 1.0), ("-", -1.0))
+        for place, letter in enumerate("XYZ")
+    }
+    words = text.upper().split(",")
+    if len(words) != 2 or any(word not in named for word in words) or words[0][-1] == words[1][-1]:
+        raise CanonicalFormError(f"--axes must be two different axes, as Z,-Y; got {text}.")
+    up, facing = named[words[0]], named[words[1]]
+    return np.array([np.cross(up, facing), -facing, up])  # where X, Y and Z of the scene go
 
 
 def _frames(text: str) -> tuple[int, ...]:

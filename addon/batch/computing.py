@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import bpy
+import numpy as np
 
 from ..blender.advice import explained
 from ..blender.form_task import FormTask
@@ -15,6 +16,7 @@ from ..blender.request import Request
 from ..blender.writing_files import FORMATS, Shown, save_blend, save_forms
 from ..core import CanonicalForm, CanonicalFormError
 from ..core.method_api.costs import memory_estimate
+from ..core.numerics.arrays import FloatArray
 from .arguments import Wanted
 from .lines import Line, failure, stage_line
 from .targets import Targets
@@ -153,8 +155,8 @@ def _computed(
         (item,) = task.items
         if wanted.format != "blend":
             shown = [
-                Shown(bpy.data.objects[name], result.found.vertices, result.found.patches, result.colours.patches)  # type: ignore[union-attr]
-                for name, result in zip(item.written_to, item.results, strict=True)
+                Shown(obj, _in_axes(result.found.vertices, obj, wanted), result.found.patches, result.colours.patches)  # type: ignore[union-attr]
+                for obj, result in zip(map(bpy.data.objects.get, item.written_to), item.results, strict=True)
             ]
             targets.require_new(target)
             save_forms(target, shown, wanted.mark)
@@ -163,6 +165,14 @@ def _computed(
         return {**line, "output": str(target), "memory_estimate": memory, "pieces": report.pieces, **report.as_json()}
     except Exception as error:  # any: the meshes after it are still to be computed
         return failure(line, error, explained(error))
+
+
+def _in_axes(form: FloatArray, obj: bpy.types.Object, wanted: Wanted) -> FloatArray:
+    """Turn a form from the space of its mesh to the axes of the file, if some were asked for."""
+    if wanted.axes is None:
+        return form
+    placed = np.array(obj.matrix_world)
+    return np.asarray((form @ placed[:3, :3].T + placed[:3, 3]) @ wanted.axes)
 
 
 def _head(line: Line) -> Line:

@@ -44,7 +44,8 @@ def compute_plainly(targets: Targets, wanted: Wanted, reference: CanonicalForm |
         with stage_line(f"{targets.path.name} (about {memory:.1f} GB)", wanted.stages) as progress:
             form = canonical_form(vertices, fans(polygons), wanted.settings, reference=reference, progress=progress)
         targets.require_new(target)
-        write_plain(target, form.vertices, polygons, wanted.mark)
+        placed = form.vertices if wanted.axes is None else form.vertices @ wanted.axes
+        write_plain(target, placed, polygons, wanted.mark)
         yield {**line, "output": str(target), "memory_estimate": memory, **_figures(vertices, form, wanted)}
     except Exception as error:  # any: the files after it are still to be computed
         yield failure(line, error)

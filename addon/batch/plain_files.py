@@ -139,7 +139,10 @@ def _read_ply(path: Path) -> tuple[FloatArray, list[list[int]]]:
     header = [line.split() for line in data[:end].decode("ascii").splitlines()]
     if header[0] != ["ply"]:
         raise ValueError("not a .ply file")
-    order = _ORDERS.get(next(words[1] for words in header if words[0] == "format"))
+    formats = [words[1] for words in header if words[:1] == ["format"]]
+    if len(formats) != 1:
+        raise ValueError("no format")
+    order = _ORDERS.get(formats[0])
     elements: list[tuple[str, int, list[list[str]]]] = []
     for words in header:
         if words[:1] == ["element"]:

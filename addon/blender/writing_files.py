@@ -128,8 +128,7 @@ def _export(path: Path, kind: str, shown: Sequence[Shown]) -> None:
         with quiet():
             getattr(getattr(bpy.ops, group), operator)(filepath=str(path), **told)
     finally:
-        bpy.data.batch_remove([each.data for each in copies])  # and the objects with them
-        bpy.data.batch_remove([each for each in copies if each.name in bpy.data.objects])
+        bpy.data.batch_remove([*copies, *(each.data for each in copies)])
     if not path.is_file():
         raise InvalidMeshError(f"Blender wrote no .{kind} file.")
 

@@ -9,12 +9,13 @@ import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib.util import find_spec
 from pathlib import Path
 from typing import cast
 
 import numpy as np
 
-from ..blender.off_format import read_off
+from ..batch.plain_files import KINDS, read_plain
 from ..core import InvalidMeshError
 from ..core.numerics.arrays import FloatArray, IntArray
 from ..scheduling.attempts import Failure
@@ -66,10 +67,10 @@ class Reader:
 
 
 def _plain_triangles(path: Path) -> tuple[FloatArray, IntArray] | None:
-    """Read what needs no Blender."""
-    if path.suffix.lower() != ".off":
+    """Read what needs no Blender; .obj and .ply are left to it where it is there."""
+    if path.suffix.lower() != ".off" and (path.suffix.lower() not in KINDS or find_spec("bpy") is not None):
         return None
-    vertices, polygons = read_off(path)
+    vertices, polygons = read_plain(path)
     if any(len(corners) != 3 for corners in polygons):
         return None
     return vertices, np.array(polygons, dtype=np.int64).reshape(-1, 3)
@@ -83,7 +84,8 @@ def _read_by_blender(path: Path) -> tuple[FloatArray, IntArray]:
         import bpy  # noqa: F401
     except ImportError as error:
         raise InvalidMeshError(
-            f"{path.name} can only be read by Blender as a module: pip install bpy. Triangles in .off files need none."
+            f"{path.name} can only be read by Blender as a module: pip install bpy. Triangles in .off, .obj and .ply "
+            "files need none."
         ) from error
     from ..blender.mesh_reading import read_mesh
     from ..blender.reading_files import open_meshes

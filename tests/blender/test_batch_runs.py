@@ -45,7 +45,7 @@ def test_a_crash_costs_one_file_at_most(tmp_path, times):
     shapes.write_off(tmp_path / "quick.off", *shapes.figure(18))
     out = tmp_path / "out"
     process = started([tmp_path / "slow.off", tmp_path / "quick.off", "--output", out, "--quality", "full", *QUICK])
-    killed = []
+    killed: list[int] = []
     for _ in range(times):
         worker = busy_worker(process, killed)
         killed.append(worker.pid)

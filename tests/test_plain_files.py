@@ -1,0 +1,107 @@
+"""Meshes in and out without Blender."""
+
+import io
+import json
+import struct
+
+import numpy as np
+import pytest
+
+from addon.batch import command
+from addon.batch.plain_files import fans, read_plain, write_plain
+from addon.core import InvalidMeshError
+from tests.meshes import shapes
+
+QUICK = ["--max-iterations", "2", "--eigenpairs", "20", "--landmark-count", "12"]
+POINTS = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 2, 1]])
+POLYGONS = [[0, 1, 2, 3], [2, 4, 3]]
+
+
+@pytest.mark.parametrize("kind", ["off", "obj", "ply"])
+def test_what_is_written_is_read_again(kind, tmp_path):
+    path = tmp_path / f"mesh.{kind}"
+    write_plain(path, POINTS / 3, POLYGONS, "")
+    points, polygons = read_plain(path)
+    np.testing.assert_allclose(points, POINTS / 3, atol=1e-9)
+    assert polygons == POLYGONS
+    assert [each.name for each in tmp_path.iterdir()] == [path.name]
+
+
+@pytest.mark.parametrize(("name", "order"), [("binary_little_endian", "<"), ("binary_big_endian", ">")])
+def test_binary_ply_with_more_properties_is_read(name, order, tmp_path):
+    header = f"ply\nformat {name} 1.0\ncomment made\nelement vertex 5\nproperty float x\nproperty float y\n"
+    header += (
+        "property float z\nproperty uchar red\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n"
+    )
+    body = b"".join(struct.pack(f"{order}fffB", *point, 7) for point in POINTS)
+    body += b"".join(struct.pack(f"{order}B{len(each)}i", len(each), *each) for each in POLYGONS)
+    (tmp_path / "mesh.ply").write_bytes(header.encode() + body)
+    points, polygons = read_plain(tmp_path / "mesh.ply")
+    np.testing.assert_array_equal(points, POINTS)
+    assert polygons == POLYGONS
+
+
+def test_obj_with_normals_uvs_and_negative_numbers_is_read(tmp_path):
+    lines = [f"v {x} {y} {z}" for x, y, z in POINTS] + ["vt 0 0", "vn 0 0 1", "f 1/1/1 2/1/1 3//1 4", "f -3 -1 -2"]
+    (tmp_path / "mesh.obj").write_text("\n".join(lines))
+    assert read_plain(tmp_path / "mesh.obj")[1] == [[0, 1, 2, 3], [2, 4, 3]]
+
+
+def test_polygons_are_cut_into_triangles():
+    assert fans(POLYGONS).tolist() == [[0, 1, 2], [0, 2, 3], [2, 4, 3]]
+    assert fans([]).shape == (0, 3)
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "words"),
+    [
+        ("a.stl", "solid", "only be read by Blender"),
+        ("a.obj", "v 1 x 2\nf 1 1 1", "damaged"),
+        ("a.obj", "v 1 2 3\nf 1 2 9", "not there"),
+        ("a.obj", "v 1 2 3", "no mesh with faces"),
+        ("a.ply", "ply\nformat ascii 1.0\nelement vertex 9\nproperty float x\nend_header\n1 2", "damaged"),
+        ("a.ply", "nothing", "damaged"),
+        ("a.ply", "ply\nend_header\n", "damaged"),
+        ("nowhere.obj", None, "is not a file"),
+    ],
+)
+def test_damaged_files_are_told_in_a_sentence(name, text, words, tmp_path):
+    if text is not None:
+        (tmp_path / name).write_text(text)
+    with pytest.raises(InvalidMeshError, match=words):
+        read_plain(tmp_path / name)
+
+
+def run(*words):
+    output = io.StringIO()
+    code = command.main(["compute", *map(str, words), *QUICK], output, alone=True)
+    return code, [json.loads(line) for line in output.getvalue().splitlines()]
+
+
+def test_the_command_works_without_blender(tmp_path, monkeypatch):
+    monkeypatch.setattr(command, "has_blender", lambda: False)
+    vertices, faces = shapes.figure(14)
+    for kind in ("off", "obj", "ply"):
+        write_plain(tmp_path / f"{kind}.{kind}", vertices, faces.tolist(), "")
+    code, lines = run(tmp_path, "--output", tmp_path / "out", "--format", "off", "--reference", "first")
+    assert code == 0
+    forms = [read_plain(tmp_path / "out" / f"{kind}.off")[0] for kind in ("obj", "off", "ply")]
+    for form in forms[1:]:
+        np.testing.assert_allclose(form, forms[0], atol=1e-5)
+    assert {line["vertices"] for line in lines} == {len(vertices)}
+    code, [turned, *_] = run(tmp_path / "obj.obj", "--output", tmp_path / "turned", "--format", "off", "--axes", "Y,Z")
+    code, [plain, *_] = run(tmp_path / "obj.obj", "--output", tmp_path / "plain", "--format", "off")
+    one, two = (read_plain(tmp_path / name / "obj.off")[0] for name in ("turned", "plain"))
+    np.testing.assert_allclose(one[:, 1], two[:, 2], atol=1e-6)  # Z is up in the scene, Y in the file
+    np.testing.assert_allclose(one[:, 2], -two[:, 1], atol=1e-6)
+    assert turned["feature_points"] == plain["feature_points"]
+
+
+@pytest.mark.parametrize("words", [["--format", "blend"], ["--format", "obj", "--frame", "3"]])
+def test_what_needs_blender_is_told(words, tmp_path, monkeypatch):
+    monkeypatch.setattr(command, "has_blender", lambda: False)
+    shapes.write_off(tmp_path / "figure.off", *shapes.figure(12))
+    code, [line] = run(tmp_path / "figure.off", "--output", tmp_path / "out", *words)
+    assert code == 1
+    assert "needs Blender as a module" in line["error"]
+    assert list((tmp_path / "out").iterdir()) == []
