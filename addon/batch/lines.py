@@ -36,6 +36,8 @@ def failure(line: Line, error: Exception, told: str | None = None) -> Line:
     {'input': 'a.obj', 'error': 'No room.'}
     """
     sentence = (told or str(error)).strip()
+    if isinstance(error, ModuleNotFoundError):
+        return {**line, "error": f"The Python module {error.name} is missing: pip install {error.name}"}
     if not isinstance(
         error, CanonicalFormError | OSError | RuntimeError | MemoryError
     ):  # RuntimeError: Blender refuses

@@ -290,7 +290,8 @@ def code_version() -> str:
     root = Path(__file__).resolve().parents[1]
     files = sorted((root / "core").rglob("*.py"))
     files += [root / "evaluation" / f"{name}.py" for name in ("work", "descriptor", "reading")]
-    files += [root / "blender" / f"{name}.py" for name in ("off_format", "files", "mesh_reading")]
+    files += [root / "blender" / f"{name}.py" for name in ("off_format", "reading_files", "mesh_reading")]
+    files.append(root / "batch" / "plain_files.py")
     return digest(*(path.read_text(encoding="utf-8") for path in files))
 
 

@@ -109,7 +109,8 @@ class LocalCrew:
             if not under_way and not again and not suspects and not more:
                 return
             broken = False
-            for future in wait(under_way, return_when=FIRST_COMPLETED).done if under_way else ():
+            ready = wait(under_way, return_when=FIRST_COMPLETED).done if under_way else ()
+            for future in [each for each in under_way if each in ready]:  # in the order of the work
                 piece = under_way.pop(future)
                 try:
                     result = future.result()

@@ -1,9 +1,15 @@
 """The examples of the scripting guide, run as they stand."""
 
+import json
+import os
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import bpy
+
+from tests.meshes import shapes
 
 GUIDE = Path(__file__).resolve().parents[2] / "docs" / "scripting.md"
 
@@ -18,3 +24,30 @@ def test_the_examples_run(figure_object, arrays, capsys):
     (example,) = re.findall(r"```python\n(.*?)```", outside, flags=re.DOTALL)[:1]
     exec(compile(example, "scripting.md", "exec"), {"vertices": vertices, "faces": faces})
     assert capsys.readouterr().out
+
+
+def test_the_pipeline_runs(tmp_path, arrays, capsys, monkeypatch):
+    page = GUIDE.read_text().split("## From a folder of scans")[1]
+    scans = tmp_path / "scans"
+    scans.mkdir()
+    vertices, faces = shapes.figure(14)
+    for name, turned in (("one", vertices), ("two", vertices[:, [1, 2, 0]] + 5)):
+        shapes.write_off(scans / f"{name}.off", turned, faces)
+    (scans / "broken.off").write_text("OFF")
+    (command,) = re.findall(r"```sh\n(.*?)```", page, flags=re.DOTALL)
+    command = command.replace("--reference first", f"--reference {scans / 'one.off'}")  # the first by name is broken
+    root = GUIDE.parents[1]
+    done = subprocess.run(["bash", "-c", command.replace("python", sys.executable, 1)], cwd=tmp_path, check=False,
+                          env={**os.environ, "PYTHONPATH": str(root)}, capture_output=True, text=True)  # fmt: skip
+    assert done.returncode == 1
+    lines = [json.loads(line) for line in (tmp_path / "report.jsonl").read_text().splitlines()]
+    assert {Path(line["input"]).stem: "error" in line for line in lines} == {"one": False, "two": False, "broken": True}
+    forms = [shapes.read_obj(tmp_path / "normalised" / f"{name}.obj")[0] for name in ("one", "two")]
+    assert abs(forms[0] - forms[1]).max() < 1e-3 * abs(forms[0]).max()
+    monkeypatch.chdir(tmp_path)
+    scope = {"vertices": arrays[0], "faces": arrays[1], "other_vertices": arrays[0], "other_faces": arrays[1]}
+    for example in re.findall(r"```python\n(.*?)```", page, flags=re.DOTALL):
+        exec(compile(example, "scripting.md", "exec"), scope)
+    told = capsys.readouterr().out
+    assert "2 of 3 normalised" in told
+    assert "broken.off" in told
