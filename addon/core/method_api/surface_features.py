@@ -242,7 +242,8 @@ def _in_lasting_order(
     """Tell limbs apart, and number them; those without a prominence were chosen by hand and keep their order."""
     between = (to_features[features] + to_features[features].T) / 2
     vertices = surface.kept[features]
-    limbs = limbs_of(between, chirality(to_features, surface.faces), adf[features], vertices)
+    handedness = chirality(to_features, surface.faces)
+    limbs = limbs_of(between, handedness, adf[features], vertices, joined=len(surface.bridges) > 0)
     if prominence is None:
         return features, to_features, limbs
     order = lasting_order(limbs, prominence, vertices)

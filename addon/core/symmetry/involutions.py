@@ -9,7 +9,8 @@ from ..numerics.arrays import FloatArray, IntArray
 _ALIKE = np.log(1.6)  # most that the logarithms of the Auto Diffusion Function differ between a point and its image
 _MISMATCH = 0.375  # most that a single distance may change, over the mean distance
 _HANDEDNESS = 4.0  # weight of a handedness that is not reversed, a cubed length, beside the change of distances
-_FULL = 0.03  # by which a swap of one more pair is preferred: bodies are symmetric as a whole, not limb by limb
+_THICKNESS = 0.6  # weight of a change of the logarithm of the Auto Diffusion Function
+_FULL = 0.08  # by which a swap of one more pair is preferred: bodies are symmetric as a whole, not limb by limb
 _MOST_TRIED = 20_000  # partial swaps; only surfaces of dozens of like limbs have more
 
 
@@ -65,8 +66,9 @@ def feature_involutions(
             if (swapped != np.arange(count)).any():
                 change = np.sqrt(((distances[np.ix_(swapped, swapped)] - distances) ** 2).mean()) / scale
                 kept = np.sqrt(((handedness[np.ix_(swapped, swapped, swapped)] + handedness) ** 2).mean())
+                thicker = np.sqrt((np.log(adf[swapped] / adf) ** 2).mean())
                 pairs = (swapped != np.arange(count)).sum() // 2
-                found.append((float(change + _HANDEDNESS * kept - _FULL * pairs), image))
+                found.append((float(change + _HANDEDNESS * kept + _THICKNESS * thicker - _FULL * pairs), image))
             continue
         first = image.index(unset)
         for other in range(count - 1, first - 1, -1):

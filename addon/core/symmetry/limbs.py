@@ -10,8 +10,9 @@ from ..numerics.arrays import FloatArray, IntArray
 from .involutions import feature_involutions
 
 _MOST = 40  # feature points among which a swap is looked for
-_SYMMETRIC = 0.25  # mismatch of a swap from which on a surface counts as having no left and right
-_TOLD = 0.002  # least handedness, a cubed length, that tells left from right
+_SYMMETRIC = 0.1  # mismatch of a swap from which on a surface counts as having no left and right
+_TOLD = 0.002  # least handedness, a cubed length, that tells left from right,
+_TOLD_JOINED = 0.022  # and where bridges join parts: a hand held by a sleeve is nearer in one pose than in another
 _ALIKE = 0.1  # prominences that differ by less count as equal
 
 
@@ -73,7 +74,9 @@ class Limbs(NamedTuple):
         )
 
 
-def limbs_of(distances: FloatArray, handedness: FloatArray, adf: FloatArray, vertices: IntArray) -> Limbs:
+def limbs_of(
+    distances: FloatArray, handedness: FloatArray, adf: FloatArray, vertices: IntArray, *, joined: bool = False
+) -> Limbs:
     """Find head, tail, left and right among the feature points.
 
     The head is the broadest of those in the middle, where the Auto Diffusion Function is least; the tail the thinnest,
@@ -91,6 +94,8 @@ def limbs_of(distances: FloatArray, handedness: FloatArray, adf: FloatArray, ver
         Auto Diffusion Function there.
     vertices : (k,) ndarray of int
         Which vertices they are.
+    joined : bool
+        Whether the surface is of several parts with bridges between them.
 
     Returns
     -------
@@ -123,7 +128,7 @@ def limbs_of(distances: FloatArray, handedness: FloatArray, adf: FloatArray, ver
         side[ones], side[others] = agree, -agree
         left, right = (side == 1).astype(float), (side == -1).astype(float)
         told = float(np.einsum("ijk,i,j,k", handedness, left, along, right))
-        if abs(told) < _TOLD:
+        if abs(told) < (_TOLD_JOINED if joined else _TOLD):
             told = float(vertices @ right - vertices @ left)
         side = side if told >= 0 else -side
     return Limbs(distances, handedness, adf, partner, side, along)

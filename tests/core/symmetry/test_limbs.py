@@ -102,3 +102,22 @@ def test_limbs_of_a_star_are_told_apart_in_no_time():
 
 def test_a_tube_has_two_ends():
     assert len(feature_patches(*shapes.joint(60)).feature_points) == 2
+
+
+def test_joined_parts_need_more_to_tell_left_from_right():
+    body = np.array([[1.0, 2, 0], [-1, 2, 0], [1.1, -2, 0], [-1.1, -2, 0], [0, 4, 0]]) / 3
+    weak = np.zeros((5, 5, 5))
+    for turn in range(3):
+        i, j, k = np.roll((0, 4, 1), turn)
+        weak[i, j, k], weak[i, k, j] = 0.01, -0.01  # 1 is the left hand
+    distances, adf, vertices = cdist(body, body), np.array([2.0, 2, 2, 2, 1]), np.arange(5)
+    assert limbs_of(distances, weak, adf, vertices).side.tolist() == [-1, 1, -1, 1, 0]
+    assert limbs_of(distances, weak, adf, vertices, joined=True).side.tolist() == [1, -1, 1, -1, 0]
+
+
+def test_a_swap_of_all_pairs_is_preferred_to_that_of_one():
+    body = np.array([[1.0, 2, 0], [-1.1, 2, 0.1], [1.1, -2, 0.1], [-1.2, -2.1, 0], [0, 4, 0]]) / 3
+    crossed = cdist(body, body)
+    crossed[4, 2] = crossed[2, 4] = crossed[4, 2] * 0.95  # a pose draws one leg up
+    limbs = limbs_of(crossed, np.zeros((5, 5, 5)), np.array([2.0, 2, 2, 2, 1]), np.arange(5))
+    assert limbs.partner.tolist() == [1, 0, 3, 2, 4]
