@@ -107,7 +107,13 @@ class _Run:
         named = options.reference
         self._reference_path = None if named is None else files[0] if named == "first" else Path(named)
         inputs = (*files, *([self._reference_path] if self._reference_path else []))
-        options.output.mkdir(parents=True, exist_ok=True)
+        try:
+            options.output.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise CanonicalFormError(
+                f"The folder {options.output} for the results cannot be made: {error.strerror}. Choose another "
+                "--output."
+            ) from error
         self.wanted = wanted_of(
             options,
             mark=str(os.getpid()),

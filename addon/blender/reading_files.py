@@ -96,10 +96,7 @@ def open_meshes(path: Path, names: Sequence[str] = ()) -> list[bpy.types.Object]
                 _empty()
                 _import(path)
     except RuntimeError as error:
-        reason = str(error).strip()
-        if "Traceback" in reason:  # of an importer: its last line is the error
-            reason = next((line for line in reversed(reason.splitlines()) if line and line[0] not in " L"), reason)
-        raise InvalidMeshError(f"Blender cannot read {path.name}: {reason}") from error
+        raise InvalidMeshError(f"Blender cannot read {path.name}: {last_line(error)}") from error
     found: dict[bpy.types.Mesh, bpy.types.Object] = {}
     for obj in sorted(bpy.data.objects, key=lambda each: each.name):
         visible = obj.users_scene and not any(each.name == _BONE_SHAPES for each in obj.users_collection)
@@ -111,6 +108,30 @@ def open_meshes(path: Path, names: Sequence[str] = ()) -> list[bpy.types.Object]
     if not found:
         raise InvalidMeshError(f"{path.name} holds no mesh with faces.")
     return list(found.values())
+
+
+def last_line(error: Exception) -> str:
+    r"""Find the sentence in an error of Blender's: of a traceback it is the last line.
+
+    Parameters
+    ----------
+    error : Exception
+        The error.
+
+    Returns
+    -------
+    str
+        The sentence.
+
+    Examples
+    --------
+    >>> last_line(RuntimeError("Error: Python: Traceback:\n  File x\nOSError: full\nLocation: y"))
+    'OSError: full'
+    """
+    reason = str(error).strip()
+    if "Traceback" not in reason:
+        return reason
+    return next((line for line in reversed(reason.splitlines()) if line and line[0] not in " L"), reason)
 
 
 @contextmanager

@@ -13,8 +13,9 @@ import numpy as np
 from ..core import InvalidMeshError
 from ..core.numerics.arrays import FloatArray, IntArray
 from .form_key import remove_all_keys
-from .reading_files import quiet
+from .reading_files import last_line, quiet
 
+_USD_MAGIC, _ZSTD_MAGIC, _ZSTD_END = b"PXR-USDC", b"\x28\xb5\x2f\xfd", b"\xb1\xea\x92\x8f"
 # operators, and what they are told: only what is selected is written, and no animation
 _EXPORTERS: dict[str, tuple[str, dict[str, Any]]] = {
     "glb": (
@@ -58,7 +59,13 @@ def save_blend(path: Path, mark: str = "") -> None:
     mark : str
         As in `replaced`.
     """
-    replaced(path, lambda partial: bpy.ops.wm.save_as_mainfile(filepath=str(partial), copy=True, compress=True), mark)
+
+    def write(partial: Path) -> None:
+        with quiet():
+            bpy.ops.wm.save_as_mainfile(filepath=str(partial), copy=True, compress=True)
+        _require_whole(partial)
+
+    replaced(path, write, mark)
 
 
 def save_forms(path: Path, shown: Sequence[Shown], mark: str = "") -> None:
@@ -127,10 +134,27 @@ def _export(path: Path, kind: str, shown: Sequence[Shown]) -> None:
     try:
         with quiet():
             getattr(getattr(bpy.ops, group), operator)(filepath=str(path), **told)
+    except RuntimeError as error:
+        raise InvalidMeshError(f"Blender cannot write {path.suffix}: {last_line(error)}") from error
     finally:
         bpy.data.batch_remove([*copies, *(each.data for each in copies)])
-    if not path.is_file():
-        raise InvalidMeshError(f"Blender wrote no .{kind} file.")
+    _require_whole(path)
+
+
+def _require_whole(path: Path) -> None:
+    """Refuse a file that is cut short: on a full disk Blender writes .blend and .usdc in part and says nothing."""
+    whole = path.is_file() and path.stat().st_size > 0
+    if whole and path.suffix in (".blend", ".usdc"):
+        with path.open("rb") as file:
+            head = file.read(24)
+            size = file.seek(0, os.SEEK_END)
+            if head[:8] == _USD_MAGIC:  # then the place of its table of contents, which is at the end
+                whole = int.from_bytes(head[16:24], "little") < size
+            elif head[:4] == _ZSTD_MAGIC:  # the compressed file ends with a table of its frames
+                file.seek(max(size - 4, 0))
+                whole = file.read(4) == _ZSTD_END
+    if not whole:
+        raise OSError(f"Blender could not write all of the {path.suffix} file. Is the disk full?")
 
 
 def _copy(shown: Shown) -> bpy.types.Object:

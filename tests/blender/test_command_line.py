@@ -310,6 +310,13 @@ def test_a_full_disk_is_reported_and_the_old_file_stays(tmp_path, folder):
     assert "Traceback" not in done.stderr
     assert "too large" in json.loads(done.stdout)["error"]
     assert [path.read_bytes() for path in tmp_path.iterdir()] == [old]
+    for kind in ("blend", "glb", "fbx", "usdc"):  # Blender itself writes two of them in part without a word
+        words = ["compute", folder / "off.off", "--output", tmp_path / kind, "--format", kind, *QUICK]
+        done = subprocess.run([sys.executable, "-c", limited, *map(str, words)], capture_output=True, text=True,
+                              check=False, cwd=Path(__file__).resolve().parents[2])  # fmt: skip
+        assert done.returncode == 1, kind
+        assert re.search("too large|Is the disk full", json.loads(done.stdout)["error"]), kind
+        assert list((tmp_path / kind).iterdir()) == []
 
 
 def test_a_file_that_is_still_to_be_read_is_never_overwritten(tmp_path, folder):
