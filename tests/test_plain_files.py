@@ -59,6 +59,7 @@ def test_polygons_are_cut_into_triangles():
         ("a.obj", "v 1 x 2\nf 1 1 1", "damaged"),
         ("a.obj", "v 1 2 3\nf 1 2 9", "not there"),
         ("a.obj", "v 1 2 3", "no mesh with faces"),
+        ("a.obj", "v 1 2 3\nf", "no mesh with faces"),
         ("a.ply", "ply\nformat ascii 1.0\nelement vertex 9\nproperty float x\nend_header\n1 2", "damaged"),
         ("a.ply", "nothing", "damaged"),
         ("a.ply", "ply\nend_header\n", "damaged"),

@@ -102,10 +102,15 @@ class _Run:
                 "Inside Blender there is one job only. For --jobs and --scheduler use Blender as a module "
                 "(pip install bpy, python -m addon)."
             )
+        if options.scheduler:  # the workers have working folders of their own
+            options.output = options.output.resolve()
+            options.meshes = [path.resolve() for path in options.meshes]
         files = found_files(options.meshes, options.output)
         stems = output_stems(files)
         named = options.reference
         self._reference_path = None if named is None else files[0] if named == "first" else Path(named)
+        if options.scheduler and self._reference_path is not None:
+            self._reference_path = self._reference_path.resolve()
         inputs = (*files, *([self._reference_path] if self._reference_path else []))
         try:
             options.output.mkdir(parents=True, exist_ok=True)
@@ -252,7 +257,11 @@ def _hired(options: Namespace, alone: bool) -> _Crew:
     from ..scheduling.crews import DaskCrew, LocalCrew
 
     if options.scheduler:
-        return DaskCrew(options.scheduler)
+        cluster = DaskCrew(options.scheduler)
+        if cluster.most_threads > 1:
+            cluster.close()
+            raise CanonicalFormError("Blender works on one file at a time. Start the Dask workers with --nthreads 1.")
+        return cluster
     return LocalCrew(options.jobs, _ATTEMPTS, one_thread=options.jobs > 1)
 
 

@@ -43,14 +43,16 @@ def compute_in_blender(targets: Targets, wanted: Wanted, reference: CanonicalFor
     try:
         if wanted.format not in FORMATS:
             raise CanonicalFormError(f".{wanted.format} is written without Blender only. Choose obj or ply.")
-        objects = open_meshes(path, wanted.objects)
+        objects = open_meshes(path, wanted.objects, shared=not wanted.shown)
     except Exception as error:  # any: the files after it are still to be computed
         yield failure({"input": str(path)}, error, explained(error))
         return
-    groups = [objects] if wanted.together else [[obj] for obj in objects]
-    for frame in wanted.frames or (None,):
+    for number, frame in enumerate(wanted.frames or (None,)):
         if frame is not None:
+            if number:  # nothing of an earlier frame may be left
+                objects = open_meshes(path, wanted.objects, shared=not wanted.shown)
             bpy.context.scene.frame_set(frame)
+        groups = [objects] if wanted.together else [[obj] for obj in objects]
         one_file = wanted.format == "blend" or wanted.together
         whole = targets.of_file(frame)
         if one_file and wanted.skip_existing and whole.exists():
@@ -94,7 +96,8 @@ def reference_in_blender(path: Path, wanted: Wanted) -> CanonicalForm:
     CanonicalFormError
         If it cannot be read or computed.
     """
-    objects = open_meshes(path, wanted.objects)
+    objects = open_meshes(path)
+    objects = [obj for obj in objects if obj.name in wanted.objects] or objects
     if wanted.frames:
         bpy.context.scene.frame_set(wanted.frames[0])
     chosen = objects if wanted.together else [max(objects, key=lambda obj: len(obj.data.vertices))]
@@ -143,6 +146,10 @@ def _computed(
             reason = refusal(obj)
             if reason is not None:
                 raise CanonicalFormError(reason)
+        if len(group) > 1 and wanted.format in ("obj", "ply"):
+            raise CanonicalFormError(
+                f".{wanted.format} holds one object. With --together choose blend, glb, fbx or usdc."
+            )
         if first.name in bpy.context.view_layer.objects:
             bpy.context.view_layer.objects.active = first
         memory = memory_estimate(sum(len(obj.data.vertices) for obj in group), wanted.settings)

@@ -22,7 +22,7 @@ def found_files(words: Sequence[Path], output: Path) -> list[Path]:
     words : sequence of Path
         Files, folders, and patterns that no file is called like.
     output : Path
-        The folder for results; what lies there is not meant by a folder.
+        The folder for results; what lies there is not meant by a folder or pattern.
 
     Returns
     -------
@@ -46,6 +46,7 @@ def found_files(words: Sequence[Path], output: Path) -> list[Path]:
         elif not word.exists() and glob.has_magic(str(word)):
             fitting = sorted(Path(each) for each in glob.glob(str(word), recursive=True))  # noqa: PTH207 (may be absolute)
             fitting = [each for each in fitting if each.suffix.lower() in KINDS and each.is_file()]
+            fitting = [each for each in fitting if output.resolve() not in each.resolve().parents]
             if not fitting:
                 raise CanonicalFormError(f"No mesh is called like {word}.")
             found += fitting

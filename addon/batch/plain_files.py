@@ -53,6 +53,7 @@ def read_plain(path: Path) -> tuple[FloatArray, list[list[int]]]:
         raise
     except (ValueError, IndexError, KeyError, UnicodeDecodeError) as error:
         raise InvalidMeshError(f"{path.name} is damaged or not a {kind} file.") from error
+    polygons = [each for each in polygons if len(each) > 2]
     if not polygons:
         raise InvalidMeshError(f"{path.name} holds no mesh with faces.")
     if min(map(min, polygons)) < 0 or max(map(max, polygons)) >= len(vertices):

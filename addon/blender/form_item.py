@@ -282,6 +282,11 @@ class FormItem:
             found = canonical_form(whole.vertices, whole.faces, settings, progress=progress, cancelled=cancelled)
             self.whole_form = replace(found, vertices=found.vertices @ turn.T)
             return found
+        if any(reading.mirrors for reading in self.readings):
+            raise CanonicalFormError(
+                f"{self.name} has a Mirror modifier, and its form has to stay on the mirror. Set Mesh to As Shown, or "
+                "Orientation to As Posed and no Reference."
+            )
         posed = whole.vertices @ turn.T
         reference = None if request.reference is None else request.reference(cancelled)
         found = canonical_form(

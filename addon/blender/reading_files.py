@@ -64,8 +64,8 @@ _KINDS = [  # collections of bpy.data that a file may fill
 ]
 
 
-def open_meshes(path: Path, names: Sequence[str] = ()) -> list[bpy.types.Object]:
-    """Open a file in place of the current one and list its mesh objects, each mesh once.
+def open_meshes(path: Path, names: Sequence[str] = (), *, shared: bool = True) -> list[bpy.types.Object]:
+    """Open a file in place of the current one and list its mesh objects.
 
     Parameters
     ----------
@@ -73,6 +73,8 @@ def open_meshes(path: Path, names: Sequence[str] = ()) -> list[bpy.types.Object]
         A file of a kind in `SUFFIXES`.
     names : sequence of str
         Names of the objects wanted; all where there are none.
+    shared : bool
+        Whether objects that share a mesh count as one: the first of them is listed.
 
     Returns
     -------
@@ -97,12 +99,14 @@ def open_meshes(path: Path, names: Sequence[str] = ()) -> list[bpy.types.Object]
                 _import(path)
     except RuntimeError as error:
         raise InvalidMeshError(f"Blender cannot read {path.name}: {last_line(error)}") from error
-    found: dict[bpy.types.Mesh, bpy.types.Object] = {}
+    found: dict[bpy.types.ID, bpy.types.Object] = {}
+    there = set()
     for obj in sorted(bpy.data.objects, key=lambda each: each.name):
         visible = obj.users_scene and not any(each.name == _BONE_SHAPES for each in obj.users_collection)
         if obj.type == "MESH" and visible and len(obj.data.polygons) and (not names or obj.name in names):
-            found.setdefault(obj.data, obj)
-    missing = sorted(set(names) - {obj.name for obj in found.values()})
+            there.add(obj.name)
+            found.setdefault(obj.data if shared else obj, obj)
+    missing = sorted(set(names) - there)
     if missing:
         raise InvalidMeshError(f"{path.name} holds no mesh object named {', '.join(map(repr, missing))}.")
     if not found:

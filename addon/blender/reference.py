@@ -9,6 +9,7 @@ import numpy as np
 
 from ..core import CanonicalFormError, Settings
 from .combining import combined
+from .companions import companions_of
 from .form_key import require_form_key
 from .mesh_reading import read_object, refusal
 from .placement import world_rotation
@@ -16,6 +17,7 @@ from .record import read_record
 
 if TYPE_CHECKING:
     from ..core import CanonicalForm
+    from ..core.numerics.arrays import FloatArray
     from ..core.run.monitor import Cancelled
 
 
@@ -43,15 +45,19 @@ class Reference:
         record = read_record(obj.data)
         if record is None or not record.has_form:
             raise CanonicalFormError(f"{name} has no form to refer to. Compute its form first, or choose another one.")
-        form = np.empty(3 * len(obj.data.vertices), dtype=np.float32)
-        require_form_key(obj.data).data.foreach_get("co", form)
-        reading = read_object(obj, False)
-        whole = combined([reading])
-        turn = world_rotation(reading.placement)
-        self._vertices, self._faces = whole.vertices, whole.faces
-        self._form = whole.put_together([form.reshape(-1, 3).astype(np.float64)]) @ turn.T
+        if record.report.frame is not None and obj.modifiers:
+            raise CanonicalFormError(
+                f"The form of {name} is that of the mesh as shown, under modifiers. Compute it with Result set to New "
+                "Object, and choose that one as the reference."
+            )
+        objects = companions_of(obj)
+        readings = [read_object(each, False) for each in objects]
+        whole = combined(readings)
+        turn = world_rotation(readings[0].placement) if len(readings) == 1 else np.eye(3)
+        self._vertices, self._faces = whole.vertices @ turn.T, whole.faces
+        self._form = whole.put_together([_form_of(each) for each in objects]) @ turn.T
         points = record.report.feature_points
-        own = not reading.mirrors and len(points) > 0 and min(points) >= 0
+        own = len(readings) == 1 and not readings[0].mirrors and len(points) > 0
         self._settings = Settings(pieces=record.report.pieces, feature_points=points if own else None)
         self._computed: CanonicalForm | None = None
 
@@ -91,3 +97,10 @@ class Reference:
                 bodies=found.bodies,
             )
         return self._computed
+
+
+def _form_of(obj: bpy.types.Object) -> FloatArray:
+    """Read the form of an object, in its own space."""
+    form = np.empty(3 * len(obj.data.vertices), dtype=np.float32)
+    require_form_key(obj.data).data.foreach_get("co", form)
+    return form.reshape(-1, 3).astype(np.float64)

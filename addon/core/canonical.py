@@ -82,11 +82,9 @@ def canonical_form(
     monitor = Monitor(progress, cancelled, OPENING)
     bodies = opened(vertices, faces, settings, monitor)
 
-    count = len(bodies.bodies)
-    others: list[ReferenceBody | None] = [None] * count
+    others: list[ReferenceBody | None] = [None] * len(bodies.bodies)
     if reference is not None:
-        known = reference_bodies(reference, bodies.faces, count, monitor)
-        others[: len(known)] = known
+        others = reference_bodies(reference, bodies.faces, [body.vertices for body in bodies.bodies], monitor)
 
     def work(
         body: Body, chosen: Chosen | None, other: ReferenceBody | None, own: Monitor

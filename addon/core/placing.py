@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -13,7 +14,7 @@ from .method_api.method_result import MethodResult
 from .method_api.settings import Settings
 from .method_api.surface_features import SurfaceFeatures
 from .numerics.arrays import FloatArray, IntArray
-from .results import CanonicalForm
+from .results import BodyLimbs, CanonicalForm
 from .run.errors import InvalidSettingsError
 from .run.monitor import Monitor
 from .symmetry.limbs import Limbs
@@ -46,7 +47,9 @@ class ReferenceBody(NamedTuple):
     same_mesh: bool
 
 
-def reference_bodies(reference: CanonicalForm, faces: IntArray, count: int, monitor: Monitor) -> list[ReferenceBody]:
+def reference_bodies(
+    reference: CanonicalForm, faces: IntArray, vertices: Sequence[IntArray], monitor: Monitor
+) -> list[ReferenceBody | None]:
     """Take a form apart into the bodies that others are laid onto.
 
     Parameters
@@ -55,15 +58,16 @@ def reference_bodies(reference: CanonicalForm, faces: IntArray, count: int, moni
         The form.
     faces : (m, 3) ndarray of int
         Triangles of the mesh that is laid onto it.
-    count : int
-        Number of bodies of that mesh; the largest is laid onto the largest, and so on.
+    vertices : sequence of (p,) ndarray of int
+        Vertices of each body of that mesh. In the same mesh each is laid onto itself; otherwise the largest is laid
+        onto the largest, and so on.
     monitor : Monitor
         Receives a warning where one has more bodies than the other.
 
     Returns
     -------
-    list of ReferenceBody
-        At most `count`.
+    list of ReferenceBody or None
+        One for each body; None where there is none for it.
 
     Raises
     ------
@@ -75,23 +79,42 @@ def reference_bodies(reference: CanonicalForm, faces: IntArray, count: int, moni
     >>> from addon.core import canonical_form
     >>> corner = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
     >>> form = canonical_form(corner, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
-    >>> [body.same_mesh for body in reference_bodies(form, form.faces, 1, Monitor())]
+    >>> [body.same_mesh for body in reference_bodies(form, form.faces, [np.arange(4)], Monitor())]
     [True]
     """
     if not reference.bodies:
         raise InvalidSettingsError("reference_without_limbs")
+    count = len(vertices)
     if len(reference.bodies) != count:
         monitor.warn("reference_bodies", count=count, others=len(reference.bodies))
     same = np.array_equal(reference.faces, faces)
-    found = []
-    for body in reference.bodies[:count]:
-        number = np.full(len(reference.vertices), -1)
-        number[body.vertices] = np.arange(len(body.vertices))
-        own = number[reference.faces]
-        points, centre, _ = of_unit_area(reference.vertices[body.vertices], own[(own >= 0).all(axis=1)])
-        order = np.argsort(body.numbers, kind="stable")
-        found.append(ReferenceBody(points, centre, body.tips[order], body.limbs.sorted_by(order), same))
-    return found
+    wanted = [np.sort(each) for each in vertices]
+    twins = [
+        next((other for other in reference.bodies if same and np.array_equal(np.sort(other.vertices), own)), None)
+        for own in wanted
+    ]
+    left = [other for other in reference.bodies if not any(other is twin for twin in twins)]
+    alone = [rank for rank, twin in enumerate(twins) if twin is None]
+    ranked = dict(zip(alone, left, strict=False))
+    return [
+        _reference_body(reference, twin, vertices[rank], True)
+        if twin is not None
+        else _reference_body(reference, ranked[rank], ranked[rank].vertices, False)
+        if rank in ranked
+        else None
+        for rank, twin in enumerate(twins)
+    ]
+
+
+def _reference_body(reference: CanonicalForm, body: BodyLimbs, vertices: IntArray, same_mesh: bool) -> ReferenceBody:
+    """Take one body out of a form, its vertices in the order of those given."""
+    number = np.full(len(reference.vertices), -1)
+    number[vertices] = np.arange(len(vertices))
+    own = number[reference.faces]
+    points, centre, _ = of_unit_area(reference.vertices[vertices], own[(own >= 0).all(axis=1)])
+    order = np.argsort(body.numbers, kind="stable")
+    tips = number[body.vertices[body.tips[order]]]
+    return ReferenceBody(points, centre, tips, body.limbs.sorted_by(order), same_mesh)
 
 
 def in_place(

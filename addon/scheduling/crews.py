@@ -235,6 +235,11 @@ class DaskCrew:
             return Failure(f"{type(error).__name__}: {error}")
         return unpacked(packed, self._name)
 
+    @property
+    def most_threads(self) -> int:
+        """Most threads of a worker that is there now."""
+        return max(self._client.nthreads().values(), default=1)
+
     def close(self) -> None:
         """Leave the cluster as it is."""
         self._client.close()

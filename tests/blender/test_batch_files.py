@@ -164,6 +164,9 @@ def test_objects_together_are_one_result(tmp_path):
     assert code == 0
     assert sorted(line["objects"]) == ["Ball", "Body"]
     assert len(open_meshes(Path(line["output"]))) == 2
+    code, [line] = run(path, "--output", tmp_path / "out", "--together", "--format", "obj")
+    assert code == 1
+    assert "holds one object" in line["error"]
     code, lines = run(path, "--output", tmp_path / "each", "--objects", "Ball", "Body", "--format", "obj")
     assert [Path(each["output"]).name for each in lines] == ["pair-Ball.obj", "pair-Body.obj"]
 
@@ -196,6 +199,36 @@ def test_folders_and_patterns_mean_the_meshes_in_them(tmp_path, capsys):
         assert (code, [Path(line["input"]).name for line in lines]) == (0, ["a.off", "b.off"])
     assert run(tmp_path / "x*.off", "--output", tmp_path / "out")[0] == 2
     assert "No mesh is called like" in capsys.readouterr().err
+    assert run(tmp_path / "**" / "*.off", "--output", tmp_path / "out", "--format", "obj")[1][0]["input"].endswith(
+        "a.off"
+    )
+    assert len(run(tmp_path / "**" / "*.o*", "--output", tmp_path / "out", "--format", "obj")[1]) == 2
     (tmp_path / "empty").mkdir()
     assert run(tmp_path / "empty", "--output", tmp_path / "out")[0] == 2
     assert run(tmp_path / "out", "--output", tmp_path / "out")[0] == 2
+
+
+def test_nothing_of_an_earlier_frame_is_left_in_a_blend(tmp_path):
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    add_object("Figure", *shapes.figure(14)).modifiers.new("Subdivision", "SUBSURF").levels = 1
+    path = tmp_path / "figure.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path), copy=True)
+    code, lines = run(path, "--output", tmp_path / "out", "--frames", "1:2")
+    assert code == 0
+    for line in lines:
+        names = [obj.name for obj in open_meshes(Path(line["output"]))]
+        assert names == ["Figure", "Figure Canonical Form"]
+
+
+def test_objects_that_share_a_mesh_are_named_and_the_reference_may_have_others(tmp_path):
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    obj = add_object("Left", *shapes.figure(14))
+    bpy.context.scene.collection.objects.link(bpy.data.objects.new("Right", obj.data))
+    path = tmp_path / "shared.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path), copy=True)
+    shapes.write_off(tmp_path / "other.off", *shapes.figure(14))
+    words = ["--output", tmp_path / "out", "--format", "obj", "--reference", tmp_path / "other.off"]
+    code, lines = run(path, *words, "--objects", "Left", "Right")
+    assert (code, [line["object"] for line in lines]) == (0, ["Left"])
+    code, lines = run(path, *words, "--objects", "Left", "Right", "--mesh", "shown")
+    assert (code, [line["object"] for line in lines]) == (0, ["Left", "Right"])

@@ -5,6 +5,8 @@ import numpy as np
 import pytest
 from mathutils import Euler, Matrix
 
+from addon.blender.reference import Reference
+
 from .conftest import QUICK, add_object, snapshot
 
 
@@ -77,3 +79,31 @@ def test_the_panel_offers_orientation_and_reference(figure_object):
         "posed", "upright", "two_legs", "all_fours",
     ]  # fmt: skip
     assert chosen.reference == ""
+
+
+def test_a_mirrored_base_mesh_is_refused_and_can_be_taken_as_shown(figure_object):
+    figure_object.modifiers.new("Mirror", "MIRROR").use_axis = (False, True, False)
+    before = snapshot(figure_object)
+    with pytest.raises(RuntimeError, match="has to stay on the mirror"):
+        compute(figure_object, orientation="upright")
+    assert snapshot(figure_object) == before
+    compute(figure_object, orientation="upright", mesh="SHOWN", result="OBJECT")
+
+
+def test_a_body_of_several_objects_is_a_reference_as_a_whole(character):
+    for obj in character.values():
+        obj.select_set(True)
+    names = list(character)
+    bpy.context.view_layer.update()
+    assert bpy.ops.object.canonical_form(**QUICK, objects="TOGETHER") == {"FINISHED"}
+    reference = Reference("trunk").computed()
+    assert len(reference.vertices) == sum(len(character[name].data.vertices) for name in names)
+    assert len(reference.bodies) >= 1
+
+
+def test_a_form_under_modifiers_is_no_reference(figure_object, arrays):
+    figure_object.modifiers.new("Smooth", "SMOOTH")
+    compute(figure_object, mesh="SHOWN")
+    other = add_object("Other", *arrays)
+    with pytest.raises(RuntimeError, match="under modifiers"):
+        compute(other, reference="Figure")

@@ -150,3 +150,29 @@ def test_an_unlike_body_and_bodies_too_many_are_told(real_mesh, figure):
 def test_a_form_without_limbs_is_no_reference(figure):
     with pytest.raises(InvalidSettingsError, match="Compute its form again"):
         form_of(figure, DRAFT, reference=replace(form_of(figure, DRAFT), bodies=[]))
+
+
+def test_bodies_of_one_mesh_are_laid_onto_themselves_whatever_their_size(figure):
+    vertices, faces = figure
+    both = np.concatenate([faces, faces + len(vertices)])
+    right = np.array([40.0, 0, 0])
+    reference = canonical_form(np.concatenate([1.05 * vertices, vertices + right]), both, DRAFT)
+    form = canonical_form(np.concatenate([vertices, 1.1 * vertices + right]), both, DRAFT, reference=reference)
+    assert abs(form.vertices[: len(vertices), 0].mean()) < 5
+    assert abs(form.vertices[len(vertices) :, 0].mean() - 40) < 5
+
+
+def test_many_like_limbs_are_told_apart_while_it_can_still_be_cancelled():
+    vertices, faces = shapes.sphere(4)
+    directions = shapes.sphere(1)[0][:30]
+    spikes = np.exp(60 * (vertices @ directions.T - 1)).sum(axis=1)
+    asked = 0
+
+    def cancelled() -> bool:
+        nonlocal asked
+        asked += 1
+        return False
+
+    form = canonical_form(vertices * (1 + spikes)[:, None], faces, DRAFT, cancelled=cancelled)
+    assert len(form.feature_points) > 20
+    assert asked > 100

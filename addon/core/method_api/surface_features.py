@@ -195,7 +195,7 @@ def detected(
         else:
             features, to_features, prominence = _feature_points(adf, surface.faces, heat, settings, monitor)
         monitor.check()
-        features, to_features, limbs = _in_lasting_order(features, to_features, prominence, adf, surface)
+        features, to_features, limbs = _in_lasting_order(features, to_features, prominence, adf, surface, monitor)
     with monitor.stage("Patches"):
         cells = voronoi_cells(to_features, features, surface.faces)
     return SurfaceFeatures(
@@ -237,13 +237,18 @@ def _feature_points(
 
 
 def _in_lasting_order(
-    features: IntArray, to_features: FloatArray, prominence: FloatArray | None, adf: FloatArray, surface: WorkingSurface
+    features: IntArray,
+    to_features: FloatArray,
+    prominence: FloatArray | None,
+    adf: FloatArray,
+    surface: WorkingSurface,
+    monitor: Monitor,
 ) -> tuple[IntArray, FloatArray, Limbs]:
     """Tell limbs apart, and number them; those without a prominence were chosen by hand and keep their order."""
     between = (to_features[features] + to_features[features].T) / 2
     vertices = surface.kept[features]
     handedness = chirality(to_features, surface.faces)
-    limbs = limbs_of(between, handedness, adf[features], vertices, joined=len(surface.bridges) > 0)
+    limbs = limbs_of(between, handedness, adf[features], vertices, joined=len(surface.bridges) > 0, monitor=monitor)
     if prominence is None:
         return features, to_features, limbs
     order = lasting_order(limbs, prominence, vertices)

@@ -72,8 +72,8 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
     "reference_bodies": "This mesh has {count} bodies and the reference {others}; only those that both have, the "
     "largest first, were laid onto it.",
     "reference_unlike": "This body is unlike the reference. Check how the form lies, or choose another reference.",
-    "reference_features": "This body has {count} feature points and the reference {others}; those without their like "
-    "come last.",
+    "reference_features": "This body has {count} feature points and the reference {others}; where the like of one is "
+    "missing, those after it have other numbers.",
     # memory
     "mesh_memory": "A mesh of {vertices:,} vertices needs about {needed:.1f} GB, more than {limit}. Reduce the mesh, "
     "close other programs, or raise the memory limit.",

@@ -5,17 +5,20 @@ from __future__ import annotations
 import numpy as np
 
 from ..numerics.arrays import FloatArray, IntArray
+from ..run.monitor import Monitor
 
 _ALIKE = np.log(1.6)  # most that the logarithms of the Auto Diffusion Function differ between a point and its image
 _MISMATCH = 0.375  # most that a single distance may change, over the mean distance
 _HANDEDNESS = 4.0  # weight of a handedness that is not reversed, a cubed length, beside the change of distances
 _THICKNESS = 0.6  # weight of a change of the logarithm of the Auto Diffusion Function
 _FULL = 0.08  # by which a swap of one more pair is preferred: bodies are symmetric as a whole, not limb by limb
-_MOST_TRIED = 20_000  # partial swaps; only surfaces of dozens of like limbs have more
+_MOST = 40  # feature points
+_MOST_TRIED = 5_000  # partial swaps; only surfaces of dozens of like limbs have more
+_LOOKED_AT = 100  # whole ones whose handedness is looked at, those that keep distances best
 
 
 def feature_involutions(
-    distances: FloatArray, handedness: FloatArray, adf: FloatArray, most: int = 6
+    distances: FloatArray, handedness: FloatArray, adf: FloatArray, most: int = 6, *, monitor: Monitor | None = None
 ) -> list[tuple[IntArray, float]]:
     """Find the ways to swap feature points in pairs that keep their distances and reverse their handedness.
 
@@ -31,12 +34,19 @@ def feature_involutions(
         Auto Diffusion Function there; limbs that mirror each other have like values.
     most : int
         Most swaps to return.
+    monitor : Monitor, optional
+        Polled for cancellation.
 
     Returns
     -------
     list of tuple
         The image of each feature point, (k,) ndarray of int, and a mismatch without unit. At least one pair is swapped;
-        the best way comes first.
+        the best way comes first. None for more than 40 feature points.
+
+    Raises
+    ------
+    CancelledError
+        If the run is cancelled.
 
     Examples
     --------
@@ -51,7 +61,7 @@ def feature_involutions(
     doi:10.1111/j.1467-8659.2008.01273.x.
     """
     count = len(distances)
-    if count < 2:
+    if not 2 <= count <= _MOST:
         return []
     scale = distances[np.triu_indices(count, 1)].mean()
     alike = np.abs(np.subtract.outer(np.log(adf), np.log(adf))) <= _ALIKE
@@ -61,14 +71,14 @@ def feature_involutions(
     while waiting and tried < _MOST_TRIED:
         image = waiting.pop()
         tried += 1
+        if monitor is not None:
+            monitor.check()
         if unset not in image:
             swapped = np.array(image)
             if (swapped != np.arange(count)).any():
                 change = np.sqrt(((distances[np.ix_(swapped, swapped)] - distances) ** 2).mean()) / scale
-                kept = np.sqrt(((handedness[np.ix_(swapped, swapped, swapped)] + handedness) ** 2).mean())
-                thicker = np.sqrt((np.log(adf[swapped] / adf) ** 2).mean())
                 pairs = (swapped != np.arange(count)).sum() // 2
-                found.append((float(change + _HANDEDNESS * kept + _THICKNESS * thicker - _FULL * pairs), image))
+                found.append((float(change - _FULL * pairs), image))
             continue
         first = image.index(unset)
         for other in range(count - 1, first - 1, -1):
@@ -80,4 +90,10 @@ def feature_involutions(
             images = [longer[at] for at in known]
             if np.abs(distances[np.ix_(images, images)] - distances[np.ix_(known, known)]).max() <= _MISMATCH * scale:
                 waiting.append(tuple(longer))
-    return [(np.array(image), mismatch) for mismatch, image in sorted(found)[:most]]
+    ways = []
+    for mismatch, image in sorted(found)[:_LOOKED_AT]:
+        swapped = np.array(image)
+        kept = np.sqrt(((handedness[np.ix_(swapped, swapped, swapped)] + handedness) ** 2).mean())
+        thicker = np.sqrt((np.log(adf[swapped] / adf) ** 2).mean())
+        ways.append((mismatch + float(_HANDEDNESS * kept + _THICKNESS * thicker), image))
+    return [(np.array(image), mismatch) for mismatch, image in sorted(ways)[:most]]

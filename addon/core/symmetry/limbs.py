@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ..numerics.arrays import FloatArray, IntArray
+from ..run.monitor import Monitor
 from .involutions import feature_involutions
 
-_MOST = 40  # feature points among which a swap is looked for
 _SYMMETRIC = 0.1  # mismatch of a swap from which on a surface counts as having no left and right
 _TOLD = 0.002  # least handedness, a cubed length, that tells left from right,
 _TOLD_JOINED = 0.022  # and where bridges join parts: a hand held by a sleeve is nearer in one pose than in another
@@ -75,7 +75,13 @@ class Limbs(NamedTuple):
 
 
 def limbs_of(
-    distances: FloatArray, handedness: FloatArray, adf: FloatArray, vertices: IntArray, *, joined: bool = False
+    distances: FloatArray,
+    handedness: FloatArray,
+    adf: FloatArray,
+    vertices: IntArray,
+    *,
+    joined: bool = False,
+    monitor: Monitor | None = None,
 ) -> Limbs:
     """Find head, tail, left and right among the feature points.
 
@@ -96,11 +102,18 @@ def limbs_of(
         Which vertices they are.
     joined : bool
         Whether the surface is of several parts with bridges between them.
+    monitor : Monitor, optional
+        Polled for cancellation.
 
     Returns
     -------
     Limbs
         What was found.
+
+    Raises
+    ------
+    CancelledError
+        If the run is cancelled.
 
     Examples
     --------
@@ -111,10 +124,9 @@ def limbs_of(
     ([1, 0, 3, 2, 4], [1, -1, 1, -1, 0])
     """
     count = len(distances)
-    partner, mismatch = np.arange(count), np.inf
-    if count <= _MOST:
-        for image, mismatch in feature_involutions(distances, handedness, adf, most=1):
-            partner = image if mismatch < _SYMMETRIC else partner
+    partner = np.arange(count)
+    for image, mismatch in feature_involutions(distances, handedness, adf, most=1, monitor=monitor):
+        partner = image if mismatch < _SYMMETRIC else partner
     along = _along(partner, adf)
     ones = np.flatnonzero(partner > np.arange(count))
     others = partner[ones]

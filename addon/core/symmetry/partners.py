@@ -90,7 +90,7 @@ def mirror_partners(
     normals = vertex_normals(form, faces)
     best, least = None, _NONE
     here = np.column_stack([to_features, _NEAR * form, _FACING * normals])
-    for image, _ in feature_involutions(limbs.distances, limbs.handedness, limbs.adf):
+    for image, _ in feature_involutions(limbs.distances, limbs.handedness, limbs.adf, monitor=monitor):
         plane = mirror_plane(form[features], form[features[image]], np.ones(len(features)))
         for _ in range(_ROUNDS):
             there = _mirrored(form[samples], normals[samples], plane, _NEAR, _FACING, to_features[samples][:, image])
