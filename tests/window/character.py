@@ -2,7 +2,7 @@
 
 import bpy
 
-SLIDER = 325  # below the top, with the rows for an armature and for several objects
+SLIDER = 382  # below the top, with the rows for an armature and for several objects
 
 
 def character(hand, files, compute):

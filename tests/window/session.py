@@ -22,7 +22,7 @@ sys.path[:0] = [str(Path(__file__).resolve().parent), str(Path(__file__).resolve
 from tests.window.character import character, several_objects, state  # noqa: E402
 from tests.window.hand import UNIT, Hand  # noqa: E402
 
-ROWS = {"compute": 50, "slider": 247, "clear": 414, "toggle": 482, "cancel": 50}  # below the top, at version 4.3
+ROWS = {"compute": 50, "slider": 304, "clear": 471, "toggle": 539, "cancel": 50}  # below the top, at version 4.3
 MOST_GAP = 0.2  # seconds between two ticks of a timer while a large mesh is computed
 hand = Hand(PICTURES)
 ticks: list[tuple[float, bool]] = []
