@@ -37,7 +37,7 @@ def feature_assignments(limbs: Limbs, others: Limbs, most: int = 6) -> list[tupl
     >>> from addon.core.symmetry.limbs import limbs_of
     >>> def limbs(points):
     ...     far = np.linalg.norm(points[:, None] - points, axis=2)
-    ...     return limbs_of(far, np.zeros((3, 3, 3)), np.ones(3), np.arange(3))
+    ...     return limbs_of(far, np.zeros((3, 3, 3)), np.ones(3), lambda: np.arange(3.0))
     >>> corner = np.array([[0.0, 0], [1, 0], [0, 2]])
     >>> feature_assignments(limbs(corner), limbs(corner[[2, 0, 1]]))[0][0].tolist()
     [1, 2, 0]

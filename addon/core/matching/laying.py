@@ -102,7 +102,7 @@ def laid_by_limbs(
     >>> body = np.array([[0.0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 3]]) / 3
     >>> from addon.core.symmetry.limbs import limbs_of
     >>> far = np.linalg.norm(body[:, None] - body, axis=2)
-    >>> limbs = limbs_of(far, np.zeros((4, 4, 4)), np.ones(4), np.arange(4))
+    >>> limbs = limbs_of(far, np.zeros((4, 4, 4)), np.ones(4), lambda: np.arange(4.0))
     >>> turned = body @ np.array([[0.0, 1, 0], [-1, 0, 0], [0, 0, 1]]) + 1
     >>> laying = laid_by_limbs(turned, body, np.arange(4), np.arange(4), limbs, limbs)
     >>> bool(np.allclose(turned @ laying.rotation + laying.shift, body)), laying.image.tolist()

@@ -248,7 +248,19 @@ def _in_lasting_order(
     between = (to_features[features] + to_features[features].T) / 2
     vertices = surface.kept[features]
     handedness = chirality(to_features, surface.faces)
-    limbs = limbs_of(between, handedness, adf[features], vertices, joined=len(surface.bridges) > 0, monitor=monitor)
+
+    def places() -> FloatArray:
+        """Find the first vertex in the outer half of each limb: where a limb ends depends on the pose."""
+        far = surface.prolong(to_features) if surface.coarse else to_features
+        nearest, least = np.argmin(far, axis=1), far.min(axis=1)
+        first = np.zeros(len(features))
+        for number in range(len(features)):
+            own = np.flatnonzero(nearest == number)
+            outer = own[least[own] <= least[own].max(initial=0.0) / 2]
+            first[number] = outer[0] if len(outer) else vertices[number]
+        return first
+
+    limbs = limbs_of(between, handedness, adf[features], places, joined=len(surface.bridges) > 0, monitor=monitor)
     if prominence is None:
         return features, to_features, limbs
     order = lasting_order(limbs, prominence, vertices)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -12,6 +13,7 @@ from .involutions import feature_involutions
 
 _SYMMETRIC = 0.1  # mismatch of a swap from which on a surface counts as having no left and right
 _TOLD = 0.002  # least handedness, a cubed length, that tells left from right,
+_TRUST_JOINED = 0.5  # weight of handedness in finding pairs, where bridges join parts
 _TOLD_JOINED = 0.022  # and where bridges join parts: a hand held by a sleeve is nearer in one pose than in another
 _ALIKE = 0.1  # prominences that differ by less count as equal
 
@@ -58,7 +60,7 @@ class Limbs(NamedTuple):
         Examples
         --------
         >>> distances = np.array([[0.0, 2, 1], [2, 0, 1], [1, 1, 0]])
-        >>> limbs = limbs_of(distances, np.zeros((3, 3, 3)), np.array([2.0, 2, 1]), np.arange(3))
+        >>> limbs = limbs_of(distances, np.zeros((3, 3, 3)), np.array([2.0, 2, 1]), lambda: np.arange(3.0))
         >>> limbs.sorted_by(np.array([2, 1, 0])).side.tolist()
         [0, -1, 1]
         """
@@ -78,7 +80,7 @@ def limbs_of(
     distances: FloatArray,
     handedness: FloatArray,
     adf: FloatArray,
-    vertices: IntArray,
+    places: Callable[[], FloatArray],
     *,
     joined: bool = False,
     monitor: Monitor | None = None,
@@ -98,8 +100,9 @@ def limbs_of(
         Chirality of the distances from them, as `chirality` gives it.
     adf : (k,) ndarray of float
         Auto Diffusion Function there.
-    vertices : (k,) ndarray of int
-        Which vertices they are.
+    places : callable
+        Gives where each of their limbs stands in the order of the vertices, (k,) ndarray of float; called where nothing
+        else tells left from right.
     joined : bool
         Whether the surface is of several parts with bridges between them.
     monitor : Monitor, optional
@@ -119,13 +122,14 @@ def limbs_of(
     --------
     >>> from scipy.spatial.distance import cdist
     >>> body = np.array([[1.0, 2, 0], [-1, 2, 0], [1.1, -2, 0], [-1.1, -2, 0], [0, 4, 0]]) / 3
-    >>> limbs = limbs_of(cdist(body, body), np.zeros((5, 5, 5)), np.array([2.0, 2, 2, 2, 1]), np.arange(5))
+    >>> limbs = limbs_of(cdist(body, body), np.zeros((5, 5, 5)), np.array([2.0, 2, 2, 2, 1]), lambda: np.arange(5.0))
     >>> limbs.partner.tolist(), limbs.side.tolist()
     ([1, 0, 3, 2, 4], [1, -1, 1, -1, 0])
     """
     count = len(distances)
     partner = np.arange(count)
-    for image, mismatch in feature_involutions(distances, handedness, adf, most=1, monitor=monitor):
+    trusted = handedness * (_TRUST_JOINED if joined else 1.0)
+    for image, mismatch in feature_involutions(distances, trusted, adf, most=1, monitor=monitor):
         partner = image if mismatch < _SYMMETRIC else partner
     along = _along(partner, adf)
     ones = np.flatnonzero(partner > np.arange(count))
@@ -141,7 +145,7 @@ def limbs_of(
         left, right = (side == 1).astype(float), (side == -1).astype(float)
         told = float(np.einsum("ijk,i,j,k", handedness, left, along, right))
         if abs(told) < (_TOLD_JOINED if joined else _TOLD):
-            told = float(vertices @ right - vertices @ left)
+            told = float(places() @ (right - left))
         side = side if told >= 0 else -side
     return Limbs(distances, handedness, adf, partner, side, along)
 
@@ -170,7 +174,7 @@ def lasting_order(limbs: Limbs, prominence: FloatArray, vertices: IntArray) -> I
     Examples
     --------
     >>> distances = np.array([[0.0, 2, 1], [2, 0, 1], [1, 1, 0]])
-    >>> limbs = limbs_of(distances, np.zeros((3, 3, 3)), np.array([2.0, 2, 1]), np.arange(3))
+    >>> limbs = limbs_of(distances, np.zeros((3, 3, 3)), np.array([2.0, 2, 1]), lambda: np.arange(3.0))
     >>> lasting_order(limbs, np.ones(3), np.arange(3)).tolist()
     [2, 0, 1]
     """

@@ -76,7 +76,7 @@ def mirror_partners(
     >>> faces = np.array([[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 4], [2, 4, 5], [3, 5, 4]])
     >>> far = np.abs(arms[:, :1] - [-2.0, 2.0])
     >>> waves = np.linalg.qr(arms[:, :2])[0] * np.sqrt(6)
-    >>> limbs = limbs_of(far[[0, 5]] / 3, np.zeros((2, 2, 2)), np.ones(2), np.array([0, 5]))
+    >>> limbs = limbs_of(far[[0, 5]] / 3, np.zeros((2, 2, 2)), np.ones(2), lambda: np.array([0.0, 5]))
     >>> mirror = mirror_partners(
     ...     arms / 3, faces, np.ones(6) / 6, waves, np.array([0, 5]), far / 3, limbs, np.arange(6), Monitor())
     >>> mirror.partner.tolist()

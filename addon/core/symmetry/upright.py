@@ -60,7 +60,7 @@ def upright_rotation(
     >>> from addon.core.symmetry.limbs import limbs_of
     >>> body = np.array([[1.0, 0, 2], [-1, 0, 2], [1.1, 0, -2], [-1.1, 0, -2], [0, 0.1, 4]]) / 3
     >>> far = np.linalg.norm(body[:, None] - body, axis=2)
-    >>> limbs = limbs_of(far, np.zeros((5, 5, 5)), np.array([2.0, 2, 2, 2, 1]), np.arange(5))
+    >>> limbs = limbs_of(far, np.zeros((5, 5, 5)), np.array([2.0, 2, 2, 2, 1]), lambda: np.arange(5.0))
     >>> turned = body[:, [1, 2, 0]]
     >>> upright = turned @ upright_rotation(turned, np.ones(5), np.arange(5), far, limbs, None)
     >>> bool(np.allclose(upright[:2, 0], [1 / 3, -1 / 3])), bool(upright[4, 2] > 1)

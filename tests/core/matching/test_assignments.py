@@ -12,7 +12,9 @@ FOUR_LEGS = np.array([[1.0, 3, 0], [-1, 3, 0], [1.2, -3, 0], [-1.2, -3, 0], [0, 
 def limbs(points, adf=None, handedness=None):
     count = len(points)
     flat = np.zeros((count,) * 3) if handedness is None else handedness
-    return limbs_of(cdist(points, points), flat, np.ones(count) if adf is None else adf, np.arange(count))
+    return limbs_of(
+        cdist(points, points), flat, np.ones(count) if adf is None else adf, lambda: np.arange(float(count))
+    )
 
 
 def volumes(points):

@@ -73,14 +73,14 @@ def test_a_mirrored_body_has_left_and_right_exchanged(real_mesh):
 def test_where_nothing_tells_left_from_right_the_order_of_vertices_does():
     body = np.array([[1.0, 2, 0], [-1, 2, 0], [1.1, -2, 0], [-1.1, -2, 0], [0, 4, 0]]) / 3
     distances, adf, flat = cdist(body, body), np.array([2.0, 2, 2, 2, 1]), np.zeros((5, 5, 5))
-    assert limbs_of(distances, flat, adf, np.array([5, 6, 7, 8, 9])).side.tolist() == [1, -1, 1, -1, 0]
-    assert limbs_of(distances, flat, adf, np.array([6, 5, 8, 7, 9])).side.tolist() == [-1, 1, -1, 1, 0]
+    assert limbs_of(distances, flat, adf, lambda: np.array([5.0, 6, 7, 8, 9])).side.tolist() == [1, -1, 1, -1, 0]
+    assert limbs_of(distances, flat, adf, lambda: np.array([6.0, 5, 8, 7, 9])).side.tolist() == [-1, 1, -1, 1, 0]
 
 
 def test_without_left_and_right_the_most_prominent_come_first_and_ties_go_by_vertex():
     line = np.array([[0.0], [3], [10], [25]])
     vertices = np.array([9, 4, 1, 2])
-    alone = limbs_of(cdist(line, line), np.zeros((4, 4, 4)), np.array([1.0, 3, 9, 27]), vertices)
+    alone = limbs_of(cdist(line, line), np.zeros((4, 4, 4)), np.array([1.0, 3, 9, 27]), lambda: vertices)
     assert not alone.side.any()
     assert lasting_order(alone, np.array([2.02, 2.0, 0.7, 3.0]), vertices).tolist() == [3, 1, 0, 2]
 
@@ -96,7 +96,7 @@ def test_feature_points_chosen_by_hand_keep_their_order(real_mesh):
 def test_limbs_of_a_star_are_told_apart_in_no_time():
     angle = np.linspace(0, 2 * np.pi, 60, endpoint=False)
     star = np.column_stack([np.cos(angle), np.sin(angle)])
-    limbs = limbs_of(cdist(star, star), np.zeros((60, 60, 60)), np.ones(60), np.arange(60))
+    limbs = limbs_of(cdist(star, star), np.zeros((60, 60, 60)), np.ones(60), lambda: np.arange(60.0))
     assert (limbs.partner == np.arange(60)).all()
 
 
@@ -110,14 +110,14 @@ def test_joined_parts_need_more_to_tell_left_from_right():
     for turn in range(3):
         i, j, k = np.roll((0, 4, 1), turn)
         weak[i, j, k], weak[i, k, j] = 0.01, -0.01  # 1 is the left hand
-    distances, adf, vertices = cdist(body, body), np.array([2.0, 2, 2, 2, 1]), np.arange(5)
-    assert limbs_of(distances, weak, adf, vertices).side.tolist() == [-1, 1, -1, 1, 0]
-    assert limbs_of(distances, weak, adf, vertices, joined=True).side.tolist() == [1, -1, 1, -1, 0]
+    distances, adf = cdist(body, body), np.array([2.0, 2, 2, 2, 1])
+    assert limbs_of(distances, weak, adf, lambda: np.arange(5.0)).side.tolist() == [-1, 1, -1, 1, 0]
+    assert limbs_of(distances, weak, adf, lambda: np.arange(5.0), joined=True).side.tolist() == [1, -1, 1, -1, 0]
 
 
 def test_a_swap_of_all_pairs_is_preferred_to_that_of_one():
     body = np.array([[1.0, 2, 0], [-1.1, 2, 0.1], [1.1, -2, 0.1], [-1.2, -2.1, 0], [0, 4, 0]]) / 3
     crossed = cdist(body, body)
     crossed[4, 2] = crossed[2, 4] = crossed[4, 2] * 0.95  # a pose draws one leg up
-    limbs = limbs_of(crossed, np.zeros((5, 5, 5)), np.array([2.0, 2, 2, 2, 1]), np.arange(5))
+    limbs = limbs_of(crossed, np.zeros((5, 5, 5)), np.array([2.0, 2, 2, 2, 1]), lambda: np.arange(5.0))
     assert limbs.partner.tolist() == [1, 0, 3, 2, 4]
