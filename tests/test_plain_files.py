@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from addon.batch import command
+from addon.batch.lines import FileCount, stage_line
 from addon.batch.plain_files import fans, read_plain, write_plain
 from addon.core import InvalidMeshError
 from tests.meshes import shapes
@@ -106,3 +107,23 @@ def test_what_needs_blender_is_told(words, tmp_path, monkeypatch):
     assert code == 1
     assert "needs Blender as a module" in line["error"]
     assert list((tmp_path / "out").iterdir()) == []
+
+
+def test_progress_tells_which_file_it_is_and_how_long_the_rest_takes():
+    clock = iter([0.0, 6.0, 600.0])
+    count = FileCount(3, lambda: next(clock))
+    assert count.text() == "file 1 of 3"
+    count.done()
+    assert count.text() == "file 2 of 3 · 12 s left"
+    count.done()
+    assert count.text() == "file 3 of 3 · 5 min left"
+
+
+def test_a_stage_is_shown_where_it_is_wanted_and_wiped_away(capsys):
+    with stage_line("mesh", True) as show:
+        show(0.5, "Spectrum")
+    with stage_line("mesh", False) as show:
+        assert show is None
+    told = capsys.readouterr().err
+    assert "mesh:  50 % Spectrum" in told
+    assert told.endswith("\r\x1b[K")

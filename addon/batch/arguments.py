@@ -9,14 +9,13 @@ from typing import Any
 
 import numpy as np
 
+from ..blender.kinds_of_files import READ, WRITTEN
 from ..core.method_api.catalogue import methods
 from ..core.method_api.options import Option, options_of
 from ..core.method_api.settings import Settings, current_options, former_options
 from ..core.numerics.arrays import FloatArray
 from ..core.run.errors import CanonicalFormError
-from .inputs import KINDS
 
-FORMATS = ("blend", "obj", "ply", "glb", "fbx", "usdc", "off")
 _EPILOGUE = """\
 examples:
   compute scans --output forms                        every mesh of a folder
@@ -147,10 +146,12 @@ def _parser() -> argparse.ArgumentParser:
     )
     files = compute.add_argument_group("files")
     files.add_argument(
-        "meshes", nargs="+", type=Path, metavar="MESH", help=f"files, folders or patterns ({', '.join(KINDS)})"
+        "meshes", nargs="+", type=Path, metavar="MESH", help=f"files, folders or patterns ({', '.join(READ)})"
     )
     files.add_argument("--output", type=Path, required=True, metavar="DIR", help="folder for the results")
-    files.add_argument("--format", choices=FORMATS, default="blend", help="what to write; off without Blender only")
+    files.add_argument(
+        "--format", choices=(*WRITTEN, "off"), default="blend", help="what to write; off without Blender only"
+    )
     files.add_argument("--skip-existing", action="store_true", help="leave out files that have their result already")
     files.add_argument("--jobs", type=int, default=1, metavar="N", help="number of files worked on at once")
     files.add_argument("--scheduler", metavar="HOST:PORT", help="work on the Dask cluster of this scheduler instead")

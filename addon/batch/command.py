@@ -2,55 +2,27 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import os
 import sys
 import time
 from argparse import Namespace
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from contextlib import redirect_stdout
 from pathlib import Path
-from typing import Any, Protocol, TextIO
+from typing import TextIO
 
 from ..core import CanonicalForm, CanonicalFormError
-from ..scheduling.attempts import Failure, attempted
+from ..scheduling.attempts import Failure
+from ..scheduling.crews import Crew, DaskCrew, InThisProcess, LocalCrew
 from .arguments import Wanted, parsed, wanted_of
 from .inputs import found_files, output_stems, separators
 from .lines import SCHEMA, FileCount, Line, complain
+from .plain_files import has_blender
 from .targets import Targets
 
 _ATTEMPTS = 2  # of a file that may have cost a worker the life: another may have
 _CRASHED = "Blender crashed on this file; it may be damaged, or the memory was not enough."
-
-
-class _Crew(Protocol):
-    def results(self, work: Iterator[tuple[object, Any]]) -> Iterator[tuple[object, Any]]: ...
-
-    def close(self) -> None: ...
-
-
-class InThisProcess:
-    """Does all the work here, one piece after the other: inside Blender there is only one process."""
-
-    def results(self, work: Iterator[tuple[object, Any]]) -> Iterator[tuple[object, Any]]:
-        """Run all the work.
-
-        Parameters
-        ----------
-        work : iterator of (object, (callable, tuple))
-            Names and work.
-
-        Yields
-        ------
-        (object, object)
-            The name, and the result or a `Failure` in its place.
-        """
-        for name, (function, arguments) in work:
-            yield name, attempted(function, arguments)
-
-    def close(self) -> None:
-        """Do nothing: there is nobody to let go."""
 
 
 def main(words: Sequence[str], output: TextIO, *, alone: bool = False) -> int:
@@ -239,23 +211,10 @@ def compute_reference(path: Path, wanted: Wanted) -> CanonicalForm:
     return reference_in_blender(path, wanted)
 
 
-def has_blender() -> bool:
-    """Tell whether Blender is there as a module, or this is Blender.
-
-    Returns
-    -------
-    bool
-        Whether ``import bpy`` will do.
-    """
-    return "bpy" in sys.modules or importlib.util.find_spec("bpy") is not None
-
-
-def _hired(options: Namespace, alone: bool) -> _Crew:
+def _hired(options: Namespace, alone: bool) -> Crew:
     """Hire the workers that the words ask for."""
     if alone:
         return InThisProcess()
-    from ..scheduling.crews import DaskCrew, LocalCrew
-
     if options.scheduler:
         cluster = DaskCrew(options.scheduler)
         if cluster.most_threads > 1:

@@ -10,10 +10,11 @@ import numpy as np
 
 from ..blender.advice import explained
 from ..blender.form_task import FormTask
+from ..blender.kinds_of_files import WRITTEN
 from ..blender.mesh_reading import refusal
 from ..blender.reading_files import open_meshes
 from ..blender.request import Request
-from ..blender.writing_files import FORMATS, Shown, save_blend, save_forms
+from ..blender.writing_files import Shown, save_blend, save_forms
 from ..core import CanonicalForm, CanonicalFormError
 from ..core.method_api.costs import memory_estimate
 from ..core.numerics.arrays import FloatArray
@@ -41,7 +42,7 @@ def compute_in_blender(targets: Targets, wanted: Wanted, reference: CanonicalFor
     """
     path = targets.path
     try:
-        if wanted.format not in FORMATS:
+        if wanted.format not in WRITTEN:
             raise CanonicalFormError(f".{wanted.format} is written without Blender only. Choose obj or ply.")
         objects = open_meshes(path, wanted.objects, shared=not wanted.shown)
     except Exception as error:  # any: the files after it are still to be computed

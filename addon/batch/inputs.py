@@ -7,11 +7,8 @@ from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
+from ..blender.kinds_of_files import READ
 from ..core.run.errors import CanonicalFormError
-
-KINDS = (
-    ".blend", ".off", ".obj", ".ply", ".stl", ".glb", ".gltf", ".fbx", ".usd", ".usda", ".usdc", ".usdz", ".abc",
-)  # fmt: skip
 
 
 def found_files(words: Sequence[Path], output: Path) -> list[Path]:
@@ -37,15 +34,15 @@ def found_files(words: Sequence[Path], output: Path) -> list[Path]:
     found: list[Path] = []
     for word in words:
         if word.is_dir():
-            inside = [each for each in sorted(word.iterdir()) if each.suffix.lower() in KINDS and each.is_file()]
+            inside = [each for each in sorted(word.iterdir()) if each.suffix.lower() in READ and each.is_file()]
             if word.resolve() == output.resolve():
                 raise CanonicalFormError(f"{word} is the folder for the results. Choose another --output.")
             if not inside:
-                raise CanonicalFormError(f"The folder {word} holds no mesh ({', '.join(KINDS)}).")
+                raise CanonicalFormError(f"The folder {word} holds no mesh ({', '.join(READ)}).")
             found += inside
         elif not word.exists() and glob.has_magic(str(word)):
             fitting = sorted(Path(each) for each in glob.glob(str(word), recursive=True))  # noqa: PTH207 (may be absolute)
-            fitting = [each for each in fitting if each.suffix.lower() in KINDS and each.is_file()]
+            fitting = [each for each in fitting if each.suffix.lower() in READ and each.is_file()]
             fitting = [each for each in fitting if output.resolve() not in each.resolve().parents]
             if not fitting:
                 raise CanonicalFormError(f"No mesh is called like {word}.")

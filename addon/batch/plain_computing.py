@@ -7,12 +7,13 @@ from pathlib import Path
 
 import numpy as np
 
+from ..blender.kinds_of_files import PLAIN
 from ..core import CanonicalForm, CanonicalFormError, canonical_form
 from ..core.measures.form_measures import summary
 from ..core.method_api.costs import memory_estimate
 from .arguments import Wanted
 from .lines import Line, failure, stage_line
-from .plain_files import KINDS, fans, read_plain, write_plain
+from .plain_files import fans, read_plain, write_plain
 from .targets import Targets
 
 _NEEDS_BLENDER = "needs Blender as a module (pip install bpy)"
@@ -79,9 +80,9 @@ def _require_plain(wanted: Wanted) -> None:
     """Refuse what only Blender does."""
     if wanted.shown:
         raise CanonicalFormError(f"--mesh shown, --frame and --frames: this {_NEEDS_BLENDER}.")
-    if f".{wanted.format}" not in KINDS:
+    if f".{wanted.format}" not in PLAIN:
         raise CanonicalFormError(
-            f"--format {wanted.format} {_NEEDS_BLENDER}. Without it, choose {', '.join(kind[1:] for kind in KINDS)}."
+            f"--format {wanted.format} {_NEEDS_BLENDER}. Without it, choose {', '.join(kind[1:] for kind in PLAIN)}."
         )
 
 

@@ -2,24 +2,37 @@
 
 from __future__ import annotations
 
-import os
+import sys
+from importlib.util import find_spec
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from ..blender.kinds_of_files import PLAIN
 from ..blender.off_format import read_off
+from ..blender.replacing_files import replaced
 from ..core.numerics.arrays import FloatArray, IntArray
 from ..core.run.errors import InvalidMeshError
 
-KINDS = (".off", ".obj", ".ply")
 _TYPES = {
     "char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": "i2", "int16": "i2", "ushort": "u2",
     "uint16": "u2", "int": "i4", "int32": "i4", "uint": "u4", "uint32": "u4", "float": "f4", "float32": "f4",
     "double": "f8", "float64": "f8",
 }  # fmt: skip
 _ORDERS = {"binary_little_endian": "<", "binary_big_endian": ">"}
+
+
+def has_blender() -> bool:
+    """Tell whether Blender is there as a module, or this is Blender.
+
+    Returns
+    -------
+    bool
+        Whether ``import bpy`` will do.
+    """
+    return "bpy" in sys.modules or find_spec("bpy") is not None
 
 
 def read_plain(path: Path) -> tuple[FloatArray, list[list[int]]]:
@@ -43,8 +56,8 @@ def read_plain(path: Path) -> tuple[FloatArray, list[list[int]]]:
         If it is of another kind or damaged.
     """
     kind = path.suffix.lower()
-    if kind not in KINDS:
-        raise InvalidMeshError(f"{path.name} can only be read by Blender. Without it, use {', '.join(KINDS)}.")
+    if kind not in PLAIN:
+        raise InvalidMeshError(f"{path.name} can only be read by Blender. Without it, use {', '.join(PLAIN)}.")
     if not path.is_file():
         raise InvalidMeshError(f"{path} is not a file.")
     try:
@@ -108,12 +121,7 @@ def write_plain(path: Path, vertices: FloatArray, polygons: list[list[int]], mar
             head += [f"property double {axis}" for axis in "xyz"]
             head += [f"element face {len(polygons)}", "property list uint int vertex_indices", "end_header"]
         lines = [*head, *points, *(f"{len(each)} " + " ".join(map(str, each)) for each in polygons)]
-    partial = path.with_name(f".{path.stem}.{mark or os.getpid()}.partial{path.suffix}")
-    try:
-        partial.write_text("\n".join(lines) + "\n")
-        partial.replace(path)
-    finally:
-        partial.unlink(missing_ok=True)
+    replaced(path, lambda partial: partial.write_text("\n".join(lines) + "\n"), mark)
 
 
 def _read_obj(path: Path) -> tuple[FloatArray, list[list[int]]]:

@@ -13,22 +13,9 @@ import bpy
 import numpy as np
 
 from ..core import InvalidMeshError
+from .kinds_of_files import IMPORTERS, READ
 from .off_format import read_off
 
-_IMPORTERS = {  # operators by kind, the first that this Blender has is taken
-    ".obj": ("wm.obj_import",),
-    ".ply": ("wm.ply_import",),
-    ".stl": ("wm.stl_import",),
-    ".glb": ("import_scene.gltf",),
-    ".gltf": ("import_scene.gltf",),
-    ".fbx": ("wm.fbx_import", "import_scene.fbx"),
-    ".usd": ("wm.usd_import",),
-    ".usda": ("wm.usd_import",),
-    ".usdc": ("wm.usd_import",),
-    ".usdz": ("wm.usd_import",),
-    ".abc": ("wm.alembic_import",),
-}
-SUFFIXES = (".blend", ".off", *_IMPORTERS)
 _BONE_SHAPES = "glTF_not_exported"  # collection in which the .glb importer puts the custom shapes of bones
 _KINDS = [  # collections of bpy.data that a file may fill
     "actions",
@@ -70,7 +57,7 @@ def open_meshes(path: Path, names: Sequence[str] = (), *, shared: bool = True) -
     Parameters
     ----------
     path : Path
-        A file of a kind in `SUFFIXES`.
+        A file of a kind in `kinds_of_files.READ`.
     names : sequence of str
         Names of the objects wanted; all where there are none.
     shared : bool
@@ -86,8 +73,8 @@ def open_meshes(path: Path, names: Sequence[str] = (), *, shared: bool = True) -
     InvalidMeshError
         If the file does not exist, is of a kind that this Blender does not read, cannot be read or holds no mesh.
     """
-    if path.suffix.lower() not in SUFFIXES:
-        raise InvalidMeshError(f"{path.name} is not of a kind that can be read: {', '.join(SUFFIXES)}.")
+    if path.suffix.lower() not in READ:
+        raise InvalidMeshError(f"{path.name} is not of a kind that can be read: {', '.join(READ)}.")
     if not path.is_file():
         raise InvalidMeshError(f"{path} is not a file.")
     try:
@@ -208,7 +195,7 @@ def importer(kind: str) -> Callable[..., set[str]] | None:
     callable or None
         The operator; None where this Blender was built without it or its add-on is disabled.
     """
-    for name in _IMPORTERS[kind]:
+    for name in IMPORTERS[kind]:
         group, operator = name.split(".")
         if operator in dir(getattr(bpy.ops, group)):
             return getattr(getattr(bpy.ops, group), operator)  # type: ignore[no-any-return]
@@ -228,7 +215,7 @@ def _import(path: Path) -> None:
     operator = importer(kind)
     if operator is None:
         raise InvalidMeshError(
-            f"This Blender ({bpy.app.version_string}) has no importer for {kind} ({' or '.join(_IMPORTERS[kind])}). "
+            f"This Blender ({bpy.app.version_string}) has no importer for {kind} ({' or '.join(IMPORTERS[kind])}). "
             "Use another Blender, or another kind of file."
         )
     operator(filepath=str(path))

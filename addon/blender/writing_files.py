@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -13,19 +13,21 @@ import numpy as np
 from ..core import InvalidMeshError
 from ..core.numerics.arrays import FloatArray, IntArray
 from .form_key import remove_all_keys
+from .kinds_of_files import EXPORTERS
 from .reading_files import last_line, quiet
+from .replacing_files import replaced
 
 _USD_MAGIC, _ZSTD_MAGIC, _ZSTD_END = b"PXR-USDC", b"\x28\xb5\x2f\xfd", b"\xb1\xea\x92\x8f"
-# operators, and what they are told: only what is selected is written, and no animation
-_EXPORTERS: dict[str, tuple[str, dict[str, Any]]] = {
-    "glb": (
-        "export_scene.gltf",
-        {"use_selection": True, "export_format": "GLB", "export_animations": False, "export_vertex_color": "ACTIVE"},
-    ),
-    "fbx": ("export_scene.fbx", {"use_selection": True, "object_types": {"MESH"}, "bake_anim": False}),
-    "usdc": ("wm.usd_export", {"selected_objects_only": True, "export_animation": False}),
+_TOLD: dict[str, dict[str, Any]] = {  # to the exporters: only what is selected is written, and no animation
+    "glb": {
+        "use_selection": True,
+        "export_format": "GLB",
+        "export_animations": False,
+        "export_vertex_color": "ACTIVE",
+    },
+    "fbx": {"use_selection": True, "object_types": {"MESH"}, "bake_anim": False},
+    "usdc": {"selected_objects_only": True, "export_animation": False},
 }
-FORMATS = ("blend", "obj", "ply", *_EXPORTERS)
 
 
 class Shown(NamedTuple):
@@ -78,7 +80,8 @@ def save_forms(path: Path, shown: Sequence[Shown], mark: str = "") -> None:
     Parameters
     ----------
     path : Path
-        The file, of a kind in `FORMATS` other than .blend; it is replaced atomically when the new one is complete.
+        The file, of a kind in `kinds_of_files.WRITTEN` other than .blend; it is replaced atomically when the new one is
+        complete.
     shown : sequence of Shown
         The forms.
     mark : str
@@ -90,7 +93,7 @@ def save_forms(path: Path, shown: Sequence[Shown], mark: str = "") -> None:
         If the kind cannot hold the mesh, or this Blender does not write it.
     """
     kind = path.suffix[1:]
-    if kind in _EXPORTERS:
+    if kind in EXPORTERS:
         replaced(path, lambda partial: _export(partial, kind, shown), mark)
         return
     (one,) = shown
@@ -102,30 +105,9 @@ def save_forms(path: Path, shown: Sequence[Shown], mark: str = "") -> None:
     replaced(path, lambda partial: partial.write_text(text), mark)
 
 
-def replaced(path: Path, write: Callable[[Path], object], mark: str = "") -> None:
-    """Write a file beside its destination and rename it when it is complete.
-
-    Parameters
-    ----------
-    path : Path
-        The destination.
-    write : callable
-        Writes the file that it is given.
-    mark : str
-        Tells unfinished files of one run from those of others; the number of the process when left out.
-    """
-    partial = path.with_name(f".{path.stem}.{mark or os.getpid()}.partial{path.suffix}")
-    try:
-        write(partial)
-        partial.replace(path)
-    finally:
-        partial.unlink(missing_ok=True)
-
-
 def _export(path: Path, kind: str, shown: Sequence[Shown]) -> None:
     """Have Blender write copies of the objects in the shape of their forms."""
-    name, told = _EXPORTERS[kind]
-    group, operator = name.split(".")
+    group, operator = EXPORTERS[kind].split(".")
     if operator not in dir(getattr(bpy.ops, group)):
         raise InvalidMeshError(f"This Blender ({bpy.app.version_string}) does not write .{kind}. Choose another kind.")
     for obj in bpy.context.view_layer.objects:
@@ -133,7 +115,7 @@ def _export(path: Path, kind: str, shown: Sequence[Shown]) -> None:
     copies = [_copy(each) for each in shown]
     try:
         with quiet():
-            getattr(getattr(bpy.ops, group), operator)(filepath=str(path), **told)
+            getattr(getattr(bpy.ops, group), operator)(filepath=str(path), **_TOLD[kind])
     except RuntimeError as error:
         raise InvalidMeshError(f"Blender cannot write {path.suffix}: {last_line(error)}") from error
     finally:

@@ -159,7 +159,7 @@ def in_place(
     areas = vertex_areas(found.whole_points, found.whole_faces)
     order = np.arange(len(found.features))
     if reference is not None:
-        if reference.same_mesh and len(form) == len(reference.points):
+        if reference.same_mesh:
             laying = laid_by_vertices(form, reference.points, areas, found.whole_features, reference.tips)
         else:
             tips = found.whole_features

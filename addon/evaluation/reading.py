@@ -9,13 +9,13 @@ import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from importlib.util import find_spec
 from pathlib import Path
 from typing import cast
 
 import numpy as np
 
-from ..batch.plain_files import KINDS, read_plain
+from ..batch.plain_files import has_blender, read_plain
+from ..blender.kinds_of_files import PLAIN
 from ..core import InvalidMeshError
 from ..core.numerics.arrays import FloatArray, IntArray
 from ..scheduling.attempts import Failure
@@ -68,7 +68,7 @@ class Reader:
 
 def _plain_triangles(path: Path) -> tuple[FloatArray, IntArray] | None:
     """Read what needs no Blender; .obj and .ply are left to it where it is there."""
-    if path.suffix.lower() != ".off" and (path.suffix.lower() not in KINDS or find_spec("bpy") is not None):
+    if path.suffix.lower() != ".off" and (path.suffix.lower() not in PLAIN or has_blender()):
         return None
     vertices, polygons = read_plain(path)
     if any(len(corners) != 3 for corners in polygons):

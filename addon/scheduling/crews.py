@@ -38,6 +38,32 @@ class Crew(Protocol):
             The name, and the result or a `Failure` in its place.
         """
 
+    def close(self) -> None:
+        """Let the workers go."""
+
+
+class InThisProcess:
+    """Does all the work here, one piece after the other: inside Blender there is only one process."""
+
+    def results(self, work: Iterator[tuple[object, Work]]) -> Iterator[tuple[object, Any]]:
+        """Run all the work.
+
+        Parameters
+        ----------
+        work : iterator of (object, (callable, tuple))
+            Names and work.
+
+        Yields
+        ------
+        (object, object)
+            The name, and the result or a `Failure` in its place.
+        """
+        for name, (function, arguments) in work:
+            yield name, attempted(function, arguments)
+
+    def close(self) -> None:
+        """Do nothing: there is nobody to let go."""
+
 
 class LocalCrew:
     """Processes of this machine.
@@ -111,20 +137,20 @@ class LocalCrew:
             broken = False
             ready = wait(under_way, return_when=FIRST_COMPLETED).done if under_way else ()
             for future in [each for each in under_way if each in ready]:  # in the order of the work
-                piece = under_way.pop(future)
                 try:
                     result = future.result()
                 except BrokenProcessPool:
                     broken = True
-                    under_way[future] = piece
                     continue
                 except Exception as error:  # a result that cannot be sent
                     result = Failure(f"{type(error).__name__}: {error}")
-                yield piece[0], result
+                yield under_way.pop(future)[0], result
             if broken or (not under_way and again):
                 self._pool.shutdown(wait=True)
                 self._pool = self._started()
-                for piece in under_way.values():
+                lost = list(under_way.values())
+                again += lost[: self._count - 1 : -1]  # these were waiting
+                for piece in lost[: self._count][::-1]:  # the first is tried first
                     died[piece[0]] = died.get(piece[0], 0) + 1
                     if died[piece[0]] >= self._attempts:
                         reason = f"The worker process died {self._attempts} times (out of memory?)."

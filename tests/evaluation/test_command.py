@@ -244,6 +244,14 @@ def test_work_that_kills_its_worker_is_given_up_and_harms_no_other():
     assert "Unsendable" in results["odd"].reason
 
 
+def test_work_that_only_waited_is_not_held_to_blame():
+    crew = LocalCrew(1, attempts=1)
+    results = dict(crew.results(iter([("bad", (died, ())), ("fine", (len, ([1],))), ("last", (len, ([],)))])))
+    crew.close()
+    assert results.pop("bad").died
+    assert results == {"fine": 1, "last": 0}
+
+
 def test_forms_measured_by_a_worker_are_on_one_thread_and_named():
     vertices, faces = shapes.figure(11)
     outcome = measured(vertices, faces, KNOWN["fast"])

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..numerics.arrays import FloatArray, IntArray
+from ..numerics.arrays import IntArray
+from ..symmetry.chirality import sided
+from ..symmetry.involutions import MOST_FEATURES
 from ..symmetry.limbs import Limbs
 
 _ALIKE = np.log(2.5)  # most that the logarithms of the Auto Diffusion Function differ between a point and its like
@@ -12,7 +14,6 @@ _MISMATCH = 0.5  # most that a single distance may change, over the mean distanc
 _HANDEDNESS = 4.0  # weight of a change of handedness, a cubed length, beside the change of distances
 _SIDES = 1.5  # weight of a change of the handedness of all pairs of limbs together, which poses disturb less
 _WITHOUT = 0.15  # mismatch that a feature point without its like counts as, over the number of feature points
-_MOST = 40  # feature points
 _BEAM = 500  # partial assignments that are followed
 
 
@@ -43,7 +44,7 @@ def feature_assignments(limbs: Limbs, others: Limbs, most: int = 6) -> list[tupl
     [1, 2, 0]
     """
     count, total = len(limbs.adf), len(others.adf)
-    if not 0 < count <= _MOST or not 0 < total <= _MOST:
+    if not 0 < count <= MOST_FEATURES or not 0 < total <= MOST_FEATURES:
         return []
     scale = (limbs.distances.mean() + others.distances.mean()) / 2 or 1.0
     alike = np.abs(np.log(limbs.adf)[:, None] - np.log(others.adf)) <= _ALIKE
@@ -71,21 +72,15 @@ def _mismatch(limbs: Limbs, others: Limbs, image: IntArray, scale: float) -> flo
     known = np.flatnonzero(image >= 0)
     there = image[known]
     change = others.distances[np.ix_(there, there)] - limbs.distances[np.ix_(known, known)]
-    turned = others.handedness[np.ix_(there, there, there)] - limbs.handedness[np.ix_(known, known, known)]
-    sides = _handedness(limbs, known, limbs.handedness, known) - _handedness(limbs, known, others.handedness, there)
+    own, other = (each.handedness[np.ix_(at, at, at)] for each, at in ((limbs, known), (others, there)))
+    side, along = limbs.side[known], limbs.along[known]
+    sides = sided(own, side, along) - sided(other, side, along)
     thicker = np.log(others.adf[there] / limbs.adf[known])
     without = (len(image) - len(known) + len(others.adf) - len(known)) / (len(image) + len(others.adf))
     return float(
         np.sqrt((change**2).mean()) / scale
-        + _HANDEDNESS * np.sqrt((turned**2).mean())
+        + _HANDEDNESS * np.sqrt(((other - own) ** 2).mean())
         + _SIDES * abs(sides)
         + 0.1 * np.sqrt((thicker**2).mean())
         + _WITHOUT * 2 * without
     )
-
-
-def _handedness(limbs: Limbs, known: IntArray, handedness: FloatArray, there: IntArray) -> float:
-    """Add up the handedness of left limbs, the way to the head, and right limbs, as one surface or another has it."""
-    side, along = limbs.side[known], limbs.along[known]
-    own = handedness[np.ix_(there, there, there)]
-    return float(np.einsum("ijk,i,j,k", own, (side == 1).astype(float), along, (side == -1).astype(float)))

@@ -19,6 +19,7 @@ from ..surface.laplacian import mass, stiffness
 from ..surface.spectrum import Spectrum, compute_spectrum
 from ..surface.working_surface import Reduced, WorkingSurface, working_surface
 from ..symmetry.chirality import chirality
+from ..symmetry.involutions import MOST_FEATURES
 from ..symmetry.limbs import Limbs, lasting_order, limbs_of
 from .settings import Settings
 
@@ -247,14 +248,18 @@ def _in_lasting_order(
     """Tell limbs apart, and number them; those without a prominence were chosen by hand and keep their order."""
     between = (to_features[features] + to_features[features].T) / 2
     vertices = surface.kept[features]
-    handedness = chirality(to_features, surface.faces)
+    count = len(features)
+    if count <= MOST_FEATURES:
+        handedness = chirality(to_features, surface.faces)
+    else:  # nobody asks for it, and it takes time and room that grow like the cube
+        handedness = np.broadcast_to(0.0, (count, count, count))
 
     def places() -> FloatArray:
         """Find the first vertex in the outer half of each limb: where a limb ends depends on the pose."""
         far = surface.prolong(to_features) if surface.coarse else to_features
         nearest, least = np.argmin(far, axis=1), far.min(axis=1)
-        first = np.zeros(len(features))
-        for number in range(len(features)):
+        first = np.zeros(count)
+        for number in range(count):
             own = np.flatnonzero(nearest == number)
             outer = own[least[own] <= least[own].max(initial=0.0) / 2]
             first[number] = outer[0] if len(outer) else vertices[number]

@@ -42,3 +42,30 @@ def chirality(functions: FloatArray, faces: IntArray) -> FloatArray:
         half = (one * middle[:, index : index + 1]).T @ two / 2
         spanned[index] = half - half.T
     return np.asarray((spanned + spanned.transpose(1, 2, 0) + spanned.transpose(2, 0, 1)) / 3)
+
+
+def sided(handedness: FloatArray, side: IntArray, along: FloatArray) -> float:
+    """Add up the handedness of the limbs on the left, the way to the head, and those on the right.
+
+    Parameters
+    ----------
+    handedness : (k, k, k) ndarray of float
+        Chirality of the distances from the feature points.
+    side : (k,) ndarray of int
+        1 on the left, -1 on the right, 0 in the middle.
+    along : (k,) ndarray of float
+        Weights with which the distances add up to a function that rises towards the head.
+
+    Returns
+    -------
+    float
+        The sum: its sign changes when left and right change places.
+
+    Examples
+    --------
+    >>> volumes = np.zeros((3, 3, 3))
+    >>> volumes[0, 2, 1] = 0.5
+    >>> sided(volumes, np.array([1, -1, 0]), np.array([0.0, 0, 1]))
+    0.5
+    """
+    return float(np.einsum("ijk,i,j,k", handedness, (side == 1).astype(float), along, (side == -1).astype(float)))

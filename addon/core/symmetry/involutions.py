@@ -12,7 +12,7 @@ _MISMATCH = 0.375  # most that a single distance may change, over the mean dista
 _HANDEDNESS = 4.0  # weight of a handedness that is not reversed, a cubed length, beside the change of distances
 _THICKNESS = 0.6  # weight of a change of the logarithm of the Auto Diffusion Function
 _FULL = 0.08  # by which a swap of one more pair is preferred: bodies are symmetric as a whole, not limb by limb
-_MOST = 40  # feature points
+MOST_FEATURES = 40  # among which like ones are looked for
 _MOST_TRIED = 5_000  # partial swaps; only surfaces of dozens of like limbs have more
 _LOOKED_AT = 100  # whole ones whose handedness is looked at, those that keep distances best
 
@@ -61,7 +61,7 @@ def feature_involutions(
     doi:10.1111/j.1467-8659.2008.01273.x.
     """
     count = len(distances)
-    if not 2 <= count <= _MOST:
+    if not 2 <= count <= MOST_FEATURES:
         return []
     scale = distances[np.triu_indices(count, 1)].mean()
     alike = np.abs(np.subtract.outer(np.log(adf), np.log(adf))) <= _ALIKE

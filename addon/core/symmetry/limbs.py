@@ -9,6 +9,7 @@ import numpy as np
 
 from ..numerics.arrays import FloatArray, IntArray
 from ..run.monitor import Monitor
+from .chirality import sided
 from .involutions import feature_involutions
 
 _SYMMETRIC = 0.1  # mismatch of a swap from which on a surface counts as having no left and right
@@ -142,10 +143,9 @@ def limbs_of(
     if len(ones):
         agree = np.where(np.linalg.eigh(same)[1][:, -1] >= 0, 1, -1)
         side[ones], side[others] = agree, -agree
-        left, right = (side == 1).astype(float), (side == -1).astype(float)
-        told = float(np.einsum("ijk,i,j,k", handedness, left, along, right))
+        told = sided(handedness, side, along)
         if abs(told) < (_TOLD_JOINED if joined else _TOLD):
-            told = float(places() @ (right - left))
+            told = float(places() @ -side)
         side = side if told >= 0 else -side
     return Limbs(distances, handedness, adf, partner, side, along)
 
