@@ -14,7 +14,7 @@ from typing import Any
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 TARGET = ROOT / "docs" / "api.md"
-DOORS = ("canonical", "features", "distance_fields", "limbs", "opening", "placing", "results")
+DOORS = ("canonical", "features", "distance_fields", "limbs", "matches", "poses", "opening", "placing", "results")
 ROOMS = (
     "run", "numerics", "mesh", "surface", "distances", "detection", "patching", "deformation", "embedding", "symmetry",
     "measures", "method_api", "methods", "posing", "matching", "assembly",

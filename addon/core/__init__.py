@@ -17,8 +17,10 @@ if TYPE_CHECKING:
     from .distance_fields import distance_field, heat_geodesics
     from .features import feature_patches
     from .limbs import limb_shapes
+    from .matches import match, transferred
     from .method_api.settings import Settings
-    from .results import CanonicalForm, FeaturePatches
+    from .poses import pose_like
+    from .results import CanonicalForm, FeaturePatches, Match, PosedLike
 
 __all__ = [
     "CancelledError",
@@ -27,6 +29,8 @@ __all__ = [
     "FeaturePatches",
     "InvalidMeshError",
     "InvalidSettingsError",
+    "Match",
+    "PosedLike",
     "Settings",
     "SolverError",
     "TooLargeError",
@@ -35,17 +39,25 @@ __all__ = [
     "feature_patches",
     "heat_geodesics",
     "limb_shapes",
+    "match",
+    "pose_like",
+    "transferred",
 ]
 
 _DOORS = {
     "Settings": "method_api.settings",
     "CanonicalForm": "results",
     "FeaturePatches": "results",
+    "Match": "results",
+    "PosedLike": "results",
     "canonical_form": "canonical",
     "distance_field": "distance_fields",
     "feature_patches": "features",
     "heat_geodesics": "distance_fields",
     "limb_shapes": "limbs",
+    "match": "matches",
+    "pose_like": "poses",
+    "transferred": "matches",
 }
 
 

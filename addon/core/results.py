@@ -109,3 +109,66 @@ class CanonicalForm:
     warnings: list[Message]
     asymmetry: float = float("nan")
     bodies: list[BodyLimbs] = field(default_factory=list)
+
+
+@dataclass(frozen=True, eq=False)
+class Match:
+    """For every vertex of a mesh the point of another that is its like.
+
+    Attributes
+    ----------
+    vertices : (n,) ndarray of int
+        The nearest vertex of the other mesh; -1 where there is no match.
+    faces : (n,) ndarray of int
+        The triangle that the point lies on, in `other_faces`; -1 where there is no match.
+    weights : (n, 3) ndarray of float
+        Its barycentric coordinates there; 0 where there is no match.
+    confidence : (n,) ndarray of float
+        How sure each is, 0 to 1.
+    sides : list of float
+        The ways to match that differ in what is left and right, or front and back, as scores without unit, the
+        likeliest first; lower is better. Of several bodies, those of the largest.
+    other_faces : (m', 3) ndarray of int
+        Triangles of the other mesh: those given, repaired where `other_warnings` says so.
+    other_count : int
+        Number n' of vertices of the other mesh.
+    timings : dict of str to float
+        Seconds by stage, both meshes together.
+    warnings : list of Message
+        Sentences for the user, about this mesh and the match.
+    other_warnings : list of Message
+        Sentences about the other mesh.
+    """
+
+    vertices: IntArray
+    faces: IntArray
+    weights: FloatArray
+    confidence: FloatArray
+    sides: list[float]
+    other_faces: IntArray
+    other_count: int
+    timings: dict[str, float]
+    warnings: list[Message]
+    other_warnings: list[Message]
+
+
+@dataclass(frozen=True, eq=False)
+class PosedLike:
+    """A mesh in the pose of another.
+
+    Attributes
+    ----------
+    vertices : (n, 3) ndarray of float
+        The mesh in that pose, its own size, around its own centre; it stands as the other does.
+    match : Match
+        What its vertices were matched with.
+    edge_distortion : float
+        Median change of the length of edges, as a share.
+    warnings : list of Message
+        Sentences for the user.
+    """
+
+    vertices: FloatArray
+    match: Match
+    edge_distortion: float
+    warnings: list[Message]

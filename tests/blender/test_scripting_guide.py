@@ -21,9 +21,11 @@ def test_the_examples_run(figure_object, arrays, capsys):
         exec(compile(example, "scripting.md", "exec"), scope)
     assert "Figure Canonical Form" in bpy.data.objects
     vertices, faces = arrays
-    (example,) = re.findall(r"```python\n(.*?)```", outside, flags=re.DOTALL)[:1]
-    exec(compile(example, "scripting.md", "exec"), {"vertices": vertices, "faces": faces})
-    assert capsys.readouterr().out
+    scope = {"vertices": vertices, "faces": faces, "other_vertices": vertices, "other_faces": faces,
+             "other_weights": vertices}  # fmt: skip
+    for example in re.findall(r"```python\n(.*?)```", outside.split("## The command line")[0], flags=re.DOTALL):
+        exec(compile(example, "scripting.md", "exec"), scope)
+        assert capsys.readouterr().out
 
 
 def test_the_pipeline_runs(tmp_path, arrays, capsys, monkeypatch):

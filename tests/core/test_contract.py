@@ -30,7 +30,7 @@ QUICK = Settings(quality="draft", max_iterations=30, landmark_count=20)
 def examples(share):
     """Split the examples over the tests."""
     return settings(
-        max_examples=max(int(share * (MANY or 150)), 1), deadline=None, derandomize=not MANY, database=None,
+        max_examples=max(int(share * (MANY or 80)), 1), deadline=None, derandomize=not MANY, database=None,
         suppress_health_check=list(HealthCheck), phases=[Phase.explicit, Phase.generate, Phase.shrink],
         print_blob=True,
     )  # fmt: skip

@@ -21,7 +21,7 @@ from addon.scheduling.crews import crew
 from tests.meshes import shapes
 
 METHODS = "ours,skeleton,fast"
-KILLS = 5
+KILLS = 2
 PATIENCE = 120  # seconds
 
 

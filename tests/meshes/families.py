@@ -51,9 +51,9 @@ def families() -> dict[str, Family]:
     same = np.full(len(parts), -1)
     same[:count] = every
     found["loose parts"] = Family(parts, part_faces, "3 bodies", like="closed", same=same)
-    many = [(shapes.sphere(2)[0] * (1 + 0.02 * number) + 5 * np.array([number // 10, number % 10, 0]))
+    many = [(shapes.sphere(1)[0] * (1 + 0.02 * number) + 5 * np.array([number // 10, number % 10, 0]))
             for number in range(100)]  # fmt: skip
-    many_faces = [shapes.sphere(2)[1] + 162 * number for number in range(100)]
+    many_faces = [shapes.sphere(1)[1] + 42 * number for number in range(100)]
     found["100 parts"] = Family(np.vstack(many), np.vstack(many_faces), "bodies that do not touch")
 
     stray = np.vstack([vertices[:7], rng.normal(size=(40, 3)), vertices[7:]])

@@ -22,13 +22,13 @@ COLUMNS = {  # where a room stands from left to right; its height is its floor
     "mesh": 1.5, "numerics": 1.5, "run": 1.5, "symmetry": 4.5, "matching": 3.0,
 }  # fmt: skip
 SAYS = {
-    "doors": "canonical_form, feature_patches,\ndistance_field, limb_shapes",
+    "doors": "canonical_form, match, pose_like,\nlimb_shapes, distance_field …",
     "methods": "one file per method:\nours, the paper's letter, rivals",
     "method_api": "settings, catalogue, costs,\nthe features of a surface",
-    "posing": "shapes between\npose and form",
+    "posing": "shapes between pose\nand form, another's pose",
     "embedding": "start, pairs, stress,\nSMACOF, straight limbs",
     "symmetry": "limbs told apart, left and right,\nforms held to them, upright",
-    "matching": "which limbs are the same,\none form laid on another",
+    "matching": "which limbs and points are\nthe same, one form laid on another",
     "measures": "alignment and\nfigures of a form",
     "deformation": "elastic body, struts,\ndetail",
     "distances": "heat, fast marching,\nspectral",

@@ -212,6 +212,51 @@ class ElasticBody:
         outer = (self._is_shell * self._weight)[:, None, None] * edges[:, :, None] * edges[:, None, :]
         return self.smoothed(self._sums @ outer.reshape(-1, 9), share).reshape(-1, 3, 3)
 
+    def stretch(self, after: FloatArray, share: float) -> FloatArray:
+        """Tell how much longer the edges around every vertex are than those of the body.
+
+        Parameters
+        ----------
+        after : (n, 3) ndarray of float
+            Positions of the vertices.
+        share : float
+            Diffusion time over which lengths are averaged, as a share of the area.
+
+        Returns
+        -------
+        (n,) ndarray of float
+            Logarithm of the ratio of lengths.
+        """
+        length = np.linalg.norm(self._vectors, axis=1)
+        longer = np.linalg.norm(after[self._i] - after[self._j], axis=1)
+        shell = self._is_shell * self._weight * length
+        sums = self.smoothed(self._sums @ (shell[:, None] * np.column_stack([longer, length])), share)
+        return np.asarray(np.diff(np.log(np.maximum(sums[:, ::-1], np.finfo(float).tiny)), axis=1)[:, 0])
+
+    def turned_towards(self, target: FloatArray, pull: FloatArray, share: float) -> FloatArray:
+        """Turn the edges of the body as a target turns them, and put them together near it.
+
+        Parameters
+        ----------
+        target : (n, 3) ndarray of float
+            Where the vertices are pulled to.
+        pull : (n,) ndarray of float
+            Strength of the pull, in 1/area, above 0.
+        share : float
+            Diffusion time over which the turns are averaged, as a share of the area.
+
+        Returns
+        -------
+        (n, 3) ndarray of float
+            The vertices, with the lengths of the body as far as they fit together.
+        """
+        from scipy.sparse import diags
+
+        anchor = pull * self.mass
+        rotation = nearest_rotations(self.covariances(target, share))
+        force = self._rotated(rotation, np.ones(len(self._weight)))
+        return factored(self._firmness + diags(anchor)).solve(force + anchor[:, None] * target)
+
     def deformed_towards(
         self,
         target: FloatArray,

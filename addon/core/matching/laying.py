@@ -65,7 +65,7 @@ def laid_by_vertices(
     ([-5.0, -5.0, -5.0], [2, 0])
     """
     rotation, shift = rigid_fit(form, other, weights)
-    image = _completed(np.full(len(tips), -1), other[tips], other[others])
+    image = completed(np.full(len(tips), -1), other[tips], other[others])
     apart = ((form @ rotation + shift - other) ** 2).sum(axis=1)
     return Laying(rotation, shift, image, float(np.sqrt(weights @ apart / weights.sum())))
 
@@ -126,11 +126,31 @@ def laid_by_limbs(
         *motion, left = closest_points_from(form, other, *closest_point_fit(form, other))
         best = Laying(motion[0], motion[1], np.full(len(tips), -1), _RESIDUAL * left)
     placed = form[tips] @ best.rotation + best.shift
-    return best._replace(image=_completed(best.image, placed, other[others]))
+    return best._replace(image=completed(best.image, placed, other[others]))
 
 
-def _completed(image: IntArray, tips: FloatArray, others: FloatArray) -> IntArray:
-    """Assign feature points that are without their like to the nearest of those left."""
+def completed(image: IntArray, tips: FloatArray, others: FloatArray) -> IntArray:
+    """Assign feature points that are without their like to the nearest of those left.
+
+    Parameters
+    ----------
+    image : (k,) ndarray of int
+        For each feature point which of the other form's it is; -1 for those without.
+    tips : (k, 3) ndarray of float
+        Where they are, laid onto the other form, of unit area.
+    others : (k', 3) ndarray of float
+        Where the others are.
+
+    Returns
+    -------
+    (k,) ndarray of int
+        The same with those added that are near.
+
+    Examples
+    --------
+    >>> completed(np.array([-1, -1]), np.zeros((2, 3)) + [[0.0], [9.0]], np.array([[0.1, 0, 0]])).tolist()
+    [0, -1]
+    """
     from scipy.optimize import linear_sum_assignment
 
     image = image.copy()

@@ -74,6 +74,16 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
     "reference_unlike": "This body is unlike the reference. Check how the form lies, or choose another reference.",
     "reference_features": "This body has {count} feature points and the reference {others}; where the like of one is "
     "missing, those after it have other numbers.",
+    # a match
+    "match_side": 'side must be "auto" or a whole number from 0 on; got {value!r}.',
+    "match_no_side": "There are {count} ways to match these meshes; side must lie between 0 and {last}.",
+    "match_bodies": "This mesh has {count} bodies and the other {others}; only those that both have, the largest "
+    "first, were matched.",
+    "match_unlike": "These bodies are unlike each other. Check the match, or choose another mesh.",
+    "match_unsure": "Much of this match is doubtful; the confidence tells where. Check it before you use it.",
+    "match_sides": "Left and right, or front and back, can hardly be told apart here. Check them, or "
+    "choose another side.",
+    "transfer_shape": "There must be one item per vertex of the other mesh, {count:,}.",
     # memory
     "mesh_memory": "A mesh of {vertices:,} vertices needs about {needed:.1f} GB, more than {limit}. Reduce the mesh, "
     "close other programs, or raise the memory limit.",

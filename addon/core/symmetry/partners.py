@@ -6,6 +6,7 @@ import numpy as np
 
 from ..mesh.geometry import vertex_normals
 from ..numerics.arrays import FloatArray, IntArray
+from ..numerics.nearest import nearest_rows
 from ..numerics.products import product
 from ..run.monitor import Monitor
 from .involutions import feature_involutions
@@ -17,7 +18,6 @@ _FACING_LAST, _SPECTRAL = 0.05, 0.2  # of normal and eigenfunctions beside the p
 _SURE, _NONE = 0.12, 0.15  # mismatch up to which a surface is symmetric, and from which on it is not
 _EIGENPAIRS = (20, 50)  # of the rounds that refine the map
 _ROUNDS = 2  # of plane and map, for each way to swap the feature points
-_ROWS = 512
 
 
 def mirror_partners(
@@ -94,7 +94,7 @@ def mirror_partners(
         plane = mirror_plane(form[features], form[features[image]], np.ones(len(features)))
         for _ in range(_ROUNDS):
             there = _mirrored(form[samples], normals[samples], plane, _NEAR, _FACING, to_features[samples][:, image])
-            partner = _nearest(there, here, monitor)
+            partner = nearest_rows(there, here, monitor)
             plane = mirror_plane(form[samples], form[partner], np.ones(len(samples)))
         apart = plane.mirrored(form[partner]) - form[samples]
         changed = to_features[partner][:, image] - to_features[samples]
@@ -104,13 +104,13 @@ def mirror_partners(
     if best is None:
         return None
     image, plane = best
-    partner = _nearest(_mirrored(form, normals, plane, _NEAR, _FACING, to_features[:, image]), here, monitor)
+    partner = nearest_rows(_mirrored(form, normals, plane, _NEAR, _FACING, to_features[:, image]), here, monitor)
     for count in _EIGENPAIRS:
         waves = eigenvectors[:, :count]
         turned = product(waves, product((waves * weights[:, None]).T, waves[partner]))
         scale = _SPECTRAL / np.sqrt(waves.shape[1])
         plane = mirror_plane(form, form[partner], weights)
-        partner = _nearest(
+        partner = nearest_rows(
             _mirrored(form, normals, plane, 1.0, _FACING_LAST, scale * turned),
             np.column_stack([scale * waves, form, _FACING_LAST * normals]),
             monitor,
@@ -123,14 +123,3 @@ def _mirrored(
 ) -> FloatArray:
     """Put mirrored values, places and normals side by side."""
     return np.column_stack([values, near * plane.mirrored(form), facing * plane.mirrored_vectors(normals)])
-
-
-def _nearest(points: FloatArray, others: FloatArray, monitor: Monitor) -> IntArray:
-    """Find the nearest of the others to each point; the first of those that tie."""
-    square = (others**2).sum(axis=1)
-    found = np.empty(len(points), dtype=np.int64)
-    for start in range(0, len(points), _ROWS):
-        monitor.check()
-        rows = slice(start, start + _ROWS)
-        found[rows] = np.argmin(square - 2 * product(points[rows], others.T), axis=1)
-    return found

@@ -1,0 +1,306 @@
+"""The door to a match: for every vertex of a mesh the point of another that is its like."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .assembly.bodies import Bodies, Chosen
+from .assembly.body import Body
+from .matching.point_map import PointMap, point_map
+from .matching.sides import Side, sides
+from .matching.unfolded import Unfolded, unfolded
+from .mesh.geometry import surface_area
+from .method_api.catalogue import method_named
+from .method_api.settings import Settings
+from .method_api.surface_features import DETECTION
+from .numerics.arrays import FloatArray, IntArray
+from .opening import OPENING, features_of, opened
+from .results import Match
+from .run.errors import InvalidMeshError, InvalidSettingsError
+from .run.monitor import Cancelled, Monitor, Progress
+
+_UNFOLDED = 0.4  # of the work, one mesh
+_MATCHING = {"Ways to match": 55, "Match": 45}  # stages
+_UNLIKE = -3.6  # score from which on two bodies count as unlike; poses of a body reach -4 to -6
+_CLOSE = 0.1  # difference of scores below which another side is as likely
+_UNSURE = 0.4  # mean confidence below which a match is doubtful
+
+
+class MatchedBodies(NamedTuple):
+    """Two meshes as bodies, unfolded, with the maps from those of the first to those of the other.
+
+    Attributes
+    ----------
+    bodies, others : Bodies
+        The meshes.
+    surfaces, other_surfaces : list of Unfolded
+        Their bodies with their forms.
+    order, other_order : list of int
+        The bodies that are matched, and with which.
+    maps : list of PointMap
+        The map of each of these.
+    match : Match
+        All of it on the vertices of the whole mesh.
+    """
+
+    bodies: Bodies
+    others: Bodies
+    surfaces: list[Unfolded]
+    other_surfaces: list[Unfolded]
+    order: list[int]
+    other_order: list[int]
+    maps: list[PointMap]
+    match: Match
+
+
+def match(
+    vertices: ArrayLike,
+    faces: ArrayLike,
+    other_vertices: ArrayLike,
+    other_faces: ArrayLike,
+    settings: Settings | None = None,
+    *,
+    side: str | int = "auto",
+    progress: Progress | None = None,
+    cancelled: Cancelled | None = None,
+) -> Match:
+    """Match two meshes of like bodies, whatever their poses and their triangles.
+
+    Parameters
+    ----------
+    vertices : (n, 3) array_like of float
+        Vertex positions, any unit of length.
+    faces : (m, 3) array_like of int
+        Triangles, in any state that docs/any-mesh.md lists.
+    other_vertices : (n', 3) array_like of float
+        Vertices of the other mesh, in any unit.
+    other_faces : (m', 3) array_like of int
+        Its triangles.
+    settings : Settings, optional
+        Options of the forms of both.
+    side : str or int
+        "auto", or the number of one of the `Match.sides`, 0 for the likeliest, where left and right or front and back
+        came out wrong.
+    progress : callable, optional
+        Called with the fraction done (0 to 1) and the name of the stage.
+    cancelled : callable, optional
+        Polled at least twice a second; the computation stops when it returns True.
+
+    Returns
+    -------
+    Match
+        For every vertex the point on the other mesh, and how sure it is.
+
+    Raises
+    ------
+    InvalidMeshError
+        If a mesh cannot be used; the message says what to do.
+    InvalidSettingsError
+        If there is no such side.
+    TooLargeError
+        If all pairs inside the patches of a mesh do not fit into the memory limit.
+    SolverError
+        If a spectrum cannot be computed accurately.
+    CancelledError
+        If `cancelled` returned True.
+
+    Examples
+    --------
+    >>> corner = [[0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 3]]
+    >>> faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]
+    >>> match(corner, faces, corner, faces).weights.shape
+    (4, 3)
+
+    References
+    ----------
+    Melzi and others, "ZoomOut", 2019, doi:10.1145/3355089.3356524; Eisenberger, Lähner and Cremers, "Smooth Shells",
+    2020, doi:10.1109/CVPR42600.2020.01228; docs/method.md says what is this project's own.
+    """
+    monitor = Monitor(progress, cancelled)
+    return matched_bodies(vertices, faces, other_vertices, other_faces, settings, side, monitor, 1.0).match
+
+
+def matched_bodies(
+    vertices: ArrayLike,
+    faces: ArrayLike,
+    other_vertices: ArrayLike,
+    other_faces: ArrayLike,
+    settings: Settings | None,
+    side: str | int,
+    monitor: Monitor,
+    share: float,
+) -> MatchedBodies:
+    """Unfold two meshes and match their bodies, the largest with the largest, and so on.
+
+    Parameters
+    ----------
+    vertices, faces, other_vertices, other_faces, settings, side
+        As in `match`.
+    monitor : Monitor
+        Of the whole run; receives warnings; polled for cancellation.
+    share : float
+        Of the whole run that this is worth.
+
+    Returns
+    -------
+    MatchedBodies
+        The bodies and their maps.
+
+    Raises
+    ------
+    CanonicalFormError
+        As in `match`.
+
+    Examples
+    --------
+    >>> corner = [[0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 3]]
+    >>> faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]
+    >>> len(matched_bodies(corner, faces, corner, faces, None, "auto", Monitor(), 1.0).maps)
+    1
+    """
+    settings = settings or Settings()
+    if side != "auto" and (isinstance(side, bool) or not isinstance(side, int | np.integer) or side < 0):
+        raise InvalidSettingsError("match_side", value=side)
+    settings = method_named(settings.method).settings(settings)
+    one = monitor.piece(0.0, _UNFOLDED * share, OPENING)
+    two = monitor.piece(_UNFOLDED * share, 2 * _UNFOLDED * share, OPENING)
+    bodies, surfaces = _unfolded_bodies(vertices, faces, settings, one)
+    others, other_surfaces = _unfolded_bodies(other_vertices, other_faces, settings, two)
+    monitor.extend(one.warnings)
+    order, other_order = (_by_area(each) for each in (bodies, others))
+    if len(order) != len(other_order):
+        monitor.warn("match_bodies", count=len(order), others=len(other_order))
+    maps: list[PointMap] = []
+    ways: list[Side] = []
+    pairs = list(zip(order, other_order, strict=False))
+    for number, (here, there) in enumerate(pairs):
+        start = 2 * _UNFOLDED * share
+        begin, end = (start + (share - start) * part / len(pairs) for part in (number, number + 1))
+        own = monitor.piece(begin, end, _MATCHING)
+        with own.stage("Ways to match"):
+            found = sides(surfaces[here], other_surfaces[there], own)
+        chosen = 0 if side == "auto" or number else int(side)
+        if chosen >= len(found):
+            raise InvalidSettingsError("match_no_side", count=len(found), last=len(found) - 1)
+        with own.stage("Match"):
+            maps.append(point_map(surfaces[here], other_surfaces[there], found[chosen], own))
+        ways = ways or found
+    scores = [each.score for each in ways]
+    result = _on_meshes(bodies, others, pairs, maps, scores, monitor, two)
+    _warn(maps, scores, side, monitor)
+    return MatchedBodies(bodies, others, surfaces, other_surfaces, order, other_order, maps, result)
+
+
+def transferred(matched: Match, values: ArrayLike) -> FloatArray:
+    """Carry values on the vertices of the other mesh over to those of this one.
+
+    Parameters
+    ----------
+    matched : Match
+        A match of this mesh with the other.
+    values : (n', ...) array_like of float
+        Values on the vertices of the other mesh: weights, colours, positions.
+
+    Returns
+    -------
+    (n, ...) ndarray of float
+        Values on the vertices of this one, averages with the weights of the match; sums over columns, as of the weights
+        of bones, stay as they are. 0 at vertices without a match.
+
+    Raises
+    ------
+    InvalidMeshError
+        If there is not one item per vertex of the other mesh.
+
+    Examples
+    --------
+    >>> points, faces = [[0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 3]], [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]
+    >>> transferred(match(points, faces, points, faces), np.ones(4)).round(6).tolist()
+    [1.0, 1.0, 1.0, 1.0]
+    """
+    values = np.asarray(values, dtype=np.float64)
+    if values.ndim < 1 or len(values) != matched.other_count:
+        raise InvalidMeshError("transfer_shape", count=matched.other_count)
+    corners = matched.other_faces[matched.faces]  # where there is no match, the weights are 0
+    return np.asarray(np.einsum("ij,ij...->i...", matched.weights, values[corners]))
+
+
+def _unfolded_bodies(
+    vertices: ArrayLike, faces: ArrayLike, settings: Settings, monitor: Monitor
+) -> tuple[Bodies, list[Unfolded]]:
+    """Find the bodies of a mesh and their forms."""
+    method = method_named(settings.method)
+    bodies = opened(vertices, faces, settings, monitor)
+
+    def work(body: Body, chosen: Chosen | None, own: Monitor) -> Unfolded:
+        found = features_of(body, chosen, settings, own)
+        form = method.unfold(found, settings, own).points
+        return unfolded(found, form / np.sqrt(surface_area(form, found.whole_faces)), own)
+
+    return bodies, bodies.map(work, monitor, {**DETECTION, **method.stages}, bodies.chosen)
+
+
+def _by_area(bodies: Bodies) -> list[int]:
+    """Sort bodies by their area, largest first."""
+    areas = [surface_area(body.points, body.faces) for body in bodies.bodies]
+    return np.argsort(-np.array(areas), kind="stable").tolist()
+
+
+def _on_meshes(
+    bodies: Bodies,
+    others: Bodies,
+    pairs: list[tuple[int, int]],
+    maps: list[PointMap],
+    scores: list[float],
+    monitor: Monitor,
+    other_monitor: Monitor,
+) -> Match:
+    """Tell the matches of bodies in terms of the whole meshes."""
+    face = [np.full(len(body.vertices), -1) for body in bodies.bodies]
+    weights = [np.zeros((len(body.vertices), 3)) for body in bodies.bodies]
+    confidence = [np.zeros(len(body.vertices)) for body in bodies.bodies]
+    for (here, there), found in zip(pairs, maps, strict=True):
+        body = others.bodies[there]
+        numbers = _rows_in(body.vertices[body.faces], others.faces)
+        face[here], weights[here] = numbers[found.points.faces], found.points.weights
+        confidence[here] = found.confidence
+    total = len(bodies.vertices)
+    faces = bodies.gathered(face, np.full(total, -1))
+    at = bodies.gathered(weights, np.zeros((total, 3)))
+    nearest = others.faces[faces, np.argmax(at, axis=1)]
+    return Match(
+        np.where(faces < 0, -1, nearest),
+        faces,
+        at,
+        bodies.gathered(confidence, np.zeros(total)),
+        scores,
+        others.faces,
+        len(others.vertices),
+        monitor.timings,
+        monitor.warnings,
+        other_monitor.warnings,
+    )
+
+
+def _rows_in(rows: IntArray, table: IntArray) -> IntArray:
+    """Find rows of three in a table that has them all."""
+    both = np.concatenate([table, rows])
+    order = np.lexsort(both.T[::-1])
+    group = np.empty(len(both), dtype=np.int64)
+    group[order] = np.cumsum(np.concatenate([[0], (np.diff(both[order], axis=0) != 0).any(axis=1)]))
+    number = np.empty(len(both), dtype=np.int64)
+    number[group[: len(table)]] = np.arange(len(table))
+    return number[group[len(table) :]]
+
+
+def _warn(maps: list[PointMap], scores: list[float], side: str | int, monitor: Monitor) -> None:
+    """Tell where a match is doubtful."""
+    if max(found.score for found in maps) > _UNLIKE:
+        monitor.warn("match_unlike")
+    elif min(float(found.worked_on.mean()) for found in maps) < _UNSURE:
+        monitor.warn("match_unsure")
+    elif side == "auto" and len(scores) > 1 and scores[1] - scores[0] < _CLOSE:
+        monitor.warn("match_sides")

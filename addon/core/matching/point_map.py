@@ -1,0 +1,141 @@
+"""From a match of the vertices that are worked on to one of all vertices, with points on the triangles."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..measures.alignment import rigid_fit
+from ..mesh.closest_points import SurfacePoints, closest_points
+from ..mesh.geometry import area_vectors, vertex_areas, vertex_normals
+from ..numerics.arrays import FloatArray
+from ..numerics.factoring import factored
+from ..run.monitor import Monitor
+from .sides import Side
+from .spectral_map import first_map, on_triangles, refined
+from .unfolded import Unfolded
+
+_COUNTS = range(20, 121, 10)  # eigenfunctions, round by round
+_NEAR = 0.3  # weight of the place in the form
+_SMOOTH = 2e-4  # diffusion time of the way from form to form, as a share of the area
+_FACING = 0.015  # weight of normals where the way ends on the other form
+_LOST, _FAR = 0.08, 0.05  # sqrt(area): ways back and last steps as long as this count as wrong
+_TURNED = 0.5  # cosine between normals below which a match counts as wrong
+_GROWN = np.log(3.0)  # change of the logarithm of the area that counts as wrong
+
+
+class PointMap(NamedTuple):
+    """For every vertex of a surface a point on another.
+
+    Attributes
+    ----------
+    points : SurfacePoints
+        Points of the other surface, on all its triangles; for all vertices.
+    targets : SurfacePoints
+        The same for the vertices that are worked on.
+    confidence : (n,) ndarray of float
+        How sure each is, 0 to 1.
+    worked_on : (c,) ndarray of float
+        The same for the vertices that are worked on.
+    score : float
+        How well the two surfaces match; that of its side.
+    """
+
+    points: SurfacePoints
+    targets: SurfacePoints
+    confidence: FloatArray
+    worked_on: FloatArray
+    score: float
+
+
+def point_map(one: Unfolded, other: Unfolded, side: Side, monitor: Monitor) -> PointMap:
+    """Match all vertices of a surface with points of another.
+
+    The map between the vertices that are worked on moves one form onto the other. The way of each vertex, smoothed over
+    the surface, is interpolated to all; where it ends, the closest point of the other form is the match.
+
+    Parameters
+    ----------
+    one, other : Unfolded
+        The surfaces.
+    side : Side
+        The way to match them.
+    monitor : Monitor
+        Polled for cancellation.
+
+    Returns
+    -------
+    PointMap
+        The match.
+
+    Raises
+    ------
+    CancelledError
+        If the run is cancelled.
+
+    Examples
+    --------
+    >>> from addon.core.matching.unfolded import unfolded
+    >>> from addon.core.method_api.settings import Settings
+    >>> from addon.core.method_api.surface_features import detected
+    >>> points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 3]])
+    >>> found = detected(points, np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]), None, Settings(), Monitor())
+    >>> body = unfolded(found, found.whole_points, Monitor())
+    >>> from addon.core.matching.sides import sides
+    >>> point_map(body, body, sides(body, body, Monitor())[0], Monitor()).points.weights.max(axis=1).round(6).tolist()
+    [1.0, 1.0, 1.0, 1.0]
+    """
+    from scipy.sparse import diags
+
+    partner = first_map(one, other, side.start, monitor)
+    partner = refined(one, other, partner, _COUNTS, _NEAR, monitor)
+    partner, there = on_triangles(one, other, partner, _COUNTS[-1], _NEAR, monitor)
+    rotation, shift = rigid_fit(one.form, other.form[partner], one.areas)
+    reached = np.einsum("ij,ijk->ik", there.weights, other.form[other.faces[there.faces]])
+    way = reached - (one.form @ rotation + shift)
+    time = _SMOOTH * one.found.mass.sum()
+    smoothed = factored(diags(one.found.mass) + time * one.found.stiffness).solve(one.found.mass[:, None] * way)
+    monitor.check()
+
+    surface, normals = one.found.surface, vertex_normals(one.whole_form, one.found.whole_faces) @ rotation
+    wanted = one.whole_form @ rotation + shift + surface.prolong(smoothed)  # (n, 3)
+    whole = other.found.whole_faces
+    others = np.column_stack([other.whole_form, _FACING * vertex_normals(other.whole_form, whole)])
+    points = closest_points(others, whole, np.column_stack([wanted, _FACING * normals]))
+    monitor.check()
+    sure = _confidence(one, other, partner, there, rotation, monitor)
+    spread = factored(diags(one.found.mass) + time * one.found.stiffness).solve(one.found.mass * sure)
+    sure = np.clip(spread, 0.0, 1.0)
+    kept = surface.kept
+    targets = SurfacePoints(points.faces[kept], points.weights[kept], points.distances[kept])
+    return PointMap(points, targets, np.clip(surface.prolong(sure), 0.0, 1.0), sure, side.score)
+
+
+def _confidence(
+    one: Unfolded, other: Unfolded, partner: np.ndarray, there: SurfacePoints, rotation: FloatArray, monitor: Monitor
+) -> FloatArray:
+    """Tell how sure a map is: the way back leads home, normals agree, and triangles keep their area and side."""
+    back = refined(other, one, _first_back(one, other, partner), _COUNTS[-2:], _NEAR, monitor)
+    home = np.linalg.norm(one.form[back[partner]] - one.form, axis=1)
+    facing = np.einsum("ij,ij->i", one.normals @ rotation, other.normals[partner])
+    places = np.einsum("ij,ijk->ik", there.weights, other.form[other.faces[there.faces]])
+    before, after = area_vectors(one.form @ rotation, one.faces), area_vectors(places, one.faces)
+    kept = np.einsum("ij,ij->i", before, after) > 0
+    tiny = np.finfo(float).tiny
+    corners, count = one.faces.ravel(), len(one.form)
+    share = np.bincount(corners, np.repeat(kept, 3), count) / np.maximum(np.bincount(corners, minlength=count), 1)
+    grown = np.abs(np.log((vertex_areas(places, one.faces) + tiny) / (vertex_areas(one.form, one.faces) + tiny)))
+    return np.asarray(
+        np.exp(-((home / _LOST) ** 2))
+        * np.clip((facing - _TURNED) / (1 - _TURNED), 0.0, 1.0) ** 0.5
+        * share
+        * np.exp(-((grown / _GROWN) ** 2))
+    )
+
+
+def _first_back(one: Unfolded, other: Unfolded, partner: np.ndarray) -> np.ndarray:
+    """Begin the way back: each vertex of the other surface goes where the nearest that is mapped comes from."""
+    from scipy.spatial import cKDTree
+
+    return np.asarray(cKDTree(other.form[partner]).query(other.form)[1])

@@ -1,0 +1,115 @@
+"""Which side of one surface is which of another: left or right, front or back, and how sure that is."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..measures.alignment import rigid_fit
+from ..numerics.arrays import FloatArray, IntArray
+from ..run.monitor import Monitor
+from .spectral_map import first_map, refined
+from .starts import Start, starts
+from .unfolded import Unfolded
+
+_SAMPLES = 500  # vertices on which the ways to match are compared
+_COUNTS = (20, 35, 50)  # eigenfunctions, round by round
+_NEAR = 0.6  # weight of the place in the form
+_SIGNATURE, _CURVATURE = 2.0, 2.0  # weights beside the logarithm of the distance that is left
+_SAME = 0.15  # sqrt(area): mean distance between two maps below which they are of one side
+
+
+class Side(NamedTuple):
+    """A way to match two surfaces.
+
+    Attributes
+    ----------
+    score : float
+        How well it fits, without unit; lower is better. Poses of a body reach -4 to -6, unlike bodies hardly -3.
+    start : Start
+        How the forms lie to each other, and which feature points are the same.
+    """
+
+    score: float
+    start: Start
+
+
+def sides(one: Unfolded, other: Unfolded, monitor: Monitor) -> list[Side]:
+    """Find the ways to match two surfaces that differ in what is left and right, or front and back.
+
+    Each start is refined on a sample. Its score is the logarithm of the distance that is left between the forms, twice
+    the change of the wave kernel signature, and minus twice the correlation of smoothed mean curvature of the poses:
+    of all this, curvature tells front from back best.
+
+    Parameters
+    ----------
+    one, other : Unfolded
+        The surfaces.
+    monitor : Monitor
+        Receives progress; polled for cancellation.
+
+    Returns
+    -------
+    list of Side
+        The ways, the best one first; at least one.
+
+    Raises
+    ------
+    CancelledError
+        If the run is cancelled.
+
+    Examples
+    --------
+    >>> from addon.core.matching.unfolded import unfolded
+    >>> from addon.core.method_api.settings import Settings
+    >>> from addon.core.method_api.surface_features import detected
+    >>> points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 3]])
+    >>> found = detected(points, np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]), None, Settings(), Monitor())
+    >>> body = unfolded(found, found.whole_points, Monitor())
+    >>> sides(body, body, Monitor())[0].score < -4
+    True
+    """
+    rows = _spread(one.form, _SAMPLES)
+    tried: list[tuple[float, Start, FloatArray]] = []
+    ways = starts(one, other, rows, monitor)
+    for number, start in enumerate(ways, start=1):
+        partner = refined(one, other, first_map(one, other, start, monitor, rows), _COUNTS, _NEAR, monitor, rows)
+        tried.append((_score(one, other, rows, partner), start, other.form[partner]))
+        monitor.tick(number / len(ways))
+    found: list[tuple[Side, FloatArray]] = []
+    for score, start, places in sorted(tried, key=lambda each: each[0]):
+        if all(np.linalg.norm(places - known, axis=1).mean() > _SAME for _, known in found):
+            found.append((Side(score, start), places))
+    return [side for side, _ in found]
+
+
+def _score(one: Unfolded, other: Unfolded, rows: IntArray, partner: IntArray) -> float:
+    """Tell how well a map fits."""
+    rotation, shift = rigid_fit(one.form[rows], other.form[partner])
+    left = ((one.form[rows] @ rotation + shift - other.form[partner]) ** 2).sum(axis=1).mean()
+    changed = ((one.signature[rows] - other.signature[partner]) ** 2).sum(axis=1).mean()
+    pairs = zip(one.curvature[rows].T, other.curvature[partner].T, strict=True)
+    alike = np.mean([_correlation(*pair) for pair in pairs])
+    tiny = np.finfo(float).tiny
+    return float(np.log(left + tiny) / 2 + _SIGNATURE * np.sqrt(changed) - _CURVATURE * alike)
+
+
+def _correlation(one: FloatArray, two: FloatArray) -> float:
+    """Correlate two functions; 0 where one is constant."""
+    one, two = one - one.mean(), two - two.mean()
+    size = np.sqrt((one**2).sum() * (two**2).sum())
+    return float(one @ two / size) if size > 0 else 0.0
+
+
+def _spread(points: FloatArray, count: int) -> IntArray:
+    """Choose vertices that lie far from each other, the farthest from the centre first."""
+    if len(points) <= count:
+        return np.arange(len(points))
+    chosen = np.empty(count, dtype=np.int64)
+    nearest = ((points - points.mean(axis=0)) ** 2).sum(axis=1)
+    for number in range(count):
+        chosen[number] = int(np.argmax(nearest))
+        apart = ((points - points[chosen[number]]) ** 2).sum(axis=1)
+        nearest = apart if number == 0 else np.minimum(nearest, apart)
+    return np.sort(chosen)

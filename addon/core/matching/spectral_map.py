@@ -1,0 +1,190 @@
+"""The map between two surfaces: by forms and distances first, then between eigenfunctions, more and more of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..measures.alignment import rigid_fit
+from ..mesh.closest_points import SurfacePoints, closest_around
+from ..numerics.arrays import FloatArray, IntArray
+from ..numerics.nearest import nearest_rows
+from ..numerics.products import product
+from ..run.monitor import Monitor
+from .starts import Start
+from .unfolded import Unfolded
+
+_NEAR, _FACING = 0.3, 0.08  # weights of place and normal in the form beside the distances from the feature points,
+_FACING_LAST, _SPECTRAL, _SIGNATURE = 0.05, 0.2, 0.3  # of normal, eigenfunctions and wave kernel signature
+_EVERY = slice(None)
+
+
+def first_map(
+    one: Unfolded, other: Unfolded, start: Start, monitor: Monitor, rows: IntArray | slice = _EVERY
+) -> IntArray:
+    """Map each vertex to the one in its place, facing its way, as far from the feature points.
+
+    Parameters
+    ----------
+    one, other : Unfolded
+        The surfaces.
+    start : Start
+        How the forms lie to each other, and which feature points are the same.
+    monitor : Monitor
+        Polled for cancellation.
+    rows : (r,) ndarray of int, optional
+        Vertices to map; all when left out.
+
+    Returns
+    -------
+    (r,) ndarray of int
+        The vertex of the other surface for each.
+
+    Raises
+    ------
+    CancelledError
+        If the run is cancelled.
+
+    Examples
+    --------
+    >>> from addon.core.matching.unfolded import unfolded
+    >>> from addon.core.method_api.settings import Settings
+    >>> from addon.core.method_api.surface_features import detected
+    >>> points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 3]])
+    >>> found = detected(points, np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]), None, Settings(), Monitor())
+    >>> body = unfolded(found, found.whole_points, Monitor())
+    >>> first_map(body, body, Start(np.array([-1]), np.eye(3), np.zeros(3)), Monitor()).tolist()
+    [0, 1, 2, 3]
+    """
+    known = np.flatnonzero(start.image >= 0)
+    near, facing = (_NEAR, _FACING) if len(known) else (1.0, _FACING / _NEAR)
+    here = [near * (one.form @ start.rotation + start.shift), facing * one.normals @ start.rotation]
+    there = [near * other.form, facing * other.normals]
+    own, others = one.to_features[:, known], other.to_features[:, start.image[known]]
+    return nearest_rows(np.column_stack([own, *here])[rows], np.column_stack([others, *there]), monitor)
+
+
+def refined(
+    one: Unfolded,
+    other: Unfolded,
+    partner: IntArray,
+    counts: Sequence[int],
+    near: float,
+    monitor: Monitor,
+    rows: IntArray | None = None,
+) -> IntArray:
+    """Refine a map between vertices through maps between eigenfunctions.
+
+    Each round takes more of them. The other surface's are expressed in those of this one, which pulls the map together.
+    Places and normals of the forms are weighed in, which tell left from right; this form moves smoothly to the other.
+
+    Parameters
+    ----------
+    one, other : Unfolded
+        The surfaces.
+    partner : (r,) ndarray of int
+        The vertex of the other surface for each.
+    counts : sequence of int
+        Numbers of eigenfunctions, round by round.
+    near : float
+        Weight of the place in the form.
+    monitor : Monitor
+        Polled for cancellation.
+    rows : (r,) ndarray of int, optional
+        The vertices that are mapped; all when left out.
+
+    Returns
+    -------
+    (r,) ndarray of int
+        The vertex of the other surface for each.
+
+    Raises
+    ------
+    CancelledError
+        If the run is cancelled.
+
+    Examples
+    --------
+    >>> from addon.core.matching.unfolded import unfolded
+    >>> from addon.core.method_api.settings import Settings
+    >>> from addon.core.method_api.surface_features import detected
+    >>> points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 3]])
+    >>> found = detected(points, np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]), None, Settings(), Monitor())
+    >>> body = unfolded(found, found.whole_points, Monitor())
+    >>> refined(body, body, np.arange(4), (2, 3), 0.3, Monitor()).tolist()
+    [0, 1, 2, 3]
+
+    References
+    ----------
+    Melzi and others, "ZoomOut: Spectral Upsampling for Efficient Shape Correspondence", 2019,
+    doi:10.1145/3355089.3356524; the forms beside the eigenfunctions: Eisenberger, Lähner and Cremers, "Smooth Shells",
+    2020, doi:10.1109/CVPR42600.2020.01228.
+    """
+    for count in counts:
+        here, there = _side_by_side(one, other, partner, count, near, rows)
+        partner = nearest_rows(here, there, monitor)
+    return partner
+
+
+def on_triangles(
+    one: Unfolded, other: Unfolded, partner: IntArray, count: int, near: float, monitor: Monitor
+) -> tuple[IntArray, SurfacePoints]:
+    """Refine a map once more, to points on the triangles of the other surface.
+
+    Parameters
+    ----------
+    one, other, partner, near, monitor
+        As in `refined`.
+    count : int
+        Number of eigenfunctions.
+
+    Returns
+    -------
+    partner : (c,) ndarray of int
+        The nearest vertex of the other surface for each.
+    points : SurfacePoints
+        The point on the other surface for each.
+
+    Raises
+    ------
+    CancelledError
+        If the run is cancelled.
+
+    Examples
+    --------
+    >>> from addon.core.matching.unfolded import unfolded
+    >>> from addon.core.method_api.settings import Settings
+    >>> from addon.core.method_api.surface_features import detected
+    >>> points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 3]])
+    >>> found = detected(points, np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]), None, Settings(), Monitor())
+    >>> body = unfolded(found, found.whole_points, Monitor())
+    >>> on_triangles(body, body, np.arange(4), 3, 0.3, Monitor())[0].tolist()
+    [0, 1, 2, 3]
+    """
+    here, there = _side_by_side(one, other, partner, count, near, None)
+    partner = nearest_rows(here, there, monitor)
+    return partner, closest_around(there, other.faces, here, partner)
+
+
+def _side_by_side(
+    one: Unfolded, other: Unfolded, partner: IntArray, count: int, near: float, rows: IntArray | None
+) -> tuple[FloatArray, FloatArray]:
+    """Put eigenfunctions, places and normals of both surfaces side by side, as far as a map makes them comparable."""
+    at: IntArray | slice = _EVERY if rows is None else rows
+    waves, others = one.eigenvectors[at, :count], other.eigenvectors[:, :count]
+    weights = one.areas if rows is None else np.full(len(rows), 1 / len(rows))
+    weighted = (waves * weights[:, None]).T
+    between = product(weighted, others[partner])  # C, (K, K')
+    if rows is not None:  # on a sample the eigenfunctions are not orthonormal
+        between = np.linalg.lstsq(product(weighted, waves), between, rcond=None)[0]
+    rotation, shift = rigid_fit(one.form[at], other.form[partner], weights)
+    placed = one.form[at] @ rotation + shift
+    wide = slice(0, count // 2)
+    way = weighted[wide] @ (other.form[partner] - placed)  # smooth: where the forms differ, one is moved to the other
+    scale = _SPECTRAL / np.sqrt(max(waves.shape[1], others.shape[1]))
+    here = [scale * waves, near * (placed + waves[:, wide] @ way), _FACING_LAST * one.normals[at] @ rotation]
+    there = [scale * product(others, between.T), near * other.form, _FACING_LAST * other.normals]
+    here.append(_SIGNATURE * one.signature[at])
+    there.append(_SIGNATURE * other.signature)
+    return np.column_stack(here), np.column_stack(there)

@@ -1,0 +1,127 @@
+"""Where a match may begin: ways to lay one form onto another, with the feature points that are then the same."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..measures.alignment import closest_points_from, rigid_fit
+from ..numerics.arrays import FloatArray, IntArray
+from ..run.monitor import Monitor
+from .assignments import feature_assignments
+from .laying import completed
+from .unfolded import Unfolded
+
+_ASSIGNMENTS = 6  # best ones that are tried
+_ITERATIONS = 25  # of closest points
+_HALF_TURNS = ((1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1))  # about the principal axes
+_SAME = np.cos(np.radians(25))  # cosine of the angle below which two motions count as one
+
+
+class Start(NamedTuple):
+    """A way to lay one form onto another.
+
+    Attributes
+    ----------
+    image : (k,) ndarray of int
+        For each feature point which of the other surface's it is; -1 for those without.
+    rotation : (3, 3) ndarray of float
+        R, proper.
+    shift : (3,) ndarray of float
+        t; the motion is ``x ↦ x R + t``.
+    """
+
+    image: IntArray
+    rotation: FloatArray
+    shift: FloatArray
+
+
+def starts(one: Unfolded, other: Unfolded, rows: IntArray, monitor: Monitor) -> list[Start]:
+    """Find the ways to begin.
+
+    From the likeliest assignments of feature points, from their numbers where both surfaces have equally many, and from
+    the principal axes of the forms, each brought closer by closest points. Of those from the axes only motions that no
+    assignment leads to are kept.
+
+    Parameters
+    ----------
+    one, other : Unfolded
+        The surfaces.
+    rows : (r,) ndarray of int
+        Vertices spread over the form, which are brought closer.
+    monitor : Monitor
+        Polled for cancellation.
+
+    Returns
+    -------
+    list of Start
+        At least one.
+
+    Raises
+    ------
+    CancelledError
+        If the run is cancelled.
+
+    Examples
+    --------
+    >>> from addon.core.matching.unfolded import unfolded
+    >>> from addon.core.method_api.settings import Settings
+    >>> from addon.core.method_api.surface_features import detected
+    >>> points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 3]])
+    >>> found = detected(points, np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]), None, Settings(), Monitor())
+    >>> body = unfolded(found, found.whole_points, Monitor())
+    >>> way = starts(body, body, np.arange(4), Monitor())[0]
+    >>> np.allclose(way.rotation, np.eye(3)), np.allclose(way.shift, 0)
+    (True, True)
+
+    References
+    ----------
+    Besl and McKay, "A Method for Registration of 3-D Shapes", 1992.
+    """
+    images = [image for image, _ in feature_assignments(one.limbs, other.limbs, _ASSIGNMENTS)]
+    if len(one.features) == len(other.features):
+        images += _by_number(one)
+    found: list[Start] = []
+    for image in images:
+        known = np.flatnonzero(image >= 0)
+        if len(known) < 3 or any((image == each.image).all() for each in found):
+            continue
+        monitor.check()
+        begin = rigid_fit(one.form[one.features[known]], other.form[other.features[image[known]]])
+        found.append(
+            Start(image, *closest_points_from(one.form[rows], other.form, *begin, max_iterations=_ITERATIONS)[:2])
+        )
+    for rotation, shift in _by_axes(one, other):
+        monitor.check()
+        rotation, shift, _ = closest_points_from(
+            one.form[rows], other.form, rotation, shift, max_iterations=_ITERATIONS
+        )
+        if any((np.trace(each.rotation.T @ rotation) - 1) / 2 > _SAME for each in found):
+            continue
+        tips = one.form[one.features] @ rotation + shift
+        image = completed(np.full(len(tips), -1), tips, other.form[other.features])
+        found.append(Start(image, rotation, shift))
+    return found
+
+
+def _by_number(one: Unfolded) -> list[IntArray]:
+    """Assign feature points by their numbers, which last, as they are and with left and right swapped."""
+    as_numbered = np.arange(len(one.features))
+    return [as_numbered, one.limbs.partner]
+
+
+def _by_axes(one: Unfolded, other: Unfolded) -> list[tuple[FloatArray, FloatArray]]:
+    """Lay principal axes onto principal axes, in the four proper ways."""
+    (centre, axes), (there, others) = (_principal_axes(each) for each in (one, other))
+    turns = [axes.T @ (np.array(signs)[:, None] * others) for signs in _HALF_TURNS]
+    return [(rotation, there - centre @ rotation) for rotation in turns]
+
+
+def _principal_axes(surface: Unfolded) -> tuple[FloatArray, FloatArray]:
+    """Find the centre and the principal axes of a form, longest first, as rows of a proper rotation."""
+    centre = surface.areas @ surface.form
+    apart = surface.form - centre
+    axes = np.linalg.eigh((apart * surface.areas[:, None]).T @ apart)[1].T[::-1].copy()
+    axes[2] *= np.sign(np.linalg.det(axes))
+    return centre, axes

@@ -1,0 +1,148 @@
+"""A surface with its form and what tells its points apart, whatever the pose and the triangles."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..mesh.geometry import vertex_normals
+from ..method_api.surface_features import SurfaceFeatures
+from ..numerics.arrays import FloatArray, IntArray
+from ..run.monitor import Monitor
+from ..surface.spectrum import compute_spectrum
+from ..symmetry.limbs import Limbs
+
+_BANDS = (40, 80)  # eigenfunctions to which the curvature is smoothed
+_OUTLIERS = 0.02  # share of the curvatures at either end that are cut off
+_EIGENPAIRS = 120  # of the map: limbs turn about their axes where there are fewer
+_SIGNED, _ENERGIES, _WIDTH = (
+    80,
+    40,
+    7.0,
+)  # eigenpairs of the wave kernel signature, its energies, and their width in steps
+
+
+class Unfolded(NamedTuple):
+    """A surface of unit area on the vertices that are worked on, and its form.
+
+    Attributes
+    ----------
+    form : (c, 3) ndarray of float
+        Its form.
+    faces : (d, 3) ndarray of int
+        Its triangles.
+    normals : (c, 3) ndarray of float
+        Normals of the form.
+    areas : (c,) ndarray of float
+        Areas of the vertices; their sum is 1.
+    eigenvectors : (c, K) ndarray of float
+        Eigenfunctions, orthonormal under the areas, lowest first.
+    curvature : (c, 2) ndarray of float
+        Mean curvature of the pose, smoothed over wide and over narrower surroundings.
+    signature : (c, 10) ndarray of float
+        Logarithm of the wave kernel signature, over the root of their number.
+    features : (k,) ndarray of int
+        Feature points.
+    to_features : (c, k) ndarray of float
+        Geodesic distances from them.
+    limbs : Limbs
+        What tells them apart.
+    whole_form : (n, 3) ndarray of float
+        The form of all vertices.
+    found : SurfaceFeatures
+        The pose, of unit area, and the way to all vertices.
+    """
+
+    form: FloatArray
+    faces: IntArray
+    normals: FloatArray
+    areas: FloatArray
+    eigenvectors: FloatArray
+    curvature: FloatArray
+    signature: FloatArray
+    features: IntArray
+    to_features: FloatArray
+    limbs: Limbs
+    whole_form: FloatArray
+    found: SurfaceFeatures
+
+
+def unfolded(found: SurfaceFeatures, form: FloatArray, monitor: Monitor) -> Unfolded:
+    """Gather what tells the points of a surface apart.
+
+    Parameters
+    ----------
+    found : SurfaceFeatures
+        The surface, its spectrum and feature points.
+    form : (n, 3) ndarray of float
+        The form of all its vertices, of unit area.
+    monitor : Monitor
+        Polled for cancellation.
+
+    Returns
+    -------
+    Unfolded
+        The surface with its form.
+
+    Raises
+    ------
+    SolverError
+        If the spectrum cannot be computed accurately.
+    CancelledError
+        If the run is cancelled.
+
+    Examples
+    --------
+    >>> from addon.core.method_api.settings import Settings
+    >>> from addon.core.method_api.surface_features import detected
+    >>> points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
+    >>> found = detected(points, np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]]), None, Settings(), Monitor())
+    >>> unfolded(found, points, Monitor()).areas.round(6).tolist()
+    [0.25, 0.25, 0.25, 0.25]
+
+    References
+    ----------
+    Aubry, Schlickewei and Cremers, "The Wave Kernel Signature", 2011, doi:10.1109/ICCVW.2011.6130444.
+    """
+    surface, total = found.surface, found.mass.sum()
+    here, areas = form[surface.kept], found.mass / total
+    spectrum = found.spectrum
+    if len(spectrum.eigenvalues) < min(_EIGENPAIRS, len(areas) - 1):
+        spectrum = compute_spectrum(found.stiffness, found.mass, _EIGENPAIRS, monitor)
+    eigenvectors = spectrum.eigenvectors[:, :_EIGENPAIRS] * np.sqrt(total)
+    curvature = _mean_curvature(found)
+    low, high = np.quantile(curvature, [_OUTLIERS, 1 - _OUTLIERS])
+    waves = eigenvectors.T @ (areas * np.clip(curvature, low, high))
+    smooth = [eigenvectors[:, :count] @ waves[:count] for count in _BANDS]
+    return Unfolded(
+        here,
+        surface.faces,
+        vertex_normals(here, surface.faces),
+        areas,
+        eigenvectors,
+        np.column_stack(smooth),
+        _signature(spectrum.eigenvalues[:_SIGNED], eigenvectors[:, :_SIGNED]),
+        found.features,
+        found.to_features,
+        found.limbs,
+        form,
+        found,
+    )
+
+
+def _mean_curvature(found: SurfaceFeatures) -> FloatArray:
+    """Compute the mean curvature of the pose, above 0 where it bulges."""
+    points, faces = found.surface.points, found.surface.faces
+    across = np.einsum("ij,ij->i", found.stiffness @ points, vertex_normals(points, faces))
+    return np.asarray(across / (2 * found.mass))
+
+
+def _signature(eigenvalues: FloatArray, eigenvectors: FloatArray) -> FloatArray:
+    """Compute the logarithm of the wave kernel signature."""
+    energy = np.log(np.maximum(eigenvalues, np.finfo(float).tiny))
+    levels = np.linspace(energy[0], energy[-1], _ENERGIES)
+    width = _WIDTH * max((energy[-1] - energy[0]) / _ENERGIES, np.finfo(float).tiny)
+    shares = np.exp(-((levels[:, None] - energy) ** 2) / (2 * width**2))
+    shares /= np.maximum(shares.sum(axis=1, keepdims=True), np.finfo(float).tiny)
+    return np.asarray(np.log(np.maximum(eigenvectors**2 @ shares.T, np.finfo(float).tiny)) / np.sqrt(_ENERGIES))

@@ -1,0 +1,202 @@
+"""The points of a surface that are closest to given ones."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..numerics.arrays import FloatArray, IntArray
+
+_CENTRES = 6  # nearest centres of triangles whose triangles are looked at,
+_CORNERS = 2  # and nearest vertices, with
+_AROUND = 8  # as many triangles around each
+_AROUND_KNOWN = 12  # triangles around a vertex that is known to be the nearest
+
+
+class SurfacePoints(NamedTuple):
+    """Points on the triangles of a surface.
+
+    Attributes
+    ----------
+    faces : (q,) ndarray of int
+        The triangle of each.
+    weights : (q, 3) ndarray of float
+        Its barycentric coordinates there: not negative, their sum is 1.
+    distances : (q,) ndarray of float
+        How far it is from the point that was looked for.
+    """
+
+    faces: IntArray
+    weights: FloatArray
+    distances: FloatArray
+
+
+def closest_points(points: FloatArray, faces: IntArray, wanted: FloatArray) -> SurfacePoints:
+    """Find the closest point of a surface to each of the points wanted.
+
+    Only triangles near the closest vertices and centres are looked at: a long, thin triangle whose corners and centre
+    are farther away than those of several others may be missed.
+
+    Parameters
+    ----------
+    points : (n, d) ndarray of float
+        Vertices, in any number of dimensions.
+    faces : (m, 3) ndarray of int
+        Triangles.
+    wanted : (q, d) ndarray of float
+        Points.
+
+    Returns
+    -------
+    SurfacePoints
+        The closest points.
+
+    Examples
+    --------
+    >>> corner = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
+    >>> found = closest_points(corner, np.array([[0, 1, 2]]), np.array([[0.25, 0.25, 2.0], [-1, 0.5, 0]]))
+    >>> found.weights.tolist(), found.distances.tolist()
+    ([[0.5, 0.25, 0.25], [0.5, 0.0, 0.5]], [2.0, 1.0])
+
+    References
+    ----------
+    Ericson, "Real-Time Collision Detection", 2005, section 5.1.5.
+    """
+    from scipy.spatial import cKDTree
+
+    count = min(_CENTRES, len(faces))
+    centres = cKDTree(points[faces].mean(axis=1)).query(wanted, k=range(1, count + 1))[1]  # (q, k)
+    used = np.unique(faces)
+    corners = used[cKDTree(points[used]).query(wanted, k=range(1, min(_CORNERS, len(used)) + 1))[1]]
+    near = triangles_around(faces, len(points), _AROUND)[corners].reshape(len(wanted), -1)
+    return closest_among(points, faces, wanted, np.column_stack([centres, near]))
+
+
+def closest_around(points: FloatArray, faces: IntArray, wanted: FloatArray, nearest: IntArray) -> SurfacePoints:
+    """Find the closest point of the triangles around a vertex, to each of the points wanted.
+
+    Parameters
+    ----------
+    points : (n, d) ndarray of float
+        Vertices, in any number of dimensions.
+    faces : (m, 3) ndarray of int
+        Triangles.
+    wanted : (q, d) ndarray of float
+        Points.
+    nearest : (q,) ndarray of int
+        The vertex that is nearest to each.
+
+    Returns
+    -------
+    SurfacePoints
+        The closest points.
+
+    Examples
+    --------
+    >>> corner = np.array([[0.0, 0], [1, 0], [0, 1]])
+    >>> closest_around(corner, np.array([[0, 1, 2]]), np.array([[0.25, 0.5]]), np.array([0])).weights.tolist()
+    [[0.25, 0.25, 0.5]]
+    """
+    return closest_among(points, faces, wanted, triangles_around(faces, len(points), _AROUND_KNOWN)[nearest])
+
+
+def triangles_around(faces: IntArray, count: int, most: int) -> IntArray:
+    """List triangles around every vertex.
+
+    Parameters
+    ----------
+    faces : (m, 3) ndarray of int
+        Triangles.
+    count : int
+        Number n of vertices.
+    most : int
+        Most triangles to list; where there are fewer, the last is repeated, where there is none, any.
+
+    Returns
+    -------
+    (n, most) ndarray of int
+        Triangles.
+
+    Examples
+    --------
+    >>> triangles_around(np.array([[0, 1, 2], [2, 1, 3]]), 4, 2).tolist()
+    [[0, 0], [0, 1], [0, 1], [1, 1]]
+    """
+    order = np.argsort(faces.ravel(), kind="stable")
+    start = np.searchsorted(faces.ravel()[order], np.arange(count + 1))
+    last = np.maximum(start[1:] - 1, start[:-1])
+    at = np.minimum(start[:-1, None] + np.arange(most), last[:, None])
+    return order[np.minimum(at, len(order) - 1)] // 3
+
+
+def closest_among(points: FloatArray, faces: IntArray, wanted: FloatArray, candidates: IntArray) -> SurfacePoints:
+    """Find the closest point of some triangles, to each of the points wanted.
+
+    Parameters
+    ----------
+    points : (n, d) ndarray of float
+        Vertices, in any number of dimensions.
+    faces : (m, 3) ndarray of int
+        Triangles.
+    wanted : (q, d) ndarray of float
+        Points.
+    candidates : (q, c) ndarray of int
+        The triangles to look at for each.
+
+    Returns
+    -------
+    SurfacePoints
+        The closest points.
+
+    Examples
+    --------
+    >>> corner = np.array([[0.0, 0], [1, 0], [0, 1]])
+    >>> faces, candidates = np.array([[0, 1, 2]]), np.array([[0]])
+    >>> closest_among(corner, faces, np.array([[0.5, -1]]), candidates).weights.tolist()
+    [[0.5, 0.5, 0.0]]
+    """
+    least = np.full(len(wanted), np.inf)
+    face, weights = np.zeros(len(wanted), dtype=np.int64), np.zeros((len(wanted), 3))
+    for own in candidates.T:
+        corners = points[faces[own]]  # (q, 3, d)
+        at = _barycentric(corners[:, 0], corners[:, 1], corners[:, 2], wanted)
+        square = ((np.einsum("qi,qij->qj", at, corners) - wanted) ** 2).sum(axis=1)
+        closer = square < least
+        least[closer], face[closer], weights[closer] = square[closer], own[closer], at[closer]
+    return SurfacePoints(face, weights, np.sqrt(least))
+
+
+def _barycentric(a: FloatArray, b: FloatArray, c: FloatArray, wanted: FloatArray) -> FloatArray:
+    """Find the barycentric coordinates of the closest points of triangles."""
+    ab, ac, ap = b - a, c - a, wanted - a
+    aa, cross, cc, first, second = (_dot(*pair) for pair in ((ab, ab), (ab, ac), (ac, ac), (ap, ab), (ap, ac)))
+    area = aa * cc - cross * cross
+    safe = np.where(area > 0, area, 1.0)
+    v, w = (cc * first - cross * second) / safe, (aa * second - cross * first) / safe
+    weights = np.stack([1 - v - w, v, w], axis=1)
+    outside = (weights < 0).any(axis=1) | (area <= 0)
+    if outside.any():
+        weights[outside] = _on_edges([each[outside] for each in (a, b, c)], wanted[outside])
+    return weights
+
+
+def _on_edges(corners: list[FloatArray], wanted: FloatArray) -> FloatArray:
+    """Find the barycentric coordinates of the closest points on the edges of triangles."""
+    least, weights = np.full(len(wanted), np.inf), np.zeros((len(wanted), 3))
+    for first, second in ((0, 1), (1, 2), (2, 0)):
+        start, way = corners[first], corners[second] - corners[first]
+        length = _dot(way, way)
+        along = np.clip(_dot(wanted - start, way) / np.where(length > 0, length, 1.0), 0.0, 1.0)
+        apart = start + along[:, None] * way - wanted
+        square = _dot(apart, apart)
+        closer = square < least
+        least[closer] = square[closer]
+        weights[closer] = 0.0
+        weights[closer, first], weights[closer, second] = 1 - along[closer], along[closer]
+    return weights
+
+
+def _dot(one: FloatArray, two: FloatArray) -> FloatArray:
+    """Multiply vectors row by row."""
+    return np.asarray(np.einsum("ij,ij->i", one, two))

@@ -1,0 +1,47 @@
+"""Nearest neighbours among points of many dimensions, where trees do not help."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..run.monitor import Monitor
+from .arrays import FloatArray, IntArray
+from .products import product
+
+_ROWS = 512
+
+
+def nearest_rows(points: FloatArray, others: FloatArray, monitor: Monitor) -> IntArray:
+    """Find the nearest of the others to each point; the first of those that tie.
+
+    Parameters
+    ----------
+    points : (r, d) ndarray of float
+        Points.
+    others : (s, d) ndarray of float
+        The others.
+    monitor : Monitor
+        Polled for cancellation.
+
+    Returns
+    -------
+    (r,) ndarray of int
+        Which of the others is nearest to each.
+
+    Raises
+    ------
+    CancelledError
+        If the run is cancelled.
+
+    Examples
+    --------
+    >>> nearest_rows(np.array([[0.2], [0.9]]), np.array([[1.0], [0.0]]), Monitor()).tolist()
+    [1, 0]
+    """
+    square = (others**2).sum(axis=1)
+    found = np.empty(len(points), dtype=np.int64)
+    for start in range(0, len(points), _ROWS):
+        monitor.check()
+        rows = slice(start, start + _ROWS)
+        found[rows] = np.argmin(square - 2 * product(points[rows], others.T), axis=1)
+    return found

@@ -1,0 +1,106 @@
+"""The door to another's pose: a mesh posed as another stands."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .deformation.elastic_body import ElasticBody
+from .deformation.struts import struts_through
+from .matches import matched_bodies
+from .matching.point_map import PointMap
+from .matching.unfolded import Unfolded
+from .measures.form_measures import edge_stretch
+from .mesh.geometry import moved_by_frames, vertex_areas
+from .method_api.settings import Settings
+from .numerics.arrays import FloatArray
+from .posing.taken_pose import taken_pose
+from .results import PosedLike
+from .run.monitor import Cancelled, Monitor, Progress
+
+_MATCHED = 0.9  # of the work
+
+
+def pose_like(
+    vertices: ArrayLike,
+    faces: ArrayLike,
+    reference_vertices: ArrayLike,
+    reference_faces: ArrayLike,
+    settings: Settings | None = None,
+    *,
+    side: str | int = "auto",
+    progress: Progress | None = None,
+    cancelled: Cancelled | None = None,
+) -> PosedLike:
+    """Pose a mesh as another of a like body stands, and keep its shape.
+
+    Parameters
+    ----------
+    vertices : (n, 3) array_like of float
+        Vertex positions, any unit of length.
+    faces : (m, 3) array_like of int
+        Triangles, in any state that docs/any-mesh.md lists.
+    reference_vertices : (n', 3) array_like of float
+        Vertices of the mesh whose pose is wanted, in any unit.
+    reference_faces : (m', 3) array_like of int
+        Its triangles.
+    settings : Settings, optional
+        Options of the forms of both.
+    side : str or int
+        As in `match`.
+    progress : callable, optional
+        Called with the fraction done (0 to 1) and the name of the stage.
+    cancelled : callable, optional
+        Polled at least twice a second; the computation stops when it returns True.
+
+    Returns
+    -------
+    PosedLike
+        The mesh in that pose.
+
+    Raises
+    ------
+    CanonicalFormError
+        As in `match`.
+
+    Examples
+    --------
+    >>> corner = np.array([[0.0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 3]])
+    >>> faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]
+    >>> pose_like(corner, faces, corner, faces).vertices.shape
+    (4, 3)
+
+    References
+    ----------
+    Sumner and Popović, "Deformation Transfer for Triangle Meshes", 2004, doi:10.1145/1015706.1015736.
+    """
+    monitor = Monitor(progress, cancelled)
+    found = matched_bodies(vertices, faces, reference_vertices, reference_faces, settings, side, monitor, _MATCHED)
+    shapes = [body.points for body in found.bodies.bodies]
+    count = len(found.maps)
+    for number, (here, there, each) in enumerate(zip(found.order, found.other_order, found.maps, strict=False)):
+        begin, end = (_MATCHED + (1 - _MATCHED) * part / count for part in (number, number + 1))
+        own = monitor.piece(begin, end, {"Pose": 1})
+        with own.stage("Pose"):
+            shapes[here] = _posed(found.surfaces[here], found.other_surfaces[there], each, own)
+    posed = found.bodies.shaped(shapes, monitor)
+    lengths = edge_stretch(found.bodies.vertices, posed, found.bodies.faces)
+    return PosedLike(posed, found.match, float(np.median(np.abs(lengths - 1))), monitor.warnings)
+
+
+def _posed(one: Unfolded, other: Unfolded, found: PointMap, monitor: Monitor) -> FloatArray:
+    """Pose one body as another stands, around its own centre, in its own unit."""
+    own, there = one.found, other.found
+    surface = own.surface
+    struts = struts_through(surface.points, surface.faces, own.to_features, monitor)
+    body = ElasticBody(surface.triangulation, surface.points, surface.faces, struts)
+    corners = there.whole_points[there.whole_faces[found.targets.faces]]  # (c, 3, 3)
+    places = np.einsum("ij,ijk->ik", found.targets.weights, corners)
+    posed = taken_pose(body, places, found.worked_on)
+    monitor.check()
+    if surface.coarse:
+        rotation, shift = surface.prolong_frames(*body.frames(posed))
+        posed = moved_by_frames(own.whole_points, rotation, shift)
+    areas = vertex_areas(own.whole_points, own.whole_faces)
+    centred = posed + areas / areas.sum() @ (own.whole_points - posed)
+    return centred * own.unit + own.centre

@@ -1,0 +1,67 @@
+"""A body that takes the pose of another: it goes where its likes are there, and keeps its own shape."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..deformation.elastic_body import ElasticBody
+from ..numerics.arrays import FloatArray
+
+_EVEN = 1e-5  # diffusion time over which the places are averaged by confidence, as a share of the area,
+_TURNS = 5e-4  # over which the turns of edges are,
+_LENGTHS = 4e-3  # and their lengths
+_LEAST = 0.02  # confidence that every place has at least
+_PULL = 80.0  # 1/area, where lengths here and there agree
+_ALIKE = 0.1  # difference of the logarithms of lengths from which on a place is hardly followed
+_HARDLY = 1e-3  # share of the pull that is left there
+
+
+def taken_pose(body: ElasticBody, places: FloatArray, confidence: FloatArray) -> FloatArray:
+    """Deform a body in its pose to the places that its vertices have in another.
+
+    Where lengths agree, up to one factor for the whole body, vertices go to their places. Where they do not, because
+    the other body is fatter, or has longer arms, edges only turn as they do there.
+
+    Parameters
+    ----------
+    body : ElasticBody
+        The body, in its own pose.
+    places : (n, 3) ndarray of float
+        Where the like of each vertex is.
+    confidence : (n,) ndarray of float
+        How sure each place is, 0 to 1.
+
+    Returns
+    -------
+    (n, 3) ndarray of float
+        The body in the other pose.
+
+    Examples
+    --------
+    >>> from addon.core.surface.triangulation import triangulated
+    >>> points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
+    >>> faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
+    >>> body = ElasticBody(triangulated(points, faces), points, faces)
+    >>> turned = points @ np.array([[0.0, 1, 0], [-1, 0, 0], [0, 0, 1]])
+    >>> np.allclose(taken_pose(body, 2 * turned, np.ones(4)), turned, atol=1e-3)
+    True
+
+    References
+    ----------
+    Sumner and Popović, "Deformation Transfer for Triangle Meshes", 2004, doi:10.1145/1015706.1015736; Sorkine and
+    Alexa, "As-Rigid-As-Possible Surface Modeling", 2007, doi:10.2312/SGP/SGP07/109-116.
+    """
+    sure = np.maximum(confidence, _LEAST) * body.mass
+    known = body.smoothed(np.column_stack([sure[:, None] * places, sure]), _EVEN)
+    target = known[:, :3] / known[:, 3:]
+    longer = body.stretch(target, _LENGTHS)
+    factor = _median(longer, body.mass)
+    alike = np.exp(-(((longer - factor) / _ALIKE) ** 2))
+    return body.turned_towards(target * np.exp(-factor), _PULL * np.maximum(alike, _HARDLY), _TURNS)
+
+
+def _median(values: FloatArray, weights: FloatArray) -> float:
+    """Find the weighted median."""
+    order = np.argsort(values, kind="stable")
+    middle = np.searchsorted(np.cumsum(weights[order]), weights.sum() / 2)
+    return float(values[order[min(middle, len(order) - 1)]])

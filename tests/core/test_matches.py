@@ -1,0 +1,212 @@
+"""Two meshes matched, and posed like each other."""
+
+from contextlib import suppress
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from addon.core import (
+    CancelledError,
+    CanonicalFormError,
+    InvalidMeshError,
+    InvalidSettingsError,
+    Settings,
+    canonical_form,
+    match,
+    pose_like,
+    transferred,
+)
+from addon.core.measures.alignment import rigid_fit
+from addon.core.mesh.coarsening import coarsened
+from addon.core.mesh.geometry import surface_area
+from tests.meshes import shapes
+
+DRAFT = Settings(quality="draft")
+
+
+@pytest.fixture(scope="module")
+def poses():
+    """The figure, straight and under other numbers in its bent pose; also the old number of every new vertex."""
+    vertices, faces = shapes.figure(18)
+    straight = canonical_form(vertices, faces, DRAFT).vertices
+    return (straight, faces), shapes.permuted(vertices, faces)
+
+
+@pytest.fixture(scope="module")
+def matched(poses):
+    (straight, faces), (bent, bent_faces, _) = poses
+    return match(straight, faces, bent, bent_faces, DRAFT)
+
+
+def places(found, vertices):
+    return np.einsum("ij,ijk->ik", found.weights, vertices[found.other_faces[found.faces]])
+
+
+def distance(one, two):
+    rotation, shift = rigid_fit(one, two)
+    return float(np.sqrt(((one @ rotation + shift - two) ** 2).sum(axis=1).mean()))
+
+
+def test_every_vertex_finds_its_like_in_another_pose(poses, matched):
+    bent, bent_faces, old = poses[1]
+    truth = bent[np.argsort(old)]
+    off = np.linalg.norm(places(matched, bent) - truth, axis=1) / np.sqrt(surface_area(bent, bent_faces))
+    assert off.mean() < 0.02
+    assert np.mean(off < 0.1) > 0.99
+    assert matched.sides == sorted(matched.sides)
+    assert matched.warnings == []
+
+
+def test_vertices_faces_and_weights_tell_the_same(matched):
+    corners = matched.other_faces[matched.faces]
+    assert (
+        np.take_along_axis(corners, np.argmax(matched.weights, axis=1)[:, None], axis=1)[:, 0] == matched.vertices
+    ).all()
+    np.testing.assert_allclose(matched.weights.sum(axis=1), 1)
+    assert matched.confidence.min() >= 0
+    assert matched.confidence.max() <= 1
+
+
+def test_a_mesh_onto_itself_is_the_same_everywhere():
+    vertices, faces = shapes.figure(18)
+    found = match(vertices, faces, vertices, faces, DRAFT)
+    np.testing.assert_allclose(places(found, vertices), vertices, atol=1e-6)
+    assert found.confidence.mean() > 0.9
+
+
+def test_motion_and_size_of_either_change_nothing(poses, matched, rotation):
+    (straight, faces), (bent, bent_faces, _) = poses
+    other = match(100 * straight @ rotation + 7, faces, bent @ rotation.T - 3, bent_faces, DRAFT)
+    apart = np.linalg.norm(places(other, bent) - places(matched, bent), axis=1)
+    assert np.quantile(apart, 0.9) < 1e-3 * np.sqrt(surface_area(bent, bent_faces))
+    np.testing.assert_allclose(other.sides[0], matched.sides[0], atol=1e-3)
+
+
+def test_the_same_meshes_have_the_same_match(poses, matched):
+    (straight, faces), (bent, bent_faces, _) = poses
+    again = match(straight, faces, bent, bent_faces, DRAFT)
+    assert (again.faces == matched.faces).all()
+    assert (again.weights == matched.weights).all()
+
+
+def test_weights_of_bones_stay_weights(poses, matched):
+    bent = poses[1][0]
+    bones = np.random.default_rng(0).dirichlet(np.ones(4), len(bent))
+    carried = transferred(matched, bones)
+    assert carried.shape == (len(matched.vertices), 4)
+    np.testing.assert_allclose(carried.sum(axis=1), 1)
+    assert transferred(matched, bones[:, 0]).shape == (len(matched.vertices),)
+    with pytest.raises(InvalidMeshError, match="one item per vertex of the other mesh"):
+        transferred(matched, bones[:-1])
+
+
+def test_another_side_is_another_match(poses, matched):
+    (straight, faces), (bent, bent_faces, _) = poses
+    assert len(matched.sides) > 1
+    other = match(straight, faces, bent, bent_faces, DRAFT, side=1)
+    apart = np.linalg.norm(places(other, bent) - places(matched, bent), axis=1)
+    assert apart.mean() > 0.1 * np.sqrt(surface_area(bent, bent_faces))
+    with pytest.raises(InvalidSettingsError, match="ways to match"):
+        match(straight, faces, bent, bent_faces, DRAFT, side=99)
+
+
+@pytest.mark.parametrize("side", ["left", -1, 1.5, True, None])
+def test_what_is_no_side_is_refused_at_once(side):
+    with pytest.raises(InvalidSettingsError, match="side must be"):
+        match([], [], [], [], DRAFT, side=side)
+
+
+def test_unlike_bodies_are_told():
+    found = match(*shapes.figure(18), *shapes.joint(40), DRAFT)
+    assert "match_unlike" in [each.kind for each in found.warnings]
+
+
+def test_posed_like_the_bent_one_it_is_the_bent_one(poses):
+    (straight, faces), (bent, bent_faces, old) = poses
+    posed = pose_like(straight, faces, bent, bent_faces, DRAFT)
+    truth = bent[np.argsort(old)]
+    assert distance(posed.vertices, truth) < 0.12 * distance(straight, truth)
+    assert posed.edge_distortion < 0.05
+    apart = posed.vertices - truth
+    standing = np.sqrt(((apart - apart.mean(axis=0)) ** 2).sum(axis=1).mean())
+    assert standing < 0.15 * distance(straight, truth)  # it stands as the other does, without a turn
+    np.testing.assert_allclose(surface_area(posed.vertices, faces), surface_area(straight, faces), rtol=0.05)
+
+
+def test_a_body_keeps_its_shape_in_the_pose_of_another(poses):
+    (straight, faces), (bent, bent_faces, old) = poses
+    longer = straight * [1.0, 1.0, 1.3]
+    posed = pose_like(longer, faces, bent, bent_faces, DRAFT)
+    length = lambda points: np.linalg.norm(points[faces[:, 0]] - points[faces[:, 1]], axis=1)  # noqa: E731
+    kept = np.abs(np.log(length(posed.vertices) / length(longer)))
+    copied = np.abs(np.log(length(bent[np.argsort(old)]) / length(longer)))
+    assert np.median(kept) < np.median(copied) / 2
+
+
+def test_several_bodies_are_matched_by_size(poses):
+    (straight, faces), (bent, bent_faces, _) = poses
+    ball, ball_faces = shapes.sphere(2)
+    two = np.concatenate([0.2 * ball + 20, straight]), np.concatenate([ball_faces, faces + len(ball)])
+    found = match(*two, bent, bent_faces, DRAFT)
+    assert "match_bodies" in [each.kind for each in found.warnings]
+    assert (found.vertices[: len(ball)] == -1).all()
+    assert (found.vertices[len(ball) :] >= 0).all()
+    assert (transferred(found, np.ones(len(bent)))[: len(ball)] == 0).all()
+    posed = pose_like(*two, bent, bent_faces, DRAFT)
+    np.testing.assert_array_equal(posed.vertices[: len(ball)], two[0][: len(ball)])
+
+
+def test_progress_rises_to_its_end(poses):
+    (straight, faces), (bent, bent_faces, _) = poses
+    done: list[float] = []
+    pose_like(straight, faces, bent, bent_faces, DRAFT, progress=lambda part, _: done.append(part))
+    assert done == sorted(done)
+    assert done[-1] == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("at", [0.3, 0.85])
+def test_it_stops_when_asked(at, poses):
+    (straight, faces), (bent, bent_faces, _) = poses
+    seen = [0.0]
+    with pytest.raises(CancelledError):
+        pose_like(
+            straight, faces, bent, bent_faces, DRAFT,
+            progress=lambda part, _: seen.append(part), cancelled=lambda: seen[-1] > at,
+        )  # fmt: skip
+
+
+@settings(max_examples=10, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(seed=st.integers(0, 2**32 - 1))
+def test_any_two_meshes_have_a_match_or_a_reason(seed):
+    rng = np.random.default_rng(seed)
+    meshes = [shapes.grid(5, 4), shapes.sphere(1), shapes.joint(60, 12, 6), shapes.cylinder(8, 9), shapes.figure(7)]
+    (one, faces), (two, others) = (meshes[at] for at in rng.integers(0, len(meshes), 2))
+    faces = faces[rng.random(len(faces)) > rng.choice([0.0, 0.1, 0.5])]
+    others = others[rng.random(len(others)) > rng.choice([0.0, 0.1])]
+    with suppress(CanonicalFormError):  # such as of meshes without an edge in common
+        posed = pose_like(one + rng.normal(scale=0.01, size=one.shape), faces, two, others, DRAFT)
+        assert np.isfinite(posed.vertices).all()
+        assert np.isfinite(posed.match.weights).all()
+
+
+@pytest.mark.parametrize(
+    ("one", "two"),
+    [
+        ("man/dance1_00", "man/walk1_04"),
+        ("horse/bind", "horse/horse_gallop_f00"),
+        ("man/rest", "woman/walk1_04"),
+        ("bear/bind", "bear/bear_run_f12"),
+    ],
+)
+def test_real_bodies_of_other_triangles_are_matched(one, two, real_mesh):
+    vertices, faces = real_mesh(f"{one}.obj")
+    whole, whole_faces = real_mesh(f"{two}.obj")
+    fewer = coarsened(whole, whole_faces, int(0.7 * len(whole)))
+    other, other_faces, _ = shapes.permuted(whole[fewer.kept], fewer.faces)
+    found = match(vertices, faces, other, other_faces)
+    off = np.linalg.norm(places(found, other) - whole, axis=1) / np.sqrt(surface_area(whole, whole_faces))
+    assert off.mean() < 0.025
+    assert np.mean(off > 0.2) < 0.01  # no flips
+    assert "match_unlike" not in [each.kind for each in found.warnings]
