@@ -302,5 +302,5 @@ def _warn(maps: list[PointMap], scores: list[float], side: str | int, monitor: M
         monitor.warn("match_unlike")
     elif min(float(found.worked_on.mean()) for found in maps) < _UNSURE:
         monitor.warn("match_unsure")
-    elif side == "auto" and len(scores) > 1 and scores[1] - scores[0] < _CLOSE:
+    if side == "auto" and len(scores) > 1 and scores[1] - scores[0] < _CLOSE:
         monitor.warn("match_sides")
