@@ -75,7 +75,7 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
     "reference_features": "This body has {count} feature points and the reference {others}; where the like of one is "
     "missing, those after it have other numbers.",
     # a match
-    "match_side": 'side must be "auto" or a whole number from 0 on; got {value!r}.',
+    "match_side": 'The side must be "auto" or a whole number from 0 on; got {value!r}.',
     "match_no_side": "There are {count} ways to match these meshes; side must lie between 0 and {last}.",
     "match_bodies": "This mesh has {count} bodies and the other {others}; only those that both have, the largest "
     "first, were matched.",
