@@ -38,10 +38,10 @@ class MatchedBodies(NamedTuple):
         The meshes.
     surfaces, other_surfaces : list of Unfolded
         Their bodies with their forms.
-    order, other_order : list of int
+    pairs : list of (int, int)
         The bodies that are matched, and with which.
     maps : list of PointMap
-        The map of each of these.
+        The map of each pair.
     match : Match
         All of it on the vertices of the whole mesh.
     """
@@ -50,8 +50,7 @@ class MatchedBodies(NamedTuple):
     others: Bodies
     surfaces: list[Unfolded]
     other_surfaces: list[Unfolded]
-    order: list[int]
-    other_order: list[int]
+    pairs: list[tuple[int, int]]
     maps: list[PointMap]
     match: Match
 
@@ -190,8 +189,8 @@ def matched_bodies(
         ways = ways or found
     scores = [each.score for each in ways]
     result = _on_meshes(bodies, others, pairs, maps, scores, monitor, two)
-    _warn(maps, scores, side, monitor)
-    return MatchedBodies(bodies, others, surfaces, other_surfaces, order, other_order, maps, result)
+    _warn([surfaces[here] for here, _ in pairs], maps, scores, side, monitor)
+    return MatchedBodies(bodies, others, surfaces, other_surfaces, pairs, maps, result)
 
 
 def transferred(matched: Match, values: ArrayLike) -> FloatArray:
@@ -296,11 +295,18 @@ def _rows_in(rows: IntArray, table: IntArray) -> IntArray:
     return number[group[len(table) :]]
 
 
-def _warn(maps: list[PointMap], scores: list[float], side: str | int, monitor: Monitor) -> None:
+def _warn(
+    surfaces: list[Unfolded], maps: list[PointMap], scores: list[float], side: str | int, monitor: Monitor
+) -> None:
     """Tell where a match is doubtful."""
     if max(found.score for found in maps) > _UNLIKE:
         monitor.warn("match_unlike")
-    elif min(float(found.worked_on.mean()) for found in maps) < _UNSURE:
+    elif min(_sure(*each) for each in zip(surfaces, maps, strict=True)) < _UNSURE:
         monitor.warn("match_unsure")
     if side == "auto" and len(scores) > 1 and scores[1] - scores[0] < _CLOSE:
         monitor.warn("match_sides")
+
+
+def _sure(surface: Unfolded, found: PointMap) -> float:
+    """Average the confidence over the vertices that are worked on, which are spread evenly."""
+    return float(found.confidence[surface.found.surface.kept].mean())

@@ -78,7 +78,7 @@ def pose_like(
     found = matched_bodies(vertices, faces, reference_vertices, reference_faces, settings, side, monitor, _MATCHED)
     shapes = [body.points for body in found.bodies.bodies]
     count = len(found.maps)
-    for number, (here, there, each) in enumerate(zip(found.order, found.other_order, found.maps, strict=False)):
+    for number, ((here, there), each) in enumerate(zip(found.pairs, found.maps, strict=True)):
         begin, end = (_MATCHED + (1 - _MATCHED) * part / count for part in (number, number + 1))
         own = monitor.piece(begin, end, {"Pose": 1})
         with own.stage("Pose"):
@@ -94,9 +94,10 @@ def _posed(one: Unfolded, other: Unfolded, found: PointMap, monitor: Monitor) ->
     surface = own.surface
     struts = struts_through(surface.points, surface.faces, own.to_features, monitor)
     body = ElasticBody(surface.triangulation, surface.points, surface.faces, struts)
-    corners = there.whole_points[there.whole_faces[found.targets.faces]]  # (c, 3, 3)
-    places = np.einsum("ij,ijk->ik", found.targets.weights, corners)
-    posed = taken_pose(body, places, found.worked_on)
+    kept = surface.kept
+    corners = there.whole_points[there.whole_faces[found.points.faces[kept]]]  # (c, 3, 3)
+    places = np.einsum("ij,ijk->ik", found.points.weights[kept], corners)
+    posed = taken_pose(body, places, found.confidence[kept])
     monitor.check()
     if surface.coarse:
         rotation, shift = surface.prolong_frames(*body.frames(posed))

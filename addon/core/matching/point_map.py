@@ -9,7 +9,7 @@ import numpy as np
 from ..measures.alignment import rigid_fit
 from ..mesh.closest_points import SurfacePoints, closest_points
 from ..mesh.geometry import area_vectors, vertex_areas, vertex_normals
-from ..numerics.arrays import FloatArray
+from ..numerics.arrays import FloatArray, IntArray
 from ..numerics.factoring import factored
 from ..run.monitor import Monitor
 from .sides import Side
@@ -20,7 +20,7 @@ _COUNTS = range(20, 121, 10)  # eigenfunctions, round by round
 _NEAR = 0.3  # weight of the place in the form
 _SMOOTH = 2e-4  # diffusion time of the way from form to form, as a share of the area
 _FACING = 0.015  # weight of normals where the way ends on the other form
-_LOST, _FAR = 0.08, 0.05  # sqrt(area): ways back and last steps as long as this count as wrong
+_LOST = 0.08  # sqrt(area): ways back that end as far from home count as wrong
 _TURNED = 0.5  # cosine between normals below which a match counts as wrong
 _GROWN = np.log(3.0)  # change of the logarithm of the area that counts as wrong
 
@@ -32,20 +32,14 @@ class PointMap(NamedTuple):
     ----------
     points : SurfacePoints
         Points of the other surface, on all its triangles; for all vertices.
-    targets : SurfacePoints
-        The same for the vertices that are worked on.
     confidence : (n,) ndarray of float
         How sure each is, 0 to 1.
-    worked_on : (c,) ndarray of float
-        The same for the vertices that are worked on.
     score : float
         How well the two surfaces match; that of its side.
     """
 
     points: SurfacePoints
-    targets: SurfacePoints
     confidence: FloatArray
-    worked_on: FloatArray
     score: float
 
 
@@ -95,7 +89,8 @@ def point_map(one: Unfolded, other: Unfolded, side: Side, monitor: Monitor) -> P
     reached = np.einsum("ij,ijk->ik", there.weights, other.form[other.faces[there.faces]])
     way = reached - (one.form @ rotation + shift)
     time = _SMOOTH * one.found.mass.sum()
-    smoothed = factored(diags(one.found.mass) + time * one.found.stiffness).solve(one.found.mass[:, None] * way)
+    smooth = factored(diags(one.found.mass) + time * one.found.stiffness).solve
+    smoothed = smooth(one.found.mass[:, None] * way)
     monitor.check()
 
     surface, normals = one.found.surface, vertex_normals(one.whole_form, one.found.whole_faces) @ rotation
@@ -104,22 +99,17 @@ def point_map(one: Unfolded, other: Unfolded, side: Side, monitor: Monitor) -> P
     others = np.column_stack([other.whole_form, _FACING * vertex_normals(other.whole_form, whole)])
     points = closest_points(others, whole, np.column_stack([wanted, _FACING * normals]))
     monitor.check()
-    sure = _confidence(one, other, partner, there, rotation, monitor)
-    spread = factored(diags(one.found.mass) + time * one.found.stiffness).solve(one.found.mass * sure)
-    sure = np.clip(spread, 0.0, 1.0)
-    kept = surface.kept
-    targets = SurfacePoints(points.faces[kept], points.weights[kept], points.distances[kept])
-    return PointMap(points, targets, np.clip(surface.prolong(sure), 0.0, 1.0), sure, side.score)
+    sure = np.clip(smooth(one.found.mass * _confidence(one, other, partner, reached, rotation, monitor)), 0.0, 1.0)
+    return PointMap(points, np.clip(surface.prolong(sure), 0.0, 1.0), side.score)
 
 
 def _confidence(
-    one: Unfolded, other: Unfolded, partner: np.ndarray, there: SurfacePoints, rotation: FloatArray, monitor: Monitor
+    one: Unfolded, other: Unfolded, partner: IntArray, places: FloatArray, rotation: FloatArray, monitor: Monitor
 ) -> FloatArray:
     """Tell how sure a map is: the way back leads home, normals agree, and triangles keep their area and side."""
     back = refined(other, one, _first_back(one, other, partner), _COUNTS[-2:], _NEAR, monitor)
     home = np.linalg.norm(one.form[back[partner]] - one.form, axis=1)
     facing = np.einsum("ij,ij->i", one.normals @ rotation, other.normals[partner])
-    places = np.einsum("ij,ijk->ik", there.weights, other.form[other.faces[there.faces]])
     before, after = area_vectors(one.form @ rotation, one.faces), area_vectors(places, one.faces)
     kept = np.einsum("ij,ij->i", before, after) > 0
     tiny = np.finfo(float).tiny
@@ -134,7 +124,7 @@ def _confidence(
     )
 
 
-def _first_back(one: Unfolded, other: Unfolded, partner: np.ndarray) -> np.ndarray:
+def _first_back(one: Unfolded, other: Unfolded, partner: IntArray) -> IntArray:
     """Begin the way back: each vertex of the other surface goes where the nearest that is mapped comes from."""
     from scipy.spatial import cKDTree
 

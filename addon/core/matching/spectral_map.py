@@ -183,8 +183,9 @@ def _side_by_side(
     wide = slice(0, count // 2)
     way = weighted[wide] @ (other.form[partner] - placed)  # smooth: where the forms differ, one is moved to the other
     scale = _SPECTRAL / np.sqrt(max(waves.shape[1], others.shape[1]))
-    here = [scale * waves, near * (placed + waves[:, wide] @ way), _FACING_LAST * one.normals[at] @ rotation]
-    there = [scale * product(others, between.T), near * other.form, _FACING_LAST * other.normals]
-    here.append(_SIGNATURE * one.signature[at])
-    there.append(_SIGNATURE * other.signature)
-    return np.column_stack(here), np.column_stack(there)
+    moved, normals = placed + waves[:, wide] @ way, _FACING_LAST * one.normals[at] @ rotation
+    spanned, facing = scale * product(others, between.T), _FACING_LAST * other.normals
+    return (
+        np.column_stack([scale * waves, near * moved, normals, _SIGNATURE * one.signature[at]]),
+        np.column_stack([spanned, near * other.form, facing, _SIGNATURE * other.signature]),
+    )
