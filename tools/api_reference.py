@@ -14,10 +14,13 @@ from typing import Any
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 TARGET = ROOT / "docs" / "api.md"
-DOORS = ("canonical", "features", "distance_fields", "limbs", "matches", "poses", "opening", "placing", "results")
+DOORS = (
+    "canonical", "features", "distance_fields", "limbs", "matches", "poses", "mannequins", "opening", "placing",
+    "results",
+)  # fmt: skip
 ROOMS = (
-    "run", "numerics", "mesh", "surface", "distances", "detection", "patching", "deformation", "embedding", "symmetry",
-    "measures", "method_api", "methods", "posing", "matching", "assembly",
+    "run", "numerics", "modelling", "mesh", "surface", "distances", "detection", "patching", "deformation", "embedding",
+    "symmetry", "measures", "method_api", "methods", "posing", "matching", "assembly",
 )  # fmt: skip
 HEAD = """# API of the core
 

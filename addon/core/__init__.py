@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from .distance_fields import distance_field, heat_geodesics
     from .features import feature_patches
     from .limbs import limb_shapes
+    from .mannequins import mannequin
     from .matches import match, transferred
     from .method_api.settings import Settings
     from .poses import pose_like
@@ -39,6 +40,7 @@ __all__ = [
     "feature_patches",
     "heat_geodesics",
     "limb_shapes",
+    "mannequin",
     "match",
     "pose_like",
     "transferred",
@@ -55,6 +57,7 @@ _DOORS = {
     "feature_patches": "features",
     "heat_geodesics": "distance_fields",
     "limb_shapes": "limbs",
+    "mannequin": "mannequins",
     "match": "matches",
     "pose_like": "poses",
     "transferred": "matches",

@@ -16,6 +16,7 @@ from .method_api.settings import Settings
 from .numerics.arrays import FloatArray
 from .posing.taken_pose import taken_pose
 from .results import PosedLike
+from .run.errors import InvalidMeshError
 from .run.monitor import Cancelled, Monitor, Progress
 
 _MATCHED = 0.9  # of the work
@@ -29,6 +30,7 @@ def pose_like(
     settings: Settings | None = None,
     *,
     side: str | int = "auto",
+    reference_pose: ArrayLike | None = None,
     progress: Progress | None = None,
     cancelled: Cancelled | None = None,
 ) -> PosedLike:
@@ -48,6 +50,9 @@ def pose_like(
         Options of the forms of both.
     side : str or int
         As in `match`.
+    reference_pose : (n', 3) array_like of float, optional
+        Where the reference's vertices are in the pose that is wanted, if that is another than the one in which it is
+        matched: of a rigged character, matched as it was modelled, the pose that its rig has now.
     progress : callable, optional
         Called with the fraction done (0 to 1) and the name of the stage.
     cancelled : callable, optional
@@ -61,7 +66,7 @@ def pose_like(
     Raises
     ------
     CanonicalFormError
-        As in `match`.
+        As in `match`, and if `reference_pose` is not one position for each vertex of the reference.
 
     Examples
     --------
@@ -75,6 +80,7 @@ def pose_like(
     Sumner and Popović, "Deformation Transfer for Triangle Meshes", 2004, doi:10.1145/1015706.1015736.
     """
     monitor = Monitor(progress, cancelled)
+    wanted = _wanted(reference_vertices if reference_pose is None else reference_pose, reference_vertices)
     found = matched_bodies(vertices, faces, reference_vertices, reference_faces, settings, side, monitor, _MATCHED)
     shapes = [body.points for body in found.bodies.bodies]
     count = len(found.maps)
@@ -82,20 +88,32 @@ def pose_like(
         begin, end = (_MATCHED + (1 - _MATCHED) * part / count for part in (number, number + 1))
         own = monitor.piece(begin, end, {"Pose": 1})
         with own.stage("Pose"):
-            shapes[here] = _posed(found.surfaces[here], found.other_surfaces[there], each, own)
+            places = wanted[found.others.bodies[there].vertices]
+            shapes[here] = _posed(found.surfaces[here], found.other_surfaces[there], places, each, own)
     posed = found.bodies.shaped(shapes, monitor)
     lengths = edge_stretch(found.bodies.vertices, posed, found.bodies.faces)
-    return PosedLike(posed, found.match, float(np.median(np.abs(lengths - 1))), monitor.warnings)
+    features = found.bodies.gathered_features([each.found.prolonged(monitor) for each in found.surfaces])
+    distortion = float(np.median(np.abs(lengths - 1)))
+    return PosedLike(posed, found.bodies.faces, *features, found.match, distortion, monitor.timings, monitor.warnings)
 
 
-def _posed(one: Unfolded, other: Unfolded, found: PointMap, monitor: Monitor) -> FloatArray:
+def _wanted(pose: ArrayLike, vertices: ArrayLike) -> FloatArray:
+    """Check the positions of the reference."""
+    pose = np.asarray(pose, dtype=np.float64)
+    count = len(np.asarray(vertices))
+    if pose.shape != (count, 3) or not np.isfinite(pose).all():
+        raise InvalidMeshError("match_pose", count=count)
+    return pose
+
+
+def _posed(one: Unfolded, other: Unfolded, pose: FloatArray, found: PointMap, monitor: Monitor) -> FloatArray:
     """Pose one body as another stands, around its own centre, in its own unit."""
     own, there = one.found, other.found
     surface = own.surface
     struts = struts_through(surface.points, surface.faces, own.to_features, monitor)
     body = ElasticBody(surface.triangulation, surface.points, surface.faces, struts)
     kept = surface.kept
-    corners = there.whole_points[there.whole_faces[found.points.faces[kept]]]  # (c, 3, 3)
+    corners = pose[there.whole_faces[found.points.faces[kept]]]  # (c, 3, 3)
     places = np.einsum("ij,ijk->ik", found.points.weights[kept], corners)
     posed = taken_pose(body, places, found.confidence[kept])
     monitor.check()

@@ -160,15 +160,30 @@ class PosedLike:
     ----------
     vertices : (n, 3) ndarray of float
         The mesh in that pose, its own size, around its own centre; it stands as the other does.
+    faces : (m', 3) ndarray of int
+        Its triangles: those given, repaired where the warnings say so.
+    feature_points : (k,) ndarray of int
+        As in `CanonicalForm`, found on the way.
+    patches : (n,) ndarray of int
+        Index into `feature_points` of the patch that each vertex belongs to; -1 for vertices of no face.
+    adf : (n,) ndarray of float
+        Auto Diffusion Function of each piece scaled to unit area; 0 at vertices of no face.
     match : Match
         What its vertices were matched with.
     edge_distortion : float
         Median change of the length of edges, as a share.
+    timings : dict of str to float
+        Seconds by stage, both meshes together.
     warnings : list of Message
         Sentences for the user.
     """
 
     vertices: FloatArray
+    faces: IntArray
+    feature_points: IntArray
+    patches: IntArray
+    adf: FloatArray
     match: Match
     edge_distortion: float
+    timings: dict[str, float]
     warnings: list[Message]

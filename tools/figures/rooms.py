@@ -19,7 +19,7 @@ TARGET = ROOT / "docs" / "pictures" / "rooms.png"
 COLUMNS = {  # where a room stands from left to right; its height is its floor
     "doors": 1.5, "methods": 1.5, "method_api": 1.5, "posing": 0.0, "embedding": 1.5, "measures": 3.0,
     "deformation": 0.0, "distances": 1.5, "detection": 3.0, "assembly": 0.0, "surface": 1.5, "patching": 3.0,
-    "mesh": 1.5, "numerics": 1.5, "run": 1.5, "symmetry": 4.5, "matching": 3.0,
+    "mesh": 1.5, "numerics": 1.5, "run": 1.5, "symmetry": 4.5, "matching": 3.0, "modelling": 4.5,
 }  # fmt: skip
 SAYS = {
     "doors": "canonical_form, match, pose_like,\nlimb_shapes, distance_field …",
@@ -37,6 +37,7 @@ SAYS = {
     "surface": "Delaunay, Laplacian,\nspectrum, working surface",
     "patching": "geodesic Voronoi cells",
     "mesh": "geometry, connectivity,\nrepair, coarsening",
+    "modelling": "a body for T-pose\nand A-pose",
     "numerics": "factorisation, products",
     "run": "errors, messages,\nprogress, memory",
 }

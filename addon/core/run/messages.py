@@ -77,6 +77,8 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
     # a match
     "match_side": 'The side must be "auto" or a whole number from 0 on; got {value!r}.',
     "match_no_side": "There are {count} ways to match these meshes; side must lie between 0 and {last}.",
+    "match_pose": "The pose of the reference needs one position for each of its {count} vertices.",
+    "mannequin_arms": "The arms of the mannequin can be lowered by -90 to 90 degrees; got {value!r}.",
     "match_bodies": "This mesh has {count} bodies and the other {others}; only those that both have, the largest "
     "first, were matched.",
     "match_unlike": "These bodies are unlike each other. Check the match, or choose another mesh.",
