@@ -16,6 +16,7 @@ from .colour_attributes import add_colours
 from .combining import Combined, combined, touching
 from .distance_record import WrittenField, read_distances, write_distances
 from .fingerprints import colour_fingerprint, group_fingerprints
+from .group_weights import fill_group
 from .mesh_reading import find_object, read_object, require_unchanged, selected_vertices
 from .object_states import object_mode
 from .palette import ramp, with_isolines
@@ -136,7 +137,7 @@ def _weights(field: FloatArray) -> FloatArray:
     """Scale a field to weights from 0 to 1; nan where it is infinite."""
     reached = np.isfinite(field)
     largest = float(field[reached].max())
-    return np.round(np.where(reached, field, np.nan) / (largest if largest > 0 else 1.0), 3)
+    return np.where(reached, field, np.nan) / (largest if largest > 0 else 1.0)
 
 
 def _write_field(obj: bpy.types.Object, name: str, field_colours: FloatArray, weights: FloatArray) -> str:
@@ -168,9 +169,6 @@ def _write_weights(obj: bpy.types.Object, name: str, weights: FloatArray, earlie
         group = obj.vertex_groups[earlier.weights]
     else:
         group = obj.vertex_groups.new(name=name)
-    reached = np.isfinite(weights)
-    group.remove(np.flatnonzero(~reached).tolist())
-    for weight in np.unique(weights[reached]).tolist():  # at most 1,001 calls, whatever the number of vertices
-        group.add(np.flatnonzero(weights == weight).tolist(), weight, "REPLACE")
+    written = fill_group(group, weights)
     obj.vertex_groups.active_index = group.index
-    return group.name, group_fingerprints(obj, [group.name])[group.name]
+    return group.name, written

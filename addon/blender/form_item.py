@@ -28,9 +28,11 @@ from .result_writing import write_results
 from .undeforming import positions_before
 
 if TYPE_CHECKING:
-    from ..core import CanonicalForm, FeaturePatches
+    from ..core import CanonicalForm
     from ..core.numerics.arrays import FloatArray
+    from ..core.results import AnyResult, Shaped
     from ..core.run.monitor import Cancelled, Progress
+    from .likeness import Carried, Likeness
 
 
 @dataclass(eq=False)
@@ -154,13 +156,16 @@ class FormItem:
             settings = self.settings
             if any(self.chosen) and len(whole.vertices) > len(self.readings[0].vertices):
                 settings = replace(settings, feature_points=whole.numbers_of(self.chosen))
-            found: CanonicalForm | FeaturePatches
-            if request.step == "FORM":
+            found: AnyResult
+            carried = None
+            if request.likeness is not None:
+                found, carried = self._posed_like(whole, request.likeness, settings, progress, cancelled)
+            elif request.step == "FORM":
                 found = self._form(whole, settings, request, progress, cancelled)
             else:
                 found = feature_patches(whole.vertices, whole.faces, settings, progress=progress, cancelled=cancelled)
             shapes = self._shapes_between(whole, found, cancelled)
-            self.results = results_of(self.readings, whole, found, shapes, request)
+            self.results = results_of(self.readings, whole, found, shapes, request, carried)
         except MemoryError as error:
             raise TooLargeError(
                 f"Not enough memory for {self.name}. Close other files, or decimate the mesh."
@@ -252,7 +257,7 @@ class FormItem:
         self,
         number: int,
         target: bpy.types.Object,
-        found: CanonicalForm | FeaturePatches,
+        found: AnyResult,
         shapes: list[FloatArray],
         request: Request,
     ) -> None:
@@ -261,7 +266,16 @@ class FormItem:
         placement = self.readings[number].placement.tolist()
         part = Part(number, placement, self._body) if len(self.readings) > 1 else None
         patches = request.step != "FEATURES"
-        write_results(target, found, result.colours, result.report, value=request.value, patches=patches, part=part)
+        write_results(
+            target,
+            found,
+            result.colours,
+            result.report,
+            value=request.value,
+            patches=patches,
+            part=part,
+            carried=result.carried,
+        )
         if shapes:
             write_in_betweens(target, shapes)
 
@@ -282,11 +296,7 @@ class FormItem:
             found = canonical_form(whole.vertices, whole.faces, settings, progress=progress, cancelled=cancelled)
             self.whole_form = replace(found, vertices=found.vertices @ turn.T)
             return found
-        if any(reading.mirrors for reading in self.readings):
-            raise CanonicalFormError(
-                f"{self.name} has a Mirror modifier, and its form has to stay on the mirror. Set Mesh to As Shown, or "
-                "Orientation to As Posed and no Reference."
-            )
+        self._require_no_mirror("its form has to stay on the mirror", "or Orientation to As Posed and no Reference")
         posed = whole.vertices @ turn.T
         reference = None if request.reference is None else request.reference(cancelled)
         found = canonical_form(
@@ -296,9 +306,27 @@ class FormItem:
         form = found.vertices if alone else found.vertices + (posed.mean(axis=0) - found.vertices.mean(axis=0))
         return replace(found, vertices=form @ turn)
 
-    def _shapes_between(
-        self, whole: Combined, found: CanonicalForm | FeaturePatches, cancelled: Cancelled | None
-    ) -> list[FloatArray]:
+    def _posed_like(
+        self,
+        whole: Combined,
+        likeness: Likeness,
+        settings: Settings,
+        progress: Progress | None,
+        cancelled: Cancelled | None,
+    ) -> tuple[Shaped, Carried]:
+        """Put the objects into another's pose, turned as that stands in the scene."""
+        self._require_no_mirror("what is posed has to stay on the mirror", "or apply the modifier")
+        alone = len(self.readings) == 1
+        turn = world_rotation(self.readings[0].placement) if alone else np.eye(3)
+        found, carried = likeness.posed(whole.vertices @ turn.T, whole.faces, settings, progress, cancelled)
+        return replace(found, vertices=found.vertices @ turn), carried
+
+    def _require_no_mirror(self, why: str, remedy: str) -> None:
+        """Refuse base meshes of which a modifier shows the mirror image."""
+        if any(reading.mirrors for reading in self.readings):
+            raise CanonicalFormError(f"{self.name} has a Mirror modifier, and {why}. Set Mesh to As Shown, {remedy}.")
+
+    def _shapes_between(self, whole: Combined, found: AnyResult, cancelled: Cancelled | None) -> list[FloatArray]:
         """Compute the shapes between pose and form; their warnings join those of the form."""
         if not self.in_between_count:
             return []
@@ -320,8 +348,8 @@ class FormItem:
 
 
 def _before_modifiers(
-    obj: bpy.types.Object, found: CanonicalForm | FeaturePatches, shapes: list[FloatArray]
-) -> tuple[CanonicalForm | FeaturePatches, list[FloatArray]]:
+    obj: bpy.types.Object, found: AnyResult, shapes: list[FloatArray]
+) -> tuple[AnyResult, list[FloatArray]]:
     """Find the form and the shapes between that the modifiers show as computed."""
     form, *between = positions_before(obj, [found.vertices, *shapes])  # type: ignore[union-attr]
     return replace(found, vertices=form), between  # type: ignore[arg-type, call-arg]

@@ -22,6 +22,33 @@ class StressReport(NamedTuple):
     steps: int
 
 
+class LikeReport(NamedTuple):
+    """Whose pose a mesh was put into.
+
+    Attributes
+    ----------
+    pose : {'OBJECT', 'T', 'A'}
+        Whether it is that of an object or of a mannequin.
+    name : str
+        Name of the object.
+    key : str
+        Name that the shape key was given.
+    side : int
+        Which of the ways to match was taken.
+    sides : list of float
+        Scores of the ways, the likeliest first.
+    confidence : float
+        Mean confidence of the match.
+    """
+
+    pose: str
+    name: str
+    key: str
+    side: int
+    sides: list[float]
+    confidence: float
+
+
 @dataclass
 class FormReport:
     """What a run found on one mesh.
@@ -54,6 +81,8 @@ class FormReport:
         The frame whose pose was taken out; None where it is that of the base mesh.
     objects : list of str
         Names of the objects of the body, where it was several; the stress, pairs and measures are of them all.
+    like : LikeReport or None
+        Whose pose the mesh was put into, where the result is that and not a form.
     """
 
     vertices: int
@@ -70,10 +99,11 @@ class FormReport:
     measures: dict[str, float | None] = field(default_factory=dict)
     frame: int | None = None
     objects: list[str] = field(default_factory=list)
+    like: LikeReport | None = None
 
     @property
     def has_form(self) -> bool:
-        """Whether the run computed a form, not only patches or feature points."""
+        """Whether the run computed a canonical form, not another's pose, nor only patches or feature points."""
         return self.stress is not None
 
     @property
@@ -124,6 +154,10 @@ class FormReport:
             report.pieces = str(data.get("pieces", "apart"))  # version 0.1 knew nothing else
             report.pair_count = int(data["pair_count"])
             report.pair_reduction = float(data["pair_reduction"])
+        if "like" in data:
+            report.like = LikeReport(**data["like"])
+            report.pieces = str(data["pieces"])
+        if "measures" in data:
             report.measures = dict(data["measures"])
             report.frame = data.get("frame")
         report.objects = [str(name) for name in data.get("objects", [])]
@@ -151,7 +185,9 @@ class FormReport:
                 "pair_reduction": self.pair_reduction,
                 "measures": self.measures,
             }
-        if self.stress is not None and self.pieces == "together":  # as apart as in version 0.1 where nothing is said
+        if self.like is not None:
+            data |= {"like": self.like._asdict(), "measures": self.measures, "pieces": self.pieces}
+        elif self.stress is not None and self.pieces == "together":  # apart, as in version 0.1, where nothing is said
             data["pieces"] = self.pieces
         if self.frame is not None:
             data["frame"] = self.frame

@@ -10,14 +10,16 @@ import numpy as np
 
 from .advice import all_advised
 from .combining import Combined
-from .form_report import FormReport, StressReport
+from .form_report import FormReport, LikeReport, StressReport
+from .likeness import Carried, Likeness
 from .mesh_reading import Reading
 from .palette import Colours, colours_of
 from .request import Request
 
 if TYPE_CHECKING:
-    from ..core import CanonicalForm, FeaturePatches
+    from ..core import PosedLike
     from ..core.numerics.arrays import FloatArray, IntArray
+    from ..core.results import AnyResult
 
 _ASYMMETRIC = 0.02  # units of sqrt(area): halves farther apart deserve a warning
 
@@ -27,29 +29,33 @@ class FormResult(NamedTuple):
 
     Attributes
     ----------
-    found : CanonicalForm or FeaturePatches
-        The form, or the patches where the request stops there, in the object's own space; feature points on another
-        object of the body are -1.
+    found : CanonicalForm, PosedLike or FeaturePatches
+        The form, the other pose, or the patches where the request stops there, in the object's own space; feature
+        points on another object of the body are -1.
     report : FormReport
         The report; writing the result adds warnings about the object.
     colours : Colours
         Colours of the fields and patches.
     shapes : list of (n, 3) ndarray of float
         Shapes between pose and form, for the keys of an earlier run that are computed again.
+    carried : Carried or None
+        What shows the match with whose pose it was put into.
     """
 
-    found: CanonicalForm | FeaturePatches
+    found: AnyResult
     report: FormReport
     colours: Colours
     shapes: list[FloatArray]
+    carried: Carried | None = None
 
 
 def results_of(
     readings: Sequence[Reading],
     whole: Combined,
-    found: CanonicalForm | FeaturePatches,
+    found: AnyResult,
     shapes: Sequence[FloatArray],
     request: Request,
+    carried: Carried | None = None,
 ) -> list[FormResult]:
     """Split what was computed for a body by object.
 
@@ -59,12 +65,14 @@ def results_of(
         The objects.
     whole : Combined
         The same as one mesh.
-    found : CanonicalForm or FeaturePatches
+    found : CanonicalForm, PosedLike or FeaturePatches
         What was found on it.
     shapes : sequence of (n, 3) ndarray of float
         Shapes between its pose and form.
     request : Request
         What was to be computed.
+    carried : Carried, optional
+        What shows its match with whose pose it was put into.
 
     Returns
     -------
@@ -74,15 +82,18 @@ def results_of(
     if any(reading.mirrors for reading in readings):
         found = _folded(found, whole)
     report = _report(whole, found, request)
-    report.frame = readings[0].frame if report.has_form else None
+    report.frame = readings[0].frame if report.measures else None
     colours = colours_of(found.adf, found.patches, whole.faces)
     if len(readings) == 1 and not readings[0].mirrors:
-        return [FormResult(found, report, colours, list(shapes))]
+        return [FormResult(found, report, colours, list(shapes), carried)]
     if len(readings) > 1:
         report.objects = [each.name for each in readings]
     points = whole.owned(found.feature_points)
     shown = zip(whole.split(colours.field), whole.split(colours.patches), strict=True)
     between = [whole.brought_back(shape) for shape in shapes]
+    matched: list[Carried | None] = [None] * len(readings)
+    if carried is not None:
+        matched = [Carried(*each) for each in zip(*map(whole.split, carried), strict=True)]
     return [
         FormResult(
             own,
@@ -95,12 +106,13 @@ def results_of(
             ),
             Colours(*each, colours.palette),
             [shape[number] for shape in between],
+            matched[number],
         )
         for number, (reading, own, each) in enumerate(zip(readings, _split(found, readings, whole), shown, strict=True))
     ]
 
 
-def _folded(found: CanonicalForm | FeaturePatches, whole: Combined) -> CanonicalForm | FeaturePatches:
+def _folded(found: AnyResult, whole: Combined) -> AnyResult:
     """Give the patch of a feature point on an image to that of what it is an image of."""
     sources = np.concatenate([start + each.source for start, each in zip(whole.starts, whole.objects, strict=False)])
     points, patches = sources[found.feature_points], found.patches
@@ -110,16 +122,14 @@ def _folded(found: CanonicalForm | FeaturePatches, whole: Combined) -> Canonical
     return replace(found, feature_points=points[used], patches=np.append(number, -1)[patches])
 
 
-def _split(
-    found: CanonicalForm | FeaturePatches, readings: Sequence[Reading], whole: Combined
-) -> list[CanonicalForm | FeaturePatches]:
+def _split(found: AnyResult, readings: Sequence[Reading], whole: Combined) -> Sequence[AnyResult]:
     """Split forms or patches by object."""
-    from ..core import CanonicalForm
+    from ..core import FeaturePatches
 
     surfaces = list(
         zip(whole.owned(found.feature_points), whole.split(found.patches), whole.split(found.adf), strict=True)
     )
-    if not isinstance(found, CanonicalForm):
+    if isinstance(found, FeaturePatches):
         return [replace(found, feature_points=points, patches=patches, adf=adf) for points, patches, adf in surfaces]
     forms = whole.brought_back(found.vertices)
     return [
@@ -128,9 +138,9 @@ def _split(
     ]
 
 
-def _report(whole: Combined, found: CanonicalForm | FeaturePatches, request: Request) -> FormReport:
+def _report(whole: Combined, found: AnyResult, request: Request) -> FormReport:
     """Report on a whole body."""
-    from ..core import CanonicalForm
+    from ..core import CanonicalForm, FeaturePatches
     from ..core.measures.form_measures import summary
 
     report = FormReport(
@@ -141,20 +151,31 @@ def _report(whole: Combined, found: CanonicalForm | FeaturePatches, request: Req
         timings=found.timings,
         warnings=all_advised(found.warnings),
     )
+    if isinstance(found, FeaturePatches):
+        return report
+    apart = max(whole.asymmetries(found.vertices))
+    if apart > _ASYMMETRIC:
+        report.warnings.append(
+            f"The halves of the mirrored mesh unfold differently, by {apart:.0%} of its size; the form is their mean."
+        )
+    measures = summary(whole.vertices, found.vertices, found.faces, request.hausdorff)
+    report.measures = {name: None if np.isnan(value) else value for name, value in measures.items()}
+    report.pieces = request.settings.pieces
     if isinstance(found, CanonicalForm):
-        apart = max(whole.asymmetries(found.vertices))
-        if apart > _ASYMMETRIC:
-            report.warnings.append(
-                f"The halves of the mirrored mesh unfold differently, by {apart:.0%} of its size; the form is their "
-                "mean."
-            )
-        measures = summary(whole.vertices, found.vertices, found.faces, request.hausdorff)
         stress = found.stress
         report.stress = StressReport(float(stress[0]), float(stress[-1]), len(stress) - 1)
-        report.method, report.pieces = request.settings.method, request.settings.pieces
+        report.method = request.settings.method
         report.pair_count, report.pair_reduction = found.pair_count, found.pair_reduction
-        report.measures = {name: None if np.isnan(value) else value for name, value in measures.items()}
+    elif request.likeness is not None:
+        report.like = _like(request.likeness, found)
     return report
+
+
+def _like(likeness: Likeness, found: PosedLike) -> LikeReport:
+    """Report whose pose was taken, and how sure the match is."""
+    confidence = float(found.match.confidence.mean())
+    side = max(likeness.side, 0)
+    return LikeReport(likeness.pose, likeness.name, likeness.key, side, found.match.sides, round(confidence, 3))
 
 
 def _sizes(patches: IntArray, count: int) -> list[int]:

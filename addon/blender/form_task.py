@@ -15,7 +15,7 @@ from .object_states import muted_results, object_mode
 from .request import Request
 
 if TYPE_CHECKING:
-    from ..core import CanonicalForm, FeaturePatches
+    from ..core.results import AnyResult
     from ..core.run.monitor import Cancelled, Progress
     from .form_report import FormReport
 
@@ -186,7 +186,7 @@ def compute_on(
     request: Request,
     progress: Progress | None = None,
     cancelled: Cancelled | None = None,
-) -> tuple[CanonicalForm | FeaturePatches, FormReport]:
+) -> tuple[AnyResult, FormReport]:
     """Compute the canonical form of one object and write it there, at once.
 
     Parameters
@@ -200,7 +200,7 @@ def compute_on(
 
     Returns
     -------
-    found : CanonicalForm or FeaturePatches
+    found : CanonicalForm, PosedLike or FeaturePatches
         The result.
     report : FormReport
         Counts, stress, measures, timings and warnings.

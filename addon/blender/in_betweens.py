@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ..core.numerics.arrays import FloatArray
 
 PROPERTY = "Pose to Form"  # on the shape keys' data-block, which is copied and linked along with the keys
-IN_BETWEEN = "Canonical Form {:.0%}"
+IN_BETWEEN = "{} {:.0%}"  # the key of the form, and how far it is on the way
 _EXPRESSION = "max(0, 1 - abs(s * {} - {}))"  # a simple expression: Blender evaluates it without Python
 
 
@@ -69,7 +69,7 @@ def write_in_betweens(obj: bpy.types.Object, shapes: list[FloatArray]) -> None:
     for number, positions in enumerate([*shapes, None], start=1):
         key = form
         if positions is not None:
-            key = obj.shape_key_add(name=IN_BETWEEN.format(number / steps), from_mix=False)
+            key = obj.shape_key_add(name=IN_BETWEEN.format(form.name, number / steps), from_mix=False)
             key.relative_key = form.relative_key
             key.data.foreach_set("co", positions.astype(np.float32).ravel())
             record.in_betweens.keys[key.name] = key_fingerprint(key)

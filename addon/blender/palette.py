@@ -89,6 +89,29 @@ def ramp(values: FloatArray) -> FloatArray:
     return np.where(np.isfinite(values)[:, None], colours, _GREY)
 
 
+def places(points: FloatArray) -> FloatArray:
+    """Colour points by where they are: across, along and up, one channel each.
+
+    Parameters
+    ----------
+    points : (n, 3) ndarray of float
+        The points; their range is mapped to the whole range of colours.
+
+    Returns
+    -------
+    (n, 3) ndarray of float
+        Linear red, green and blue, none too dark.
+
+    Examples
+    --------
+    >>> places(np.array([[0.0, 0, 0], [1, 2, 3]])).round(2).tolist()
+    [[0.05, 0.05, 0.05], [1.0, 1.0, 1.0]]
+    """
+    low, high = points.min(axis=0), points.max(axis=0)
+    share = (points - low) / np.maximum(high - low, np.finfo(float).tiny)
+    return np.asarray(0.05 + 0.95 * share)
+
+
 def with_isolines(colours: FloatArray, values: FloatArray, count: int) -> FloatArray:
     """Darken every other band between isolines, so that the isolines are visible.
 

@@ -74,7 +74,8 @@ class Record:
         Fingerprint of that Basis; None if it is unknown.
     keys, groups, colours, hidden : dict of str to str or None
         Fingerprints by name of the form's shape key, the vertex groups, the colour attributes and the hidden
-        attributes. The first group holds the feature points, the others one patch each.
+        attributes. The first group holds the feature points, those after it one patch each; after them that of a
+        match holds its confidence.
     palette : list of list of float
         Linear red, green and blue of each patch; empty without patches.
     limbs : list of bool
@@ -100,7 +101,7 @@ class Record:
 
     @property
     def has_form(self) -> bool:
-        """Whether the run wrote a form, not only patches or feature points."""
+        """Whether the run wrote a form or another's pose, not only patches or feature points."""
         return bool(self.keys)
 
     @property
@@ -116,7 +117,7 @@ class Record:
     @property
     def patch_names(self) -> list[str]:
         """Names of the patches' vertex groups, in order; empty without patches."""
-        return list(self.groups)[1:]
+        return list(self.groups)[1 : 1 + self.patch_count]
 
     @property
     def straightened(self) -> list[bool]:

@@ -43,7 +43,7 @@ class Reference:
         if reason is not None:
             raise CanonicalFormError(f"{name} cannot be a reference. {reason}")
         record = read_record(obj.data)
-        if record is None or not record.has_form:
+        if record is None or not record.report.has_form:
             raise CanonicalFormError(f"{name} has no form to refer to. Compute its form first, or choose another one.")
         if record.report.frame is not None and obj.modifiers:
             raise CanonicalFormError(

@@ -16,6 +16,7 @@ from .record import require_record
 if TYPE_CHECKING:
     from ..core import CanonicalForm
     from ..core.run.monitor import Cancelled
+    from .likeness import Likeness
 
 
 @dataclass(frozen=True)
@@ -43,6 +44,8 @@ class Request:
     reference : callable, optional
         Gives the form that the result is laid onto, turned as it stands in the scene; may take a while, takes
         `cancelled`, as in `canonical_form`, and touches no data of Blender's.
+    likeness : Likeness, optional
+        The pose that the objects are put into, in place of their form.
     """
 
     settings: Settings = field(default_factory=Settings)
@@ -55,6 +58,7 @@ class Request:
     hausdorff: bool = False
     objects: str = "EACH"
     reference: Callable[[Cancelled | None], CanonicalForm] | None = None
+    likeness: Likeness | None = None
 
     def settings_for(self, obj: bpy.types.Object) -> Settings:
         """Return the settings for an object, with the feature points of the vertex group, if one is named.

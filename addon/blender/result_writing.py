@@ -17,14 +17,16 @@ from .active_items import (
 from .colour_attributes import add_colours
 from .fingerprints import colour_fingerprint, key_fingerprint, members_fingerprint
 from .form_key import require_form_key, unchanged_form_key
+from .group_weights import fill_group
 from .hidden_attributes import HIDDEN_FORM, HIDDEN_PATCHES, patches_of
 from .record import Part, Record, read_record, require_record, write_record
 from .result_clearing import clear_results, remove_results
 
 if TYPE_CHECKING:
-    from ..core import CanonicalForm, FeaturePatches
     from ..core.numerics.arrays import FloatArray
+    from ..core.results import AnyResult
     from .form_report import FormReport
+    from .likeness import Carried
     from .palette import Colours
 
 SHAPE_KEY = "Canonical Form"
@@ -32,17 +34,20 @@ FEATURE_GROUP = "Feature Points"
 PATCH_GROUP = "Patch {}"
 FIELD_COLOURS = "Auto Diffusion Function"
 PATCH_COLOURS = "Patches"
+MATCH_COLOURS = "Match"
+CONFIDENCE_GROUP = "Match Confidence"
 
 
 def write_results(
     obj: bpy.types.Object,
-    found: CanonicalForm | FeaturePatches,
+    found: AnyResult,
     colours: Colours,
     report: FormReport,
     *,
     value: float = 1.0,
     patches: bool = True,
     part: Part | None = None,
+    carried: Carried | None = None,
 ) -> None:
     """Write results to a mesh as shape key, vertex groups and colours, in place of those of an earlier run.
 
@@ -53,7 +58,7 @@ def write_results(
     ----------
     obj : bpy.types.Object
         The object, in Object Mode. Objects that share its mesh show the results too.
-    found : CanonicalForm or FeaturePatches
+    found : CanonicalForm, PosedLike or FeaturePatches
         The results.
     colours : Colours
         Colours of the fields and patches.
@@ -65,13 +70,16 @@ def write_results(
         Write the patches too, not only the feature points.
     part : Part or None
         Which part of a body of several objects the object is.
+    carried : Carried or None
+        What shows the match with whose pose it was put into.
     """
-    from ..core import CanonicalForm
+    from ..core import FeaturePatches
 
     mesh = obj.data
-    form = found.vertices if isinstance(found, CanonicalForm) else None
+    form = None if isinstance(found, FeaturePatches) else found.vertices
     old, active, elsewhere = read_record(mesh), active_items(obj), active_keys_elsewhere(obj)
-    kept_key = unchanged_form_key(mesh) if form is not None else None
+    same = old is not None and _key_name(old.report) == _key_name(report)
+    kept_key = unchanged_form_key(mesh) if form is not None and same else None
     record = Record(report, active, part=part)
     if old is not None:
         if kept_key is not None:
@@ -88,6 +96,9 @@ def write_results(
             record.palette = colours.palette
             shown = _write_colours(obj, record, PATCH_COLOURS, colours.patches)
             HIDDEN_PATCHES.write(mesh, record, found.patches)
+        if carried is not None:
+            _write_confidence(obj, record, carried.confidence)
+            shown = _write_colours(obj, record, MATCH_COLOURS, carried.colours)
         if form is not None and patches:
             HIDDEN_FORM.write(mesh, record, form)
         done = True
@@ -166,7 +177,7 @@ def _write_key(
     if mesh.shape_keys is None:
         basis = obj.shape_key_add(name="Basis", from_mix=False)
         record.basis, record.basis_fingerprint = basis.name, key_fingerprint(basis)
-    key = kept_key or obj.shape_key_add(name=SHAPE_KEY, from_mix=False)
+    key = kept_key or obj.shape_key_add(name=_key_name(record.report), from_mix=False)
     record.keys[key.name] = None
     if kept_key is None:
         key.relative_key = mesh.shape_keys.reference_key
@@ -175,7 +186,12 @@ def _write_key(
     record.keys[key.name] = key_fingerprint(key)
 
 
-def _write_groups(obj: bpy.types.Object, record: Record, found: CanonicalForm | FeaturePatches, patches: bool) -> None:
+def _key_name(report: FormReport) -> str:
+    """Name the shape key of a result."""
+    return SHAPE_KEY if report.like is None else report.like.key
+
+
+def _write_groups(obj: bpy.types.Object, record: Record, found: AnyResult, patches: bool) -> None:
     members = [found.feature_points[found.feature_points >= 0]]
     if patches:
         members += [np.flatnonzero(found.patches == index) for index in range(len(found.feature_points))]
@@ -186,10 +202,17 @@ def _write_groups(obj: bpy.types.Object, record: Record, found: CanonicalForm | 
         record.groups[group.name] = members_fingerprint(np.sort(vertices), np.ones(len(vertices)))
 
 
+def _write_confidence(obj: bpy.types.Object, record: Record, confidence: FloatArray) -> None:
+    """Write the confidence of a match as a vertex group."""
+    group = obj.vertex_groups.new(name=CONFIDENCE_GROUP)
+    record.groups[group.name] = None
+    record.groups[group.name] = fill_group(group, confidence)
+
+
 def _write_colours(obj: bpy.types.Object, record: Record, name: str, colours: np.ndarray) -> str:
     """Write colours and return the attribute's name: the attribute may move in memory later."""
     attribute = add_colours(obj, name)
     record.colours[attribute.name] = None
-    attribute.data.foreach_set("color", colours.ravel())
+    attribute.data.foreach_set("color", colours.astype(np.float32).ravel())
     record.colours[attribute.name] = colour_fingerprint(attribute)
     return str(attribute.name)

@@ -187,3 +187,7 @@ class PosedLike:
     edge_distortion: float
     timings: dict[str, float]
     warnings: list[Message]
+
+
+Shaped = CanonicalForm | PosedLike  # what has a shape of its own
+AnyResult = FeaturePatches | Shaped

@@ -73,18 +73,7 @@ class OBJECT_OT_canonical_form(JobOperator, MethodProperties, FormerProperties, 
 
     def written(self, context: bpy.types.Context, task: "FormTask", outcome: list[str], interactive: bool) -> None:
         """Report the warnings, then the results in one line."""
-        self.warn([*self._refused, *task.errors])
-        bodies = [item for item in task.items if item.written_to]
-        for item in bodies:
-            about = f"{item.name}: " if len(bodies) > 1 else ""
-            self.warn([about + warning for warning in item.results[0].report.warnings])
-        for name in task.written:
-            list_patches(bpy.data.objects[name].data)
-        self.report({"INFO"}, _summary(task))
-        if interactive:
-            if context.mode == "OBJECT":  # a script goes on with the objects that it chose
-                make_active([bpy.data.objects[name] for name in task.written if name not in task.taken])
-            show_colours(context)
+        tell_results(self, context, task, self._refused, interactive)
 
 
 class OBJECT_OT_canonical_form_clear(bpy.types.Operator):
@@ -171,6 +160,38 @@ def allowed(operator: type, reason: str | None) -> bool:
     return reason is None
 
 
+def tell_results(
+    operator: JobOperator, context: bpy.types.Context, task: "FormTask", refused: list[str], interactive: bool
+) -> None:
+    """Report the warnings of a task, then its results in one line, and show them.
+
+    Parameters
+    ----------
+    operator : JobOperator
+        The operator that ran it.
+    context : bpy.types.Context
+        Its context.
+    task : FormTask
+        The task, with its results written.
+    refused : list of str
+        Sentences about objects that were no part of it.
+    interactive : bool
+        Whether the operator was called by a button.
+    """
+    operator.warn([*refused, *task.errors])
+    bodies = [item for item in task.items if item.written_to]
+    for item in bodies:
+        about = f"{item.name}: " if len(bodies) > 1 else ""
+        operator.warn([about + warning for warning in item.results[0].report.warnings])
+    for name in task.written:
+        list_patches(bpy.data.objects[name].data)
+    operator.report({"INFO"}, _summary(task))  # type: ignore[attr-defined]
+    if interactive:
+        if context.mode == "OBJECT":  # a script goes on with the objects that it chose
+            make_active([bpy.data.objects[name] for name in task.written if name not in task.taken])
+        show_colours(context)
+
+
 def _summary(task: "FormTask") -> str:
     """Summarise the results in one line."""
     reports = [item.results[0].report for item in task.items if item.written_to]
@@ -180,7 +201,9 @@ def _summary(task: "FormTask") -> str:
         return f"{len(task.written)} objects{bodies}, {seconds:.1f} s."
     (report,), (name, *others) = reports, task.written
     sentence = f"{len(report.feature_points)} feature points, {seconds:.1f} s"
-    if report.has_form:
+    if report.like is not None:
+        sentence = f"{report.like.key}: {report.like.confidence:.0%} sure of the match, {report.seconds:.1f} s"
+    elif report.has_form:
         sentence += f", {report.pair_reduction:.0%} of the pairs saved"
     if name not in task.taken:
         where = f"{len(others) + 1} new objects" if others else name

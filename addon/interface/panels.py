@@ -8,6 +8,7 @@ from ..blender.chosen_features import CHOSEN_GROUP
 from ..blender.companions import companions_of, slider_is_gone
 from ..blender.form_key import form_key
 from ..blender.in_betweens import PROPERTY, has_in_betweens, renamed_keys
+from ..blender.likeness import MANNEQUINS
 from ..blender.limb_states import limbs_of
 from ..blender.meant_objects import armature_of, meant_object, meant_objects, require_object
 from ..blender.record import Record, read_record, require_record
@@ -22,6 +23,7 @@ from .limb_operators import (
     OBJECT_OT_canonical_form_select_patch,
 )
 from .operators import OBJECT_OT_canonical_form, OBJECT_OT_canonical_form_clear
+from .pose_operators import OBJECT_OT_canonical_form_pose_like
 from .properties import METHOD_NAMES, hand_over
 from .tool_operators import OBJECT_OT_canonical_form_choose, OBJECT_OT_canonical_form_distance
 
@@ -107,13 +109,13 @@ class VIEW3D_PT_canonical_form_result(_Tab, bpy.types.Panel):
             layout.label(text="Its slider is gone. Compute again", icon="ERROR")
         if has_in_betweens(mesh):
             row = layout.row(align=True)
-            row.prop(mesh.shape_keys, f'["{PROPERTY}"]', text="Pose to Form", slider=True)
+            row.prop(mesh.shape_keys, f'["{PROPERTY}"]', text=_slider(record), slider=True)
             row.operator(OBJECT_OT_canonical_form_in_betweens.bl_idname, text="", icon="X").count = 0
             if renamed_keys(mesh):
                 layout.label(text="Renamed key: name it back, or", icon="ERROR")
                 layout.operator(OBJECT_OT_canonical_form_remove_in_betweens.bl_idname, text="Remove Anyway")
         elif key is not None:
-            layout.prop(key, "value", text="Pose to Form", slider=True)
+            layout.prop(key, "value", text=_slider(record), slider=True)
             row = layout.row(align=True)
             chosen = context.scene.canonical_form
             button = row.operator(
@@ -176,6 +178,33 @@ class VIEW3D_PT_canonical_form_patches(_Tab, bpy.types.Panel):
         if limbs and not all(limbs):
             every = layout.operator(OBJECT_OT_canonical_form_limb.bl_idname, text="All Limbs", icon="CHECKBOX_HLT")
             every.patch = 0
+
+
+class VIEW3D_PT_canonical_form_pose_like(_Tab, bpy.types.Panel):
+    """Another's pose: that of an object, or of a mannequin."""
+
+    bl_label = "Pose Like"
+    bl_parent_id = "VIEW3D_PT_canonical_form"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Draw the reference, the buttons, and how sure the last match was."""
+        layout, chosen = self.layout, context.scene.canonical_form
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        layout.prop_search(chosen, "like", bpy.data, "objects")
+        row = layout.row()
+        row.enabled = bool(chosen.like)
+        _pose_button(row, chosen, "OBJECT", chosen.like, "Pose Like")
+        row = layout.row(align=True)
+        for pose, label in MANNEQUINS.items():
+            _pose_button(row, chosen, pose, "", label)
+        record = _record(context)
+        like = None if record is None else record.report.like
+        if like is not None and len(like.sides) > 1:
+            side = (like.side + 1) % len(like.sides)
+            text = f"Other Side ({side + 1} of {len(like.sides)})"
+            _pose_button(layout, chosen, like.pose, like.name, text).side = side
 
 
 class VIEW3D_PT_canonical_form_features(_Tab, bpy.types.Panel):
@@ -267,11 +296,29 @@ def _record(context: bpy.types.Context) -> Record | None:
     return read_record(obj.data) if obj is not None and obj.type == "MESH" else None
 
 
+def _pose_button(
+    layout: bpy.types.UILayout, chosen: bpy.types.PropertyGroup, pose: str, name: str, text: str
+) -> bpy.types.OperatorProperties:
+    """Draw a button that takes a pose."""
+    button = layout.operator(OBJECT_OT_canonical_form_pose_like.bl_idname, text=text)
+    hand_over(chosen, button)
+    button.pose, button.like = pose, name
+    return button
+
+
+def _slider(record: Record) -> str:
+    """Name the slider."""
+    return "Pose to Form" if record.report.like is None else f"Pose to {record.report.like.key}"
+
+
 def _draw_report(column: bpy.types.UILayout, record: Record) -> None:
     report = record.report
     found = "feature points and patches" if record.has_patches else "feature points"
     lines = [f"{len(report.feature_points)} {found}, {report.seconds:.1f} s"]
-    if report.has_form:
+    if report.like is not None:
+        lines = [f"{report.like.confidence:.0%} sure of the match, {report.seconds:.1f} s"]
+        lines.append(f"Edge distortion: median {report.edge_distortion:.1%}")
+    elif report.has_form:
         if report.method != OURS:
             lines.insert(0, f"Method: {report.method.replace('_', ' ')}")
         pairs = report.pair_count / (1 - report.pair_reduction) if report.pair_reduction < 1 else report.pair_count
@@ -334,6 +381,7 @@ CLASSES = (
     VIEW3D_PT_canonical_form,
     VIEW3D_PT_canonical_form_result,
     VIEW3D_PT_canonical_form_patches,
+    VIEW3D_PT_canonical_form_pose_like,
     VIEW3D_PT_canonical_form_features,
     VIEW3D_PT_canonical_form_distance,
     VIEW3D_PT_canonical_form_advanced,

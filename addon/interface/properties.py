@@ -154,6 +154,10 @@ class CanonicalFormProperties(MethodProperties, FormerProperties, RequestPropert
         ),
         default="DETECTED",
     )
+    like: StringProperty(  # type: ignore[valid-type]
+        name="Reference",
+        description="Object of a like body in the pose that is wanted, whatever its vertices and faces",
+    )
     show_points: BoolProperty(  # type: ignore[valid-type]
         name="Labels in the View",
         description="Draw the feature points of the active object with their numbers in the 3D View",
@@ -232,7 +236,8 @@ def settings_of(owner: Any) -> Settings:
     """
     options = {name: getattr(owner, name) for name in METHOD_NAMES}
     given = getattr(owner, "properties", owner)  # an operator's own, or the scene's
-    former = [name for name in FormerProperties.__annotations__ if given.is_property_set(name)]
+    known = [name for name in FormerProperties.__annotations__ if hasattr(owner, name)]
+    former = [name for name in known if given.is_property_set(name)]
     options |= current_options({name: getattr(owner, name) for name in former})
     try:
         options["feature_points"] = [int(word) for word in owner.feature_points.replace(",", " ").split()] or None

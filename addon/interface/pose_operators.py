@@ -1,0 +1,93 @@
+"""Operators that pose a mesh like another object, or like a mannequin."""
+
+# no `from __future__ import annotations`: Blender reads the annotations below as properties
+
+from typing import TYPE_CHECKING
+
+import bpy
+from bpy.props import EnumProperty, IntProperty, StringProperty
+
+from ..blender.likeness import MANNEQUINS
+from ..blender.meant_objects import meant_object
+from ..blender.mesh_reading import refusal
+from ..core import CanonicalFormError
+from .job_operator import JobOperator
+from .operators import allowed, chosen_objects, tell_results
+from .properties import MethodProperties, RequestProperties, settings_of
+
+if TYPE_CHECKING:
+    from ..blender.form_task import FormTask
+
+_SAID = {"OBJECT": "the reference", "T": "a mannequin in a T-pose", "A": "a mannequin in an A-pose"}
+
+
+class OBJECT_OT_canonical_form_pose_like(JobOperator, MethodProperties, RequestProperties, bpy.types.Operator):
+    """Put the selected meshes into the pose of another object, and keep the result as a shape key"""  # noqa: D400
+
+    bl_idname = "object.canonical_form_pose_like"
+    bl_label = "Pose Like"
+    bl_options = {"UNDO"}
+
+    pose: EnumProperty(  # type: ignore[valid-type]
+        name="Pose",
+        description="Whose pose is taken",
+        items=(
+            ("OBJECT", "Object", "That of an object of a like body, as it is shown"),
+            ("T", MANNEQUINS["T"], "Standing, arms held out sideways: for bodies on two legs"),
+            ("A", MANNEQUINS["A"], "Standing, arms lowered by 45 degrees: for bodies on two legs"),
+        ),
+        default="OBJECT",
+    )
+    like: StringProperty(name="Like", description="Object whose pose is taken")  # type: ignore[valid-type]
+    side: IntProperty(  # type: ignore[valid-type]
+        name="Side",
+        description="Which way to match left and right, front and back: -1 for the likeliest, or its number from 0",
+        default=-1,
+        min=-1,
+    )
+
+    @classmethod
+    def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
+        """Describe what the button does."""
+        if properties.side >= 0:
+            return "Match the other way round: where left and right, or front and back, came out wrong"
+        return f"Put the selected meshes into the pose of {_SAID[properties.pose]}, and keep the result as a shape key"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Disable the button, with a reason, where the active object cannot be used."""
+        return allowed(cls, cls.busy() or refusal(meant_object(context)))
+
+    def task(self, context: bpy.types.Context) -> "FormTask":
+        """Read the reference, then the active and the other selected meshes."""
+        from ..blender.form_task import FormTask
+        from ..blender.likeness import Likeness
+        from ..blender.pose_reading import read_likeness
+        from ..blender.request import Request
+
+        likeness = Likeness(self.pose, side=self.side)
+        if self.pose == "OBJECT":
+            likeness = read_likeness(bpy.data.objects.get(self.like), self.side)
+        objects, self._refused = chosen_objects(context)
+        objects = [obj for obj in objects if self.pose != "OBJECT" or obj.name != self.like]
+        if not objects:
+            raise CanonicalFormError(f"{self.like} is the reference itself. Select the mesh that is to be posed.")
+        request = Request(
+            settings=settings_of(self),
+            value=self.value,
+            feature_group=self.feature_group,
+            deformed=self.mesh == "SHOWN",
+            new_object=self.result == "OBJECT",
+            objects=self.objects,
+            likeness=likeness,
+        )
+        return FormTask(objects, request)
+
+    def written(self, context: bpy.types.Context, task: "FormTask", outcome: list[str], interactive: bool) -> None:
+        """Report the warnings, then the results in one line."""
+        tell_results(self, context, task, self._refused, interactive)
+
+
+CLASSES = (OBJECT_OT_canonical_form_pose_like,)
+
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

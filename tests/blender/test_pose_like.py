@@ -1,0 +1,231 @@
+"""Another's pose: shape key, groups and colours, limbs and in-betweens, the other side, and what is refused."""
+
+import json
+
+import bpy
+import numpy as np
+import pytest
+
+from addon.blender.form_report import FormReport
+from addon.blender.in_betweens import PROPERTY
+from addon.blender.likeness import Likeness
+from addon.blender.record import require_record
+from addon.core import Settings, mannequin, pose_like
+from addon.core.measures.alignment import rigid_fit
+from addon.interface import panels
+from tests.blender.conftest import QUICK, add_object, drawn, snapshot
+from tests.blender.test_limbs import keys_of, points_of
+from tests.meshes import shapes
+
+POSE = {**QUICK, "pose": "OBJECT", "like": "Other"}
+
+
+@pytest.fixture(scope="module")
+def small():
+    """A smaller figure than elsewhere: each run unfolds two."""
+    return shapes.figure(12)
+
+
+@pytest.fixture(scope="module")
+def other():
+    """The same figure in another resolution, and how its limbs hang in another pose."""
+    vertices, faces = shapes.figure(13)
+    bend = 0.4 * np.maximum(vertices[:, 0], 0.0)
+    cos, sin = np.cos(bend), np.sin(bend)
+    x, y, z = vertices.T
+    return np.column_stack([x, cos * y - sin * z, sin * y + cos * z]), faces
+
+
+@pytest.fixture
+def pair(blender, small, other):
+    """The small figure, active, and the other one beside it."""
+    figure_object = add_object("Figure", *small)
+    reference = add_object("Other", *other)
+    reference.location = (7.0, 0.0, 0.0)
+    reference.rotation_euler = (0.0, 0.0, 1.0)
+    reference.select_set(False)
+    figure_object.select_set(True)
+    bpy.context.view_layer.objects.active = figure_object
+    bpy.context.view_layer.update()
+    return figure_object, reference
+
+
+def names_of(obj):
+    colours = [each.name for each in obj.data.color_attributes]
+    return [key.name for key in keys_of(obj)], [group.name for group in obj.vertex_groups], colours
+
+
+def test_the_pose_is_that_of_the_core_as_the_reference_stands_in_the_scene(pair, small, other):
+    figure, reference = pair
+    before = snapshot(reference)
+    assert bpy.ops.object.canonical_form_pose_like(**POSE) == {"FINISHED"}
+    turn = np.array(reference.matrix_world)[:3, :3]
+    plain = pose_like(small[0], small[1], other[0] @ turn.T, other[1], Settings(**QUICK))
+    np.testing.assert_allclose(points_of(keys_of(figure)["Like Other"]), plain.vertices, atol=0.01)
+    assert snapshot(reference) == before
+    report = require_record(figure.data).report
+    assert report.like is not None
+    assert (report.like.pose, report.like.name, report.like.side) == ("OBJECT", "Other", 0)
+    assert report.like.confidence == pytest.approx(plain.match.confidence.mean(), abs=0.01)
+    assert not report.has_form
+    assert FormReport.from_json(json.loads(json.dumps(report.as_json()))) == report
+
+
+def test_the_match_is_shown_and_cleared_with_the_rest(pair):
+    figure, _ = pair
+    before = snapshot(figure)
+    bpy.ops.object.canonical_form_pose_like(**POSE)
+    keys, groups, colours = names_of(figure)
+    assert keys == ["Basis", "Like Other"]
+    assert groups[-1] == "Match Confidence"
+    assert colours[-1] == figure.data.color_attributes.active_color_name == "Match"
+    weights = [figure.vertex_groups["Match Confidence"].weight(number) for number in range(len(figure.data.vertices))]
+    assert 0.0 <= min(weights) < max(weights) <= 1.0
+    assert len(require_record(figure.data).patch_names) == len(figure.data.canonical_form_patches) == len(groups) - 2
+    bpy.ops.object.canonical_form_clear()
+    assert snapshot(figure) == before
+
+
+def test_a_form_gives_way_to_a_pose_and_the_pose_to_a_form(pair):
+    figure, _ = pair
+    bpy.ops.object.canonical_form(**QUICK)
+    bpy.ops.object.canonical_form_pose_like(**POSE)
+    assert names_of(figure)[0] == ["Basis", "Like Other"]
+    bpy.ops.object.canonical_form(**QUICK)
+    keys, groups, colours = names_of(figure)
+    assert keys == ["Basis", "Canonical Form"]
+    assert "Match Confidence" not in groups
+    assert "Match" not in colours
+
+
+def test_another_run_keeps_the_key_and_what_animates_it(pair):
+    figure, _ = pair
+    bpy.ops.object.canonical_form_pose_like(**POSE)
+    keys_of(figure)["Like Other"].keyframe_insert("value", frame=1)
+    bpy.ops.object.canonical_form_pose_like(**POSE)
+    assert figure.data.shape_keys.animation_data.action is not None
+    assert names_of(figure)[0] == ["Basis", "Like Other"]
+
+
+def test_limbs_and_in_betweens_work_on_a_pose(pair):
+    figure, _ = pair
+    bpy.ops.object.canonical_form_pose_like(**POSE)
+    whole = points_of(keys_of(figure)["Like Other"]).copy()
+    assert bpy.ops.object.canonical_form_limb(patch=1, only=True) == {"FINISHED"}
+    alone = points_of(keys_of(figure)["Like Other"])
+    assert 0.2 < (alone == points_of(keys_of(figure)["Basis"])).all(axis=1).mean() < 1
+    bpy.ops.object.canonical_form_limb(patch=0)
+    np.testing.assert_allclose(points_of(keys_of(figure)["Like Other"]), whole, atol=1e-6)
+    assert bpy.ops.object.canonical_form_in_betweens(count=2) == {"FINISHED"}
+    assert names_of(figure)[0] == ["Basis", "Like Other", "Like Other 33%", "Like Other 67%"]
+    assert PROPERTY in figure.data.shape_keys
+    bpy.ops.object.canonical_form_pose_like(**POSE)
+    assert len(names_of(figure)[0]) == 4
+
+
+def test_a_side_can_be_chosen(pair):
+    figure, _ = pair
+    bpy.ops.object.canonical_form_pose_like(**POSE)
+    likeliest = points_of(keys_of(figure)["Like Other"]).copy()
+    like = require_record(figure.data).report.like
+    assert like is not None
+    if len(like.sides) > 1:
+        bpy.ops.object.canonical_form_pose_like(**POSE, side=1)
+        assert np.abs(points_of(keys_of(figure)["Like Other"]) - likeliest).max() > 0.1
+    with pytest.raises(RuntimeError, match="ways to match these meshes"):
+        bpy.ops.object.canonical_form_pose_like(**POSE, side=99)
+
+
+def test_the_pose_that_a_rig_gives_the_reference_is_taken(pair):
+    figure, reference = pair
+    bpy.ops.object.canonical_form_pose_like(**POSE)
+    modelled = points_of(keys_of(figure)["Like Other"]).copy()
+    modifier = reference.modifiers.new("Bend", "SIMPLE_DEFORM")
+    modifier.deform_method, modifier.angle, modifier.deform_axis = "BEND", 1.6, "Z"
+    bpy.context.view_layer.update()
+    bpy.ops.object.canonical_form_pose_like(**POSE)
+    bent = points_of(keys_of(figure)["Like Other"])
+    rotation, shift = rigid_fit(bent, modelled)
+    assert np.linalg.norm(bent @ rotation + shift - modelled, axis=1).mean() > 0.1
+
+
+def test_several_objects_are_posed_as_one_body(character):
+    before = {name: snapshot(obj) for name, obj in character.items()}
+    reference = add_object("Other", *mannequin())
+    reference.select_set(False)
+    for obj in character.values():
+        obj.select_set(True)
+    bpy.context.view_layer.objects.active = character["trunk"]
+    assert bpy.ops.object.canonical_form_pose_like(**POSE, objects="TOGETHER") == {"FINISHED"}
+    for obj in character.values():
+        assert "Like Other" in names_of(obj)[0]
+    report = require_record(character["trunk"].data).report
+    assert sorted(report.objects) == sorted(character)
+    bpy.ops.object.canonical_form_clear()
+    assert {name: snapshot(obj) for name, obj in character.items()} == before
+
+
+def test_an_a_pose_needs_no_reference(blender):
+    vertices, faces = mannequin(80.0)
+    add_object("Body", vertices[:, [0, 2, 1]] * [1, 1, -1], faces)  # lying on its back
+    obj = bpy.context.object
+    bpy.ops.object.canonical_form_pose_like(pose="A")
+    assert names_of(obj)[0] == ["Basis", "A-Pose"]
+    narrow = np.ptp(points_of(keys_of(obj)["A-Pose"]), axis=0)
+    np.testing.assert_allclose(narrow, np.ptp(mannequin(45.0)[0], axis=0), rtol=0.08)
+
+
+@pytest.mark.parametrize(
+    ("kind", "sentence"),
+    [
+        ("none", "Choose an object"),
+        ("empty", "not a mesh"),
+        ("bare", "no faces"),
+        ("itself", "reference itself"),
+    ],
+)
+def test_what_cannot_be_a_reference_is_told(pair, kind, sentence):
+    figure, _ = pair
+    name = {"none": "Nobody", "itself": "Figure"}.get(kind, "Odd")
+    if name == "Odd":
+        mesh = bpy.data.meshes.new("Odd") if kind == "bare" else None
+        bpy.context.scene.collection.objects.link(bpy.data.objects.new("Odd", mesh))
+    before = snapshot(figure)
+    with pytest.raises(RuntimeError, match=sentence):
+        bpy.ops.object.canonical_form_pose_like(**{**POSE, "like": name})
+    assert snapshot(figure) == before
+
+
+def test_a_base_mesh_under_a_mirror_is_refused(pair):
+    figure, _ = pair
+    figure.modifiers.new("Mirror", "MIRROR")
+    with pytest.raises(RuntimeError, match="has to stay on the mirror"):
+        bpy.ops.object.canonical_form_pose_like(**POSE)
+
+
+def test_a_form_cannot_refer_to_a_pose(pair):
+    figure, reference = pair
+    bpy.ops.object.canonical_form_pose_like(**POSE)
+    figure.select_set(False)
+    reference.select_set(True)
+    bpy.context.view_layer.objects.active = reference
+    with pytest.raises(RuntimeError, match="has no form to refer to"):
+        bpy.ops.object.canonical_form(**QUICK, reference="Figure")
+
+
+def test_the_panel_offers_the_poses_and_the_other_side(pair):
+    figure, _ = pair
+    chosen = bpy.context.scene.canonical_form
+    chosen.like = "Other"
+    bpy.ops.object.canonical_form_pose_like(**POSE)
+    like = require_record(figure.data).report.like
+    assert like is not None
+    assert len(like.sides) > 1
+    shown = drawn(panels.VIEW3D_PT_canonical_form_pose_like)
+    assert shown == ["like", "Pose Like", "T-Pose", "A-Pose", f"Other Side (2 of {len(like.sides)})"]
+    assert "Pose to Like Other" in drawn(panels.VIEW3D_PT_canonical_form_result)
+
+
+def test_a_long_name_is_cut_to_what_blender_keeps():
+    assert len(Likeness("OBJECT", "Ä" * 60).key.encode()) <= 63
+    assert Likeness("T").key == "T-Pose"
