@@ -3,14 +3,15 @@
 import io
 import json
 import struct
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from addon.batch import command
+from addon.batch import command, matching
 from addon.batch.lines import FileCount, stage_line
 from addon.batch.plain_files import fans, read_plain, write_plain
-from addon.core import InvalidMeshError
+from addon.core import InvalidMeshError, Settings, pose_like
 from tests.meshes import shapes
 
 QUICK = ["--max-iterations", "2", "--eigenpairs", "20", "--landmark-count", "12"]
@@ -74,9 +75,9 @@ def test_damaged_files_are_told_in_a_sentence(name, text, words, tmp_path):
         read_plain(tmp_path / name)
 
 
-def run(*words):
+def run(*words, about="compute"):
     output = io.StringIO()
-    code = command.main(["compute", *map(str, words), *QUICK], output, alone=True)
+    code = command.main([about, *map(str, words), *QUICK], output, alone=True)
     return code, [json.loads(line) for line in output.getvalue().splitlines()]
 
 
@@ -97,6 +98,73 @@ def test_the_command_works_without_blender(tmp_path, monkeypatch):
     np.testing.assert_allclose(one[:, 1], two[:, 2], atol=1e-6)  # Z is up in the scene, Y in the file
     np.testing.assert_allclose(one[:, 2], -two[:, 1], atol=1e-6)
     assert turned["feature_points"] == plain["feature_points"]
+
+
+@pytest.fixture
+def two_files(tmp_path, monkeypatch):
+    """A figure, and the same with other triangles, turned."""
+    monkeypatch.setattr(command, "has_blender", lambda: False)
+    monkeypatch.setattr(matching, "has_blender", lambda: False)
+    vertices, faces = shapes.figure(12)
+    write_plain(tmp_path / "here.ply", vertices, faces.tolist(), "")
+    others, other_faces = shapes.figure(13)
+    write_plain(tmp_path / "there.off", others[:, [1, 2, 0]], other_faces.tolist(), "")
+    return tmp_path / "here.ply", tmp_path / "there.off"
+
+
+def test_a_mesh_is_posed_like_another_without_blender(two_files, tmp_path):
+    here, there = two_files
+    words = (here, "--reference", there, "--output", tmp_path / "out", "--format", "obj")
+    code, [line] = run(*words, about="pose-like")
+    assert code == 0
+    posed, polygons = read_plain(tmp_path / "out" / "here.obj")
+    (vertices, faces), (others, other_faces) = map(read_plain, two_files)
+    settings = Settings(max_iterations=2, eigenpairs=20, landmark_count=12)
+    found = pose_like(vertices, np.array(faces), others, np.array(other_faces), settings)
+    np.testing.assert_allclose(posed, found.vertices, atol=1e-5)
+    assert polygons == faces
+    assert line["like"]["name"] == "there"
+    assert line["like"]["sides"] == found.match.sides
+    assert "stress" not in line
+
+
+def test_another_side_is_taken_where_it_is_asked_for(two_files, tmp_path):
+    here, there = two_files
+    words = (here, "--reference", there, "--output", tmp_path / "out", "--format", "obj", "--side")
+    code, [line] = run(*words, "1", about="pose-like")
+    assert (code, line["like"]["side"]) == (0, 1)
+    code, [line] = run(*words, "50", about="pose-like")
+    assert code == 1
+    assert "ways to match" in line["error"]
+
+
+def test_two_files_are_matched_without_blender(two_files, tmp_path):
+    here, there = two_files
+    code, [line] = run(here, there, "--output", tmp_path / "out", about="match")
+    assert code == 0
+    assert Path(line["output"]) == tmp_path / "out" / "here-there.npz"
+    with np.load(line["output"]) as found:
+        count = len(read_plain(here)[0])
+        assert found["vertices"].shape == found["confidence"].shape == (count,)
+        assert found["corners"].shape == found["weights"].shape == (count, 3)
+        np.testing.assert_allclose(found["weights"].sum(axis=1), 1.0)
+        assert 0 <= found["corners"].min() <= found["corners"].max() < len(read_plain(there)[0])
+        assert len(found["sides"]) == len(line["sides"])
+    assert [path.name for path in (tmp_path / "out").iterdir()] == ["here-there.npz"]
+
+
+def test_a_match_with_a_broken_file_is_told(two_files, tmp_path):
+    here, _ = two_files
+    (tmp_path / "broken.off").write_text("OFF\n1")
+    code, [line] = run(here, tmp_path / "broken.off", "--output", tmp_path / "out", about="match")
+    assert code == 1
+    assert "broken.off" in line["error"]
+    assert list((tmp_path / "out").iterdir()) == []
+
+
+@pytest.mark.parametrize("words", [[], ["--pose", "x"], ["--pose", "t", "--reference", "a.off"]])
+def test_whose_pose_it_is_must_be_said(words, two_files, tmp_path):
+    assert run(two_files[0], "--output", tmp_path / "out", *words, about="pose-like") == (2, [])
 
 
 @pytest.mark.parametrize("words", [["--format", "blend"], ["--format", "obj", "--frame", "3"]])

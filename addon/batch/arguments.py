@@ -16,6 +16,18 @@ from ..core.method_api.settings import Settings, current_options, former_options
 from ..core.numerics.arrays import FloatArray
 from ..core.run.errors import CanonicalFormError
 
+_POSING = """\
+examples:
+  pose-like scans --output posed --pose t             every scan of a folder in a T-pose
+  pose-like scan.ply --output posed --reference mannequin.blend --objects Body
+                                                      as another mesh stands
+  pose-like scan.glb --output posed --reference mannequin.glb --side 1
+                                                      left and right, or front and back, the other way round
+"""
+_MATCHING = """\
+examples:
+  match scan.ply base.glb --output matches            for every vertex of the first the point on the second
+"""
 _EPILOGUE = """\
 examples:
   compute scans --output forms                        every mesh of a folder
@@ -58,6 +70,10 @@ class Wanted:
         Value of the shape key in a .blend.
     skip_existing : bool
         Leave out what has its result already.
+    pose : str
+        Name of a mannequin, 'T' or 'A', whose pose is taken; empty for that of a reference.
+    side : int
+        Which way to match: -1 for the likeliest, or its number.
     mark : str
         Tells unfinished files of this run from those of others.
     stages : bool
@@ -76,6 +92,8 @@ class Wanted:
     axes: FloatArray | None = None
     value: float = 1.0
     skip_existing: bool = False
+    pose: str = ""
+    side: int = -1
     mark: str = ""
     stages: bool = False
     inputs: tuple[Path, ...] = ()
@@ -126,7 +144,7 @@ def wanted_of(options: argparse.Namespace, **more: Any) -> Wanted:
     return Wanted(
         output=options.output,
         format=options.format,
-        settings=_settings(options),
+        settings=settings_of(options),
         shown=options.mesh == "shown" or bool(frames),
         frames=frames,
         objects=tuple(options.objects or ()),
@@ -134,17 +152,62 @@ def wanted_of(options: argparse.Namespace, **more: Any) -> Wanted:
         axes=None if options.axes is None else _axes(options.axes, options.format),
         value=options.value,
         skip_existing=options.skip_existing,
+        pose=(options.pose or "").upper(),
+        side=options.side,
         **more,
     )
 
 
 def _parser() -> argparse.ArgumentParser:
-    default = Settings()
-    parser = argparse.ArgumentParser(prog="canonical-form", description="Take the pose out of meshes.")
-    compute = parser.add_subparsers(dest="command", required=True).add_parser(
+    parser = argparse.ArgumentParser(prog="canonical-form", description="Take the pose out of meshes, or change it.")
+    commands = parser.add_subparsers(dest="command", required=True)
+    compute = commands.add_parser(
         "compute", help="compute the canonical form of meshes", epilog=_EPILOGUE, formatter_class=_Help
     )
-    files = compute.add_argument_group("files")
+    _add_files(compute)
+    how = compute.add_argument_group("how the form lies")
+    how.add_argument(
+        "--reference", metavar="FILE", help="lay all forms onto that of this mesh, with its limbs' numbers; first: of "
+        "the first mesh",
+    )  # fmt: skip
+    _add_axes(how)
+    _add_method(compute, how)
+    compute.set_defaults(pose=None, side=-1)
+    posing = commands.add_parser(
+        "pose-like",
+        help="put meshes into the pose of another, or of a mannequin",
+        epilog=_POSING,
+        formatter_class=_Help,
+    )
+    _add_files(posing)
+    how = posing.add_argument_group("the pose")
+    whose = how.add_mutually_exclusive_group(required=True)
+    whose.add_argument("--reference", metavar="FILE", help="that of the mesh in this file, of a like body")
+    whose.add_argument("--pose", choices=("t", "a"), help="that of a mannequin: a T-pose or an A-pose")
+    _add_side(how)
+    _add_axes(how)
+    _add_method(posing, how)
+    matching = commands.add_parser(
+        "match", help="find for every vertex of a mesh the point of another that is its like", epilog=_MATCHING,
+        formatter_class=_Help,
+    )  # fmt: skip
+    matching.add_argument(
+        "meshes", nargs=2, type=Path, metavar=("A", "B"), help="files of like bodies, with one mesh each"
+    )
+    matching.add_argument(
+        "--output", type=Path, required=True, metavar="DIR", help="folder for the result, an .npz file"
+    )
+    matching.add_argument(
+        "--objects", "--object", nargs="+", metavar="NAME", help="objects to match (default: the largest)"
+    )
+    _add_side(matching)
+    _add_method(matching, None)
+    return parser
+
+
+def _add_files(parser: argparse.ArgumentParser) -> None:
+    """Offer what is read and written."""
+    files = parser.add_argument_group("files")
     files.add_argument(
         "meshes", nargs="+", type=Path, metavar="MESH", help=f"files, folders or patterns ({', '.join(READ)})"
     )
@@ -155,32 +218,44 @@ def _parser() -> argparse.ArgumentParser:
     files.add_argument("--skip-existing", action="store_true", help="leave out files that have their result already")
     files.add_argument("--jobs", type=int, default=1, metavar="N", help="number of files worked on at once")
     files.add_argument("--scheduler", metavar="HOST:PORT", help="work on the Dask cluster of this scheduler instead")
-    what = compute.add_argument_group("what is read")
+    what = parser.add_argument_group("what is read")
     what.add_argument(
         "--mesh", choices=("base", "shown"), default="base",
         help="base: the mesh itself; shown: as modifiers, armature and shape keys show it",
     )  # fmt: skip
     what.add_argument("--frame", type=int, metavar="N", help="take the mesh as shown at this frame")
-    what.add_argument("--frames", metavar="A:B[:STEP]", help="a form for each of these frames, B included, numbered")
+    what.add_argument("--frames", metavar="A:B[:STEP]", help="a result for each of these frames, B included, numbered")
     what.add_argument("--objects", "--object", nargs="+", metavar="NAME", help="objects to compute (default: all)")
     what.add_argument("--together", action="store_true", help="all objects of a file are one body, in one result")
-    how = compute.add_argument_group("how the form lies")
-    how.add_argument(
-        "--reference", metavar="FILE", help="lay all forms onto that of this mesh, with its limbs' numbers; first: of "
-        "the first mesh",
-    )  # fmt: skip
-    how.add_argument(
+
+
+def _add_axes(group: argparse._ArgumentGroup) -> None:
+    """Offer how results are placed in files."""
+    group.add_argument(
         "--axes", metavar="UP,FACING", help="axes of .obj, .ply and .off files: which way is up and which way upright "
         "bodies face, as Z,-Y in Blender or Y,Z in most .obj files (default: the space of the mesh)",
     )  # fmt: skip
-    how.add_argument("--value", type=float, default=1.0, help="value of the shape key in a .blend, 0 to 1")
-    method = compute.add_argument_group("the method (lengths in units of the root of the area)")
+    group.add_argument("--value", type=float, default=1.0, help="value of the shape key in a .blend, 0 to 1")
+
+
+def _add_side(group: argparse._ArgumentGroup | argparse.ArgumentParser) -> None:
+    """Offer the ways to match."""
+    group.add_argument(
+        "--side", type=int, default=-1, metavar="N",
+        help="which way to match left and right, front and back: -1 for the likeliest, or its number from 0",
+    )  # fmt: skip
+
+
+def _add_method(parser: argparse.ArgumentParser, placing: argparse._ArgumentGroup | None) -> None:
+    """Offer the options of the method; where forms are placed, that of how they lie there."""
+    default = Settings()
+    method = parser.add_argument_group("the method (lengths in units of the root of the area)")
     for name, about in options_of(Settings).items():
-        _add_option(how if name == "orientation" else method, name, about, getattr(default, name))
+        group = placing if name == "orientation" and placing is not None else method
+        _add_option(group, name, about, getattr(default, name))
     for name, value in former_options().items():
         told: dict[str, Any] = {"action": "store_true"} if isinstance(value, bool) else {"type": type(value)}
-        compute.add_argument(_flag(name), default=argparse.SUPPRESS, help=argparse.SUPPRESS, **told)
-    return parser
+        parser.add_argument(_flag(name), default=argparse.SUPPRESS, help=argparse.SUPPRESS, **told)
 
 
 class _Help(argparse.ArgumentDefaultsHelpFormatter, argparse.RawDescriptionHelpFormatter):
@@ -209,8 +284,24 @@ def _add_option(parser: argparse._ArgumentGroup, name: str, about: Option, defau
     parser.add_argument(_flag(name), **told)
 
 
-def _settings(options: argparse.Namespace) -> Settings:
-    """Make settings of the options of the method."""
+def settings_of(options: argparse.Namespace) -> Settings:
+    """Make settings of the options of the method.
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        The options.
+
+    Returns
+    -------
+    Settings
+        The settings.
+
+    Raises
+    ------
+    CanonicalFormError
+        If one is out of its range.
+    """
     words = vars(options)
     former = current_options({name: words[name] for name in former_options() if name in words})
     chosen = {name: words[name] for name in options_of(Settings)} | former

@@ -12,10 +12,11 @@ from contextlib import redirect_stdout
 from pathlib import Path
 from typing import TextIO
 
+from ..blender.likeness import Likeness
 from ..core import CanonicalForm, CanonicalFormError
 from ..scheduling.attempts import Failure
 from ..scheduling.crews import Crew, DaskCrew, InThisProcess, LocalCrew
-from .arguments import Wanted, parsed, wanted_of
+from .arguments import Wanted, parsed, settings_of, wanted_of
 from .inputs import found_files, output_stems, separators
 from .lines import SCHEMA, FileCount, Line, complain
 from .plain_files import has_blender
@@ -45,7 +46,7 @@ def main(words: Sequence[str], output: TextIO, *, alone: bool = False) -> int:
     try:
         with redirect_stdout(output):  # for --help
             options = parsed(list(words))
-        run = _Run(options, alone)
+        run = _MatchRun(options, alone) if options.command == "match" else _Run(options, alone)
     except SystemExit as stop:
         return int(stop.code or 0)
     except (CanonicalFormError, OSError) as error:
@@ -80,17 +81,13 @@ class _Run:
         files = found_files(options.meshes, options.output)
         stems = output_stems(files)
         named = options.reference
-        self._reference_path = None if named is None else files[0] if named == "first" else Path(named)
+        self._posing = options.command == "pose-like"
+        first = named == "first" and not self._posing
+        self._reference_path = None if named is None else files[0] if first else Path(named)
         if options.scheduler and self._reference_path is not None:
             self._reference_path = self._reference_path.resolve()
         inputs = (*files, *([self._reference_path] if self._reference_path else []))
-        try:
-            options.output.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise CanonicalFormError(
-                f"The folder {options.output} for the results cannot be made: {error.strerror}. Choose another "
-                "--output."
-            ) from error
+        _made(options.output)
         self.wanted = wanted_of(
             options,
             mark=str(os.getpid()),
@@ -110,7 +107,7 @@ class _Run:
         pending = [number for number, each in enumerate(self._targets) if not self._is_done(each)]
         for number in sorted(set(range(len(self._targets))) - set(pending)):
             self._tell([self._targets[number].skipped(self._targets[number].of_file(), None)], output)
-        reference = self._reference() if pending and self._reference_path is not None else None
+        reference = self._reference() if pending else None
         progress = FileCount(len(pending), time.monotonic)
         work = ((number, (compute_file, (self._targets[number], self.wanted, reference))) for number in pending)
         for name, result in self._crew.results(work):
@@ -135,10 +132,14 @@ class _Run:
         """Return whether a file has its only result already; several are looked for when it is open."""
         return self.wanted.skip_existing and not self.wanted.frames and targets.of_file().exists()
 
-    def _reference(self) -> CanonicalForm:
-        """Compute the form of the reference in a worker."""
-        assert self._reference_path is not None
-        work = iter([("reference", (compute_reference, (self._reference_path, self.wanted)))])
+    def _reference(self) -> CanonicalForm | Likeness | None:
+        """Compute the form of the reference, or read its pose, in a worker; make the pose of a mannequin."""
+        if self.wanted.pose:
+            return Likeness(self.wanted.pose, side=self.wanted.side)
+        if self._reference_path is None:
+            return None
+        read = read_pose if self._posing else compute_reference
+        work = iter([("reference", (read, (self._reference_path, self.wanted)))])
         ((_, found),) = self._crew.results(work)
         if isinstance(found, Failure):
             reason = _CRASHED if found.died else found.reason
@@ -154,7 +155,36 @@ class _Run:
             print(json.dumps({"schema": SCHEMA, **line}), file=output, flush=True)
 
 
-def compute_file(targets: Targets, wanted: Wanted, reference: CanonicalForm | None) -> list[Line]:
+class _MatchRun:
+    """The match of two files, in a process of its own."""
+
+    def __init__(self, options: Namespace, alone: bool) -> None:
+        self._options, self._mark = options, str(os.getpid())
+        settings_of(options)
+        output: Path = options.output
+        _made(output)
+        one, other = output_stems(options.meshes)
+        self._target = output / f"{one}-{other}.npz"
+        self._crew: Crew = InThisProcess() if alone else LocalCrew(1, _ATTEMPTS, one_thread=False)
+
+    def all(self, output: TextIO) -> int:
+        """Match them, and tell."""
+        work = iter([("match", (compute_match, (self._options, self._target, self._mark, sys.stderr.isatty())))])
+        ((_, line),) = self._crew.results(work)
+        if isinstance(line, Failure):
+            one, other = self._options.meshes
+            line = {"input": str(one), "other": str(other), "error": _CRASHED if line.died else line.reason}
+        if "error" in line:
+            complain(f"{line['input']} and {line['other']}: {line['error']}")
+        print(json.dumps({"schema": SCHEMA, **line}), file=output, flush=True)
+        return int("error" in line)
+
+    def close(self) -> None:
+        """Let the worker go."""
+        self._crew.close()
+
+
+def compute_file(targets: Targets, wanted: Wanted, reference: CanonicalForm | Likeness | None) -> list[Line]:
     """Compute the meshes of one file, in the process of a worker.
 
     Parameters
@@ -163,8 +193,8 @@ def compute_file(targets: Targets, wanted: Wanted, reference: CanonicalForm | No
         The file, and names of its results.
     wanted : Wanted
         What is to be done.
-    reference : CanonicalForm or None
-        What the forms are laid onto.
+    reference : CanonicalForm, Likeness or None
+        What the forms are laid onto; or the pose that is taken instead of a form.
 
     Returns
     -------
@@ -209,6 +239,66 @@ def compute_reference(path: Path, wanted: Wanted) -> CanonicalForm:
     from .computing import reference_in_blender
 
     return reference_in_blender(path, wanted)
+
+
+def read_pose(path: Path, wanted: Wanted) -> Likeness:
+    """Read the pose that others take, in the process of a worker.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    wanted : Wanted
+        What is to be done with the others.
+
+    Returns
+    -------
+    Likeness
+        The pose.
+
+    Raises
+    ------
+    CanonicalFormError
+        If it cannot be read.
+    """
+    if not has_blender():
+        from .plain_computing import likeness_plainly
+
+        return likeness_plainly(path, wanted.side)
+    _keep_output_clean()
+    from .computing import likeness_in_blender
+
+    return likeness_in_blender(path, wanted.objects, wanted.side)
+
+
+def compute_match(options: Namespace, target: Path, mark: str, stages: bool) -> Line:
+    """Match two files, in the process of a worker.
+
+    Parameters
+    ----------
+    options, target, mark, stages
+        As in `match_files`.
+
+    Returns
+    -------
+    dict
+        The line to tell.
+    """
+    if has_blender():
+        _keep_output_clean()
+    from .matching import match_files
+
+    return match_files(options, target, mark, stages)
+
+
+def _made(folder: Path) -> None:
+    """Make the folder for the results."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise CanonicalFormError(
+            f"The folder {folder} for the results cannot be made: {error.strerror}. Choose another --output."
+        ) from error
 
 
 def _hired(options: Namespace, alone: bool) -> Crew:

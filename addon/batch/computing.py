@@ -11,7 +11,9 @@ import numpy as np
 from ..blender.advice import explained
 from ..blender.form_task import FormTask
 from ..blender.kinds_of_files import WRITTEN
+from ..blender.likeness import Likeness
 from ..blender.mesh_reading import refusal
+from ..blender.pose_reading import read_likeness
 from ..blender.reading_files import open_meshes
 from ..blender.request import Request
 from ..blender.writing_files import Shown, save_blend, save_forms
@@ -23,7 +25,9 @@ from .lines import Line, failure, stage_line
 from .targets import Targets
 
 
-def compute_in_blender(targets: Targets, wanted: Wanted, reference: CanonicalForm | None = None) -> Iterator[Line]:
+def compute_in_blender(
+    targets: Targets, wanted: Wanted, reference: CanonicalForm | Likeness | None = None
+) -> Iterator[Line]:
     """Compute every mesh of a file, write the results, and tell of each.
 
     Parameters
@@ -32,8 +36,8 @@ def compute_in_blender(targets: Targets, wanted: Wanted, reference: CanonicalFor
         The file, and names of its results.
     wanted : Wanted
         What is to be done.
-    reference : CanonicalForm, optional
-        What the forms are laid onto.
+    reference : CanonicalForm or Likeness, optional
+        What the forms are laid onto; or the pose that is taken instead of a form.
 
     Yields
     ------
@@ -113,8 +117,36 @@ def reference_in_blender(path: Path, wanted: Wanted) -> CanonicalForm:
     return item.whole_form
 
 
-def _request(wanted: Wanted, reference: CanonicalForm | None) -> Request:
+def likeness_in_blender(path: Path, names: Sequence[str], side: int) -> Likeness:
+    """Read the pose of the largest mesh of a file.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    names : sequence of str
+        Names of the objects wanted, where it has them.
+    side : int
+        Which way to match: -1 for the likeliest, or its number.
+
+    Returns
+    -------
+    Likeness
+        The pose, as the file shows it.
+
+    Raises
+    ------
+    CanonicalFormError
+        If it cannot be read.
+    """
+    objects = open_meshes(path)
+    chosen = [obj for obj in objects if obj.name in names] or objects
+    return read_likeness(max(chosen, key=lambda obj: len(obj.data.vertices)), side)
+
+
+def _request(wanted: Wanted, reference: CanonicalForm | Likeness | None) -> Request:
     """Say what is computed: another object holds what is shown, as its mesh may have other vertices."""
+    form = None if isinstance(reference, Likeness) else reference
     return Request(
         wanted.settings,
         value=wanted.value,
@@ -122,7 +154,8 @@ def _request(wanted: Wanted, reference: CanonicalForm | None) -> Request:
         new_object=wanted.shown and wanted.format != "blend",
         hausdorff=True,
         objects="TOGETHER" if wanted.together else "EACH",
-        reference=None if reference is None else lambda _cancelled: reference,
+        reference=None if form is None else lambda _cancelled: form,
+        likeness=reference if isinstance(reference, Likeness) else None,
     )
 
 
@@ -131,7 +164,7 @@ def _computed(
     group: Sequence[bpy.types.Object],
     target: Path,
     wanted: Wanted,
-    reference: CanonicalForm | None,
+    reference: CanonicalForm | Likeness | None,
     frame: int | None,
 ) -> Line:
     """Compute one body, write it unless the whole file is written later, and tell of it."""

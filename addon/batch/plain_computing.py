@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from ..blender.kinds_of_files import PLAIN
-from ..core import CanonicalForm, CanonicalFormError, canonical_form
+from ..blender.likeness import Likeness, PoseArrays
+from ..core import CanonicalForm, CanonicalFormError, PosedLike, canonical_form
 from ..core.measures.form_measures import summary
 from ..core.method_api.costs import memory_estimate
 from .arguments import Wanted
@@ -19,7 +20,9 @@ from .targets import Targets
 _NEEDS_BLENDER = "needs Blender as a module (pip install bpy)"
 
 
-def compute_plainly(targets: Targets, wanted: Wanted, reference: CanonicalForm | None = None) -> Iterator[Line]:
+def compute_plainly(
+    targets: Targets, wanted: Wanted, reference: CanonicalForm | Likeness | None = None
+) -> Iterator[Line]:
     """Compute the mesh of a file and write its form.
 
     Parameters
@@ -28,8 +31,8 @@ def compute_plainly(targets: Targets, wanted: Wanted, reference: CanonicalForm |
         The file, and the name of its result.
     wanted : Wanted
         What is to be done.
-    reference : CanonicalForm, optional
-        What the form is laid onto.
+    reference : CanonicalForm or Likeness, optional
+        What the form is laid onto; or the pose that is taken instead of a form.
 
     Yields
     ------
@@ -43,11 +46,20 @@ def compute_plainly(targets: Targets, wanted: Wanted, reference: CanonicalForm |
         vertices, polygons = read_plain(targets.path)
         memory = memory_estimate(len(vertices), wanted.settings)
         with stage_line(f"{targets.path.name} (about {memory:.1f} GB)", wanted.stages) as progress:
-            form = canonical_form(vertices, fans(polygons), wanted.settings, reference=reference, progress=progress)
+            shape: CanonicalForm | PosedLike
+            if isinstance(reference, Likeness):
+                shape, _ = reference.posed(vertices, fans(polygons), wanted.settings, progress)
+            else:
+                shape = canonical_form(
+                    vertices, fans(polygons), wanted.settings, reference=reference, progress=progress
+                )
         targets.require_new(target)
-        placed = form.vertices if wanted.axes is None else form.vertices @ wanted.axes
+        placed = shape.vertices if wanted.axes is None else shape.vertices @ wanted.axes
         write_plain(target, placed, polygons, wanted.mark)
-        yield {**line, "output": str(target), "memory_estimate": memory, **_figures(vertices, form, wanted)}
+        figures = _figures(vertices, shape, wanted)
+        if isinstance(reference, Likeness) and isinstance(shape, PosedLike):
+            figures["like"] = reference.report(shape)._asdict()
+        yield {**line, "output": str(target), "memory_estimate": memory, **figures}
     except Exception as error:  # any: the files after it are still to be computed
         yield failure(line, error)
 
@@ -76,6 +88,30 @@ def reference_plainly(path: Path, wanted: Wanted) -> CanonicalForm:
     return canonical_form(vertices, fans(polygons), wanted.settings)
 
 
+def likeness_plainly(path: Path, side: int) -> Likeness:
+    """Read the pose of a file's mesh.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    side : int
+        Which way to match: -1 for the likeliest, or its number.
+
+    Returns
+    -------
+    Likeness
+        The pose.
+
+    Raises
+    ------
+    CanonicalFormError
+        If it cannot be read.
+    """
+    vertices, polygons = read_plain(path)
+    return Likeness("OBJECT", path.stem, PoseArrays(vertices, fans(polygons), vertices), side)
+
+
 def _require_plain(wanted: Wanted) -> None:
     """Refuse what only Blender does."""
     if wanted.shown:
@@ -86,20 +122,25 @@ def _require_plain(wanted: Wanted) -> None:
         )
 
 
-def _figures(vertices: np.ndarray, form: CanonicalForm, wanted: Wanted) -> Line:
-    """Tell of a form what the report in Blender tells."""
+def _figures(vertices: np.ndarray, form: CanonicalForm | PosedLike, wanted: Wanted) -> Line:
+    """Tell of a form or a pose what the report in Blender tells."""
     sizes = np.bincount(form.patches[form.patches >= 0], minlength=len(form.feature_points))
     measures = summary(vertices, form.vertices, form.faces, True)
+    own: Line = {}
+    if isinstance(form, CanonicalForm):
+        own = {
+            "method": wanted.settings.method,
+            "stress": {"first": float(form.stress[0]), "last": float(form.stress[-1]), "steps": len(form.stress) - 1},
+            "pair_count": form.pair_count,
+            "pair_reduction": form.pair_reduction,
+        }
     return {
-        "method": wanted.settings.method,
+        **own,
         "pieces": wanted.settings.pieces,
         "vertices": len(vertices),
         "faces": len(form.faces),
         "feature_points": form.feature_points.tolist(),
         "patch_sizes": sizes.tolist(),
-        "stress": {"first": float(form.stress[0]), "last": float(form.stress[-1]), "steps": len(form.stress) - 1},
-        "pair_count": form.pair_count,
-        "pair_reduction": form.pair_reduction,
         "measures": {name: None if np.isnan(value) else value for name, value in measures.items()},
         "timings": form.timings,
         "warnings": [str(each) for each in form.warnings],

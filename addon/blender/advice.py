@@ -22,7 +22,7 @@ ADVICE = {  # by kind of message
     "singular": f"{_MERGE} and {_DISSOLVE} may repair it.",
     "inaccurate_spectrum": f"{_MERGE} and {_DISSOLVE} may repair it.",
     "spectrum_diverged": f"{_MERGE} and {_DISSOLVE} may repair it.",
-    "match_sides": "Other Side takes the next.",
+    "match_sides": "Other Side takes the next; on the command line, --side.",
     "no_axes": f"{_MERGE} may repair it.",
     "mesh_memory": _DECIMATE,
     "pair_memory": _DECIMATE,

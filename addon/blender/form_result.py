@@ -10,14 +10,13 @@ import numpy as np
 
 from .advice import all_advised
 from .combining import Combined
-from .form_report import FormReport, LikeReport, StressReport
-from .likeness import Carried, Likeness
+from .form_report import FormReport, StressReport
+from .likeness import Carried
 from .mesh_reading import Reading
 from .palette import Colours, colours_of
 from .request import Request
 
 if TYPE_CHECKING:
-    from ..core import PosedLike
     from ..core.numerics.arrays import FloatArray, IntArray
     from ..core.results import AnyResult
 
@@ -167,15 +166,8 @@ def _report(whole: Combined, found: AnyResult, request: Request) -> FormReport:
         report.method = request.settings.method
         report.pair_count, report.pair_reduction = found.pair_count, found.pair_reduction
     elif request.likeness is not None:
-        report.like = _like(request.likeness, found)
+        report.like = request.likeness.report(found)
     return report
-
-
-def _like(likeness: Likeness, found: PosedLike) -> LikeReport:
-    """Report whose pose was taken, and how sure the match is."""
-    confidence = float(found.match.confidence.mean())
-    side = max(likeness.side, 0)
-    return LikeReport(likeness.pose, likeness.name, likeness.key, side, found.match.sides, round(confidence, 3))
 
 
 def _sizes(patches: IntArray, count: int) -> list[int]:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..core.numerics.arrays import FloatArray, IntArray
+from .form_report import LikeReport
 from .palette import places
 
 if TYPE_CHECKING:
@@ -78,6 +79,22 @@ class Likeness:
         """Name of the shape key that holds the result, cut to what Blender keeps of it."""
         name = MANNEQUINS.get(self.pose, _LIKE.format(self.name))
         return name.encode()[:_LONGEST].decode(errors="ignore")
+
+    def report(self, found: PosedLike) -> LikeReport:
+        """Report whose pose was taken, and how sure the match is.
+
+        Parameters
+        ----------
+        found : PosedLike
+            The mesh in that pose.
+
+        Returns
+        -------
+        LikeReport
+            The report.
+        """
+        confidence = round(float(found.match.confidence.mean()), 3)
+        return LikeReport(self.pose, self.name, self.key, max(self.side, 0), found.match.sides, confidence)
 
     def posed(
         self,

@@ -349,3 +349,24 @@ def test_words_after_two_dashes_are_files(tmp_path, folder, monkeypatch):
 
 def test_names_of_objects_never_meet_those_of_other_files():
     assert separators(["cat", "cat-black", "dog"]) == ["--", "-", "-"]
+
+
+def test_files_are_posed_and_matched_in_blender(folder, tmp_path):
+    def told(about, *words):
+        done = subprocess.run(
+            [sys.executable, "-m", "addon", about, *map(str, words), "--output", str(tmp_path), *QUICK],
+            capture_output=True, text=True, check=False, cwd=Path(__file__).resolve().parents[2],
+        )  # fmt: skip
+        assert done.returncode == 0, done.stderr
+        (line,) = map(json.loads, done.stdout.splitlines())
+        return line
+
+    line = told("pose-like", folder / "blend.blend", "--reference", folder / "off.off")
+    assert line["like"]["pose"] == "OBJECT"
+    bpy.ops.wm.open_mainfile(filepath=line["output"])
+    obj = bpy.data.objects[line["object"]]
+    assert [key.name for key in obj.data.shape_keys.key_blocks] == ["Basis", line["like"]["key"]]
+    line = told("match", folder / "blend.blend", folder / "ply.ply")
+    with np.load(line["output"]) as found:
+        assert len(found["vertices"]) == line["vertices"]
+        assert np.mean(found["vertices"] == np.arange(line["vertices"])) > 0.9  # the same mesh

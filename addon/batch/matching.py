@@ -1,0 +1,90 @@
+"""The match of two files: read, matched, written as arrays, told in a line."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+from pathlib import Path
+
+import numpy as np
+
+from ..blender.likeness import PoseArrays
+from ..blender.replacing_files import replaced
+from ..core import Match, match
+from .arguments import settings_of
+from .lines import Line, failure, stage_line
+from .plain_files import fans, has_blender, read_plain
+
+
+def match_files(options: Namespace, target: Path, mark: str, stages: bool) -> Line:
+    """Match the meshes of two files and write what was found.
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        The words: two files, objects, side and settings.
+    target : Path
+        The .npz file to write: `vertices`, `corners`, `weights`, `confidence` for each vertex of the first mesh, and
+        the scores of the `sides`.
+    mark : str
+        Tells unfinished files of this run from those of others.
+    stages : bool
+        Whether to show the stage that it is at.
+
+    Returns
+    -------
+    dict
+        The line to tell.
+    """
+    one, other = options.meshes
+    line: Line = {"input": str(one), "other": str(other)}
+    try:
+        here, there = (_read(path, options.objects or ()) for path in (one, other))
+        with stage_line(f"{one.name} and {other.name}", stages) as progress:
+            found = match(
+                here.pose,
+                here.faces,
+                there.pose,
+                there.faces,
+                settings_of(options),
+                side="auto" if options.side < 0 else options.side,
+                progress=progress,
+            )
+        replaced(target, lambda partial: _write(partial, found), mark)
+    except Exception as error:  # any: told as what it is
+        return failure(line, error)
+    return {
+        **line,
+        "output": str(target),
+        "vertices": len(found.vertices),
+        "sides": [round(score, 3) for score in found.sides],
+        "confidence": round(float(found.confidence.mean()), 3),
+        "timings": found.timings,
+        "warnings": [str(each) for each in found.warnings],
+        "other_warnings": [str(each) for each in found.other_warnings],
+    }
+
+
+def _read(path: Path, names: tuple[str, ...]) -> PoseArrays:
+    """Read the mesh of a file, of several the largest."""
+    if has_blender():
+        from .computing import likeness_in_blender
+
+        found = likeness_in_blender(path, names, -1).reference
+        assert found is not None
+        return found
+    vertices, polygons = read_plain(path)
+    return PoseArrays(vertices, fans(polygons), vertices)
+
+
+def _write(path: Path, found: Match) -> None:
+    """Write a match as arrays."""
+    corners = np.where(found.faces[:, None] < 0, -1, found.other_faces[found.faces])
+    with path.open("wb") as file:
+        np.savez_compressed(
+            file,
+            vertices=found.vertices,
+            corners=corners,
+            weights=found.weights,
+            confidence=found.confidence,
+            sides=np.array(found.sides),
+        )
