@@ -15,8 +15,8 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 TARGET = ROOT / "docs" / "api.md"
 DOORS = (
-    "canonical", "features", "distance_fields", "limbs", "matches", "poses", "mannequins", "opening", "placing",
-    "results",
+    "canonical", "features", "distance_fields", "limbs", "matches", "poses", "mannequins", "transfers", "opening",
+    "placing", "results",
 )  # fmt: skip
 ROOMS = (
     "run", "numerics", "modelling", "mesh", "surface", "distances", "detection", "patching", "deformation", "embedding",

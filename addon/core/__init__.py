@@ -18,10 +18,11 @@ if TYPE_CHECKING:
     from .features import feature_patches
     from .limbs import limb_shapes
     from .mannequins import mannequin
-    from .matches import match, transferred
+    from .matches import match
     from .method_api.settings import Settings
     from .poses import pose_like
     from .results import CanonicalForm, FeaturePatches, Match, PosedLike
+    from .transfers import transferred, transferred_corners, transferred_shape
 
 __all__ = [
     "CancelledError",
@@ -44,6 +45,8 @@ __all__ = [
     "match",
     "pose_like",
     "transferred",
+    "transferred_corners",
+    "transferred_shape",
 ]
 
 _DOORS = {
@@ -60,7 +63,9 @@ _DOORS = {
     "mannequin": "mannequins",
     "match": "matches",
     "pose_like": "poses",
-    "transferred": "matches",
+    "transferred": "transfers",
+    "transferred_corners": "transfers",
+    "transferred_shape": "transfers",
 }
 
 

@@ -13,13 +13,13 @@ from .matching.point_map import PointMap, point_map
 from .matching.sides import Side, sides
 from .matching.unfolded import Unfolded, unfolded
 from .mesh.geometry import surface_area
+from .mesh.tables import rows_in
 from .method_api.catalogue import method_named
 from .method_api.settings import Settings
 from .method_api.surface_features import DETECTION
-from .numerics.arrays import FloatArray, IntArray
 from .opening import OPENING, features_of, opened
 from .results import Match
-from .run.errors import InvalidMeshError, InvalidSettingsError
+from .run.errors import InvalidSettingsError
 from .run.monitor import Cancelled, Monitor, Progress
 
 _UNFOLDED = 0.4  # of the work, one mesh
@@ -193,40 +193,6 @@ def matched_bodies(
     return MatchedBodies(bodies, others, surfaces, other_surfaces, pairs, maps, result)
 
 
-def transferred(matched: Match, values: ArrayLike) -> FloatArray:
-    """Carry values on the vertices of the other mesh over to those of this one.
-
-    Parameters
-    ----------
-    matched : Match
-        A match of this mesh with the other.
-    values : (n', ...) array_like of float
-        Values on the vertices of the other mesh: weights, colours, positions.
-
-    Returns
-    -------
-    (n, ...) ndarray of float
-        Values on the vertices of this one, averages with the weights of the match; sums over columns, as of the weights
-        of bones, stay as they are. 0 at vertices without a match.
-
-    Raises
-    ------
-    InvalidMeshError
-        If there is not one item per vertex of the other mesh.
-
-    Examples
-    --------
-    >>> points, faces = [[0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 3]], [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]
-    >>> transferred(match(points, faces, points, faces), np.ones(4)).round(6).tolist()
-    [1.0, 1.0, 1.0, 1.0]
-    """
-    values = np.asarray(values, dtype=np.float64)
-    if values.ndim < 1 or len(values) != matched.other_count:
-        raise InvalidMeshError("transfer_shape", count=matched.other_count)
-    corners = matched.other_faces[matched.faces]  # where there is no match, the weights are 0
-    return np.asarray(np.einsum("ij,ij...->i...", matched.weights, values[corners]))
-
-
 def _unfolded_bodies(
     vertices: ArrayLike, faces: ArrayLike, settings: Settings, monitor: Monitor
 ) -> tuple[Bodies, list[Unfolded]]:
@@ -263,7 +229,7 @@ def _on_meshes(
     confidence = [np.zeros(len(body.vertices)) for body in bodies.bodies]
     for (here, there), found in zip(pairs, maps, strict=True):
         body = others.bodies[there]
-        numbers = _rows_in(body.vertices[body.faces], others.faces)
+        numbers = rows_in(body.vertices[body.faces], others.faces)
         face[here], weights[here] = numbers[found.points.faces], found.points.weights
         confidence[here] = found.confidence
     total = len(bodies.vertices)
@@ -282,17 +248,6 @@ def _on_meshes(
         monitor.warnings,
         other_monitor.warnings,
     )
-
-
-def _rows_in(rows: IntArray, table: IntArray) -> IntArray:
-    """Find rows of three in a table that has them all."""
-    both = np.concatenate([table, rows])
-    order = np.lexsort(both.T[::-1])
-    group = np.empty(len(both), dtype=np.int64)
-    group[order] = np.cumsum(np.concatenate([[0], (np.diff(both[order], axis=0) != 0).any(axis=1)]))
-    number = np.empty(len(both), dtype=np.int64)
-    number[group[: len(table)]] = np.arange(len(table))
-    return number[group[len(table) :]]
 
 
 def _warn(

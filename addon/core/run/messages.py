@@ -86,6 +86,7 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
     "match_sides": "Left and right, or front and back, can hardly be told apart here. Check them, or "
     "choose another side.",
     "transfer_shape": "There must be one item per vertex of the other mesh, {count:,}.",
+    "transfer_corners": "There must be one row per corner of the other mesh, {count:,}.",
     # memory
     "mesh_memory": "A mesh of {vertices:,} vertices needs about {needed:.1f} GB, more than {limit}. Reduce the mesh, "
     "close other programs, or raise the memory limit.",

@@ -1,0 +1,236 @@
+"""The door to what a match carries over: values on vertices, values on corners, shapes."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .deformation.rotations import nearest_rotations
+from .mesh.connectivity import vertex_pairs
+from .mesh.geometry import surface_area
+from .mesh.islands import island_labels
+from .mesh.tables import rows_in
+from .numerics.arrays import FloatArray, IntArray
+from .numerics.factoring import factored
+from .results import Match
+from .run.errors import InvalidMeshError
+
+_FARTHER = 1.2  # times what a map is stretched by: corners much farther apart there lie on different sides of a seam
+_ROUNDING = 1e-9  # of values, below which they are the same
+_WIDE = 0.03  # sqrt(area): how wide the surroundings are of which the turn is found
+
+
+def transferred(matched: Match, values: ArrayLike) -> FloatArray:
+    """Carry values on the vertices of the other mesh over to those of this one.
+
+    Parameters
+    ----------
+    matched : Match
+        A match of this mesh with the other.
+    values : (n', ...) array_like of float
+        Values on the vertices of the other mesh: weights, colours, positions.
+
+    Returns
+    -------
+    (n, ...) ndarray of float
+        Values on the vertices of this one, averages with the weights of the match; sums over columns, as of the weights
+        of bones, stay as they are. 0 at vertices without a match.
+
+    Raises
+    ------
+    InvalidMeshError
+        If there is not one item per vertex of the other mesh.
+
+    Examples
+    --------
+    >>> points, faces = [[0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 3]], [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]
+    >>> from addon.core import match
+    >>> transferred(match(points, faces, points, faces), np.ones(4)).round(6).tolist()
+    [1.0, 1.0, 1.0, 1.0]
+    """
+    values = np.asarray(values, dtype=np.float64)
+    if values.ndim < 1 or len(values) != matched.other_count:
+        raise InvalidMeshError("transfer_shape", count=matched.other_count)
+    corners = matched.other_faces[matched.faces]  # where there is no match, the weights are 0
+    return np.asarray(np.einsum("ij,ij...->i...", matched.weights, values[corners]))
+
+
+def transferred_corners(
+    matched: Match,
+    polygon_of: IntArray,
+    vertex_of: IntArray,
+    other_vertices: FloatArray,
+    other_corners: IntArray,
+    values: ArrayLike,
+    other_vertex_of: IntArray,
+) -> FloatArray:
+    """Carry values on the corners of the other mesh over, such as a UV map; a polygon never spans a seam.
+
+    Where its corners come from different sides of a seam, the side of most of them goes on in a straight line.
+
+    Parameters
+    ----------
+    matched : Match
+        A match of this mesh with the other.
+    polygon_of : (l,) ndarray of int
+        The polygon of each corner of this mesh.
+    vertex_of : (l,) ndarray of int
+        The vertex of each corner.
+    other_vertices : (n', 3) ndarray of float
+        Positions of the other mesh.
+    other_corners : (t, 3) ndarray of int
+        Corners of its triangles.
+    values : (l', d) array_like of float
+        Values on its corners.
+    other_vertex_of : (l',) ndarray of int
+        The vertex of each of its corners.
+
+    Returns
+    -------
+    (l, d) ndarray of float
+        Values on the corners of this mesh; 0 where there is no match.
+
+    Raises
+    ------
+    InvalidMeshError
+        If there is not one item per corner of the other mesh.
+
+    Examples
+    --------
+    >>> from addon.core import match
+    >>> points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 3]])
+    >>> faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
+    >>> corners = np.arange(12).reshape(4, 3)
+    >>> same = match(points, faces, points, faces)
+    >>> found = transferred_corners(
+    ...     same, np.repeat(np.arange(4), 3), faces.ravel(), points, corners, points[faces.ravel()], faces.ravel())
+    >>> np.allclose(found, points[faces.ravel()])
+    True
+    """
+    values = np.asarray(values, dtype=np.float64)
+    if values.ndim != 2 or len(values) != len(other_vertex_of):
+        raise InvalidMeshError("transfer_corners", count=len(other_vertex_of))
+    triangles = other_vertex_of[other_corners]
+    island = island_labels(triangles, values[other_corners])
+    triangle, weights = _on_triangles(matched, triangles)
+    own, share = triangle[vertex_of], weights[vertex_of]
+    known = own >= 0
+    label = np.where(known, island[own], -1)
+    same = label == _commonest(polygon_of, label)[polygon_of]
+    base = np.full(int(polygon_of.max()) + 1, -1)  # a corner of each polygon that decides on which side of a seam it is
+    base[polygon_of[same][::-1]] = np.flatnonzero(same)[::-1]
+    base = base[polygon_of]
+    carried = np.einsum("ij,ijk->ik", share, values[other_corners[own]])
+    places = np.einsum("ij,ijk->ik", share, other_vertices[triangles[own]])
+    beyond = _extended(other_vertices[triangles[own[base]]], places)
+    straight = np.einsum("ij,ijk->ik", beyond, values[other_corners[own[base]]])
+    stretch = _stretch(other_vertices[triangles], values[other_corners])
+    reach = np.maximum(stretch[own], stretch[own[base]]) * np.linalg.norm(places - places[base], axis=1)
+    reach = _FARTHER * reach + np.linalg.norm(straight - carried[base], axis=1)
+    kept = same & (np.linalg.norm(carried - carried[base], axis=1) <= reach + _ROUNDING)
+    return np.where(known[:, None], np.where(kept[:, None], carried, straight), 0.0)
+
+
+def transferred_shape(
+    matched: Match,
+    vertices: ArrayLike,
+    faces: ArrayLike,
+    other_vertices: ArrayLike,
+    other_shape: ArrayLike,
+) -> FloatArray:
+    """Carry a deformation of the other mesh over: every point moves as its like does, turned and sized as it is here.
+
+    Parameters
+    ----------
+    matched : Match
+        A match of this mesh with the other.
+    vertices : (n, 3) array_like of float
+        Positions of this mesh.
+    faces : (m, 3) array_like of int
+        Its triangles.
+    other_vertices, other_shape : (n', 3) array_like of float
+        Positions of the other mesh before and after, in any unit and pose.
+
+    Returns
+    -------
+    (n, 3) ndarray of float
+        Positions of this mesh after.
+
+    Raises
+    ------
+    InvalidMeshError
+        If there is not one position per vertex of the other mesh.
+
+    Examples
+    --------
+    >>> from addon.core import match
+    >>> points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 3]])
+    >>> faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]
+    >>> same = match(points, faces, points, faces)
+    >>> np.allclose(transferred_shape(same, points, faces, points, 1.1 * points), 1.1 * points)
+    True
+
+    References
+    ----------
+    Sumner and Popović, "Deformation Transfer for Triangle Meshes", 2004, doi:10.1145/1015706.1015736, whose idea it is
+    to carry changes and not places; this is simpler: one turn a vertex.
+    """
+    from scipy.sparse import coo_array, diags
+
+    points, before = np.asarray(vertices, dtype=np.float64), np.asarray(other_vertices, dtype=np.float64)
+    there = transferred(matched, before)
+    way = transferred(matched, np.asarray(other_shape, dtype=np.float64)) - there
+    pairs = vertex_pairs(np.asarray(faces, dtype=np.int64))
+    i, j = np.concatenate([pairs, pairs[:, ::-1]]).T
+    edges, likes = points[j] - points[i], there[j] - there[i]
+    covariance = np.zeros((len(points), 3, 3))
+    np.add.at(covariance, i, likes[:, :, None] * edges[:, None, :])
+    size = float(np.sqrt(surface_area(points, np.asarray(faces))))
+    length = float(np.linalg.norm(edges, axis=1).mean()) if len(edges) else 1.0
+    degree = np.maximum(np.bincount(i, minlength=len(points)), 1).astype(float)
+    weight = coo_array((np.ones(len(i)), (i, j)), shape=(len(points),) * 2)
+    time = (_WIDE * size / (length or 1.0)) ** 2
+    smooth = factored(((1 + time) * diags(degree) - time * weight).tocsc()).solve
+    turn = nearest_rotations(smooth(covariance.reshape(-1, 9)).reshape(-1, 3, 3))
+    scale = size / np.sqrt(surface_area(before, matched.other_faces))
+    moved: FloatArray = points + scale * np.einsum("ij,ijk->ik", way, turn)
+    return moved
+
+
+def _on_triangles(matched: Match, triangles: IntArray) -> tuple[IntArray, FloatArray]:
+    """Tell a match in terms of other triangles of the same mesh, corners in any order; -1 where there is none."""
+    order = np.argsort(matched.other_faces, axis=1)
+    own_order = np.argsort(triangles, axis=1)
+    number = rows_in(np.take_along_axis(matched.other_faces, order, 1), np.take_along_axis(triangles, own_order, 1))
+    triangle = np.where(matched.faces < 0, -1, number[matched.faces])
+    ranked = np.take_along_axis(matched.weights, order[matched.faces], 1)
+    weights = np.empty_like(ranked)
+    np.put_along_axis(weights, own_order[triangle], ranked, 1)
+    return triangle, weights
+
+
+def _extended(triangles: FloatArray, points: FloatArray) -> FloatArray:
+    """Find barycentric coordinates of points in the planes of triangles, also beyond their sides."""
+    first, second = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
+    normal = np.cross(first, second)
+    size = np.maximum(np.einsum("ij,ij->i", normal, normal), np.finfo(float).tiny)
+    way = points - triangles[:, 0]
+    two = np.einsum("ij,ij->i", np.cross(way, second), normal) / size
+    three = np.einsum("ij,ij->i", np.cross(first, way), normal) / size
+    return np.column_stack([1 - two - three, two, three])
+
+
+def _stretch(points: FloatArray, values: FloatArray) -> FloatArray:
+    """Find how much longer the longest side of each triangle is in a map than in space."""
+    there, here = (np.linalg.norm(each - np.roll(each, 1, axis=1), axis=2).max(axis=1) for each in (values, points))
+    return np.asarray(there / np.maximum(here, np.finfo(float).tiny))
+
+
+def _commonest(group: IntArray, labels: IntArray) -> IntArray:
+    """Find the commonest label of each group, of several the smallest; -1 counts only where there is no other."""
+    known = labels >= 0
+    pairs, count = np.unique(np.column_stack([group[known], labels[known]]), axis=0, return_counts=True)
+    found = np.full(int(group.max()) + 1 if len(group) else 0, -1)
+    order = np.lexsort([-pairs[:, 1], count])  # the last written wins
+    found[pairs[order, 0]] = pairs[order, 1]
+    return found
