@@ -35,6 +35,6 @@ def fill_group(group: bpy.types.VertexGroup, weights: FloatArray) -> str:
     rounded = np.round(np.clip(weights[members], 0.0, 1.0) * _STEPS).astype(np.int64)
     order = np.argsort(rounded, kind="stable")
     values, first = np.unique(rounded[order], return_index=True)
-    for value, vertices in zip(values.tolist(), np.split(members[order], first[1:]), strict=True):
-        group.add(vertices.tolist(), value / _STEPS, "REPLACE")
+    for value, begin, end in zip(values.tolist(), first, [*first[1:], len(order)], strict=bool(len(order))):
+        group.add(members[order[begin:end]].tolist(), value / _STEPS, "REPLACE")
     return members_fingerprint(members, rounded / _STEPS)

@@ -125,6 +125,7 @@ def transferred_corners(
     beyond = _extended(other_vertices[triangles[own[base]]], places)
     straight = np.einsum("ij,ijk->ik", beyond, values[other_corners[own[base]]])
     stretch = _stretch(other_vertices[triangles], values[other_corners])
+    stretch = np.maximum(stretch, np.median(stretch))  # a map may be flat in places
     reach = np.maximum(stretch[own], stretch[own[base]]) * np.linalg.norm(places - places[base], axis=1)
     reach = _FARTHER * reach + np.linalg.norm(straight - carried[base], axis=1)
     kept = same & (np.linalg.norm(carried - carried[base], axis=1) <= reach + _ROUNDING)

@@ -8,10 +8,9 @@ from ..blender.chosen_features import CHOSEN_GROUP
 from ..blender.companions import companions_of, slider_is_gone
 from ..blender.form_key import form_key
 from ..blender.in_betweens import PROPERTY, has_in_betweens, renamed_keys
-from ..blender.likeness import MANNEQUINS
 from ..blender.limb_states import limbs_of
 from ..blender.meant_objects import armature_of, meant_object, meant_objects, require_object
-from ..blender.record import Record, read_record, require_record
+from ..blender.record import Record, require_record
 from ..core import Settings
 from ..core.method_api.catalogue import FEATURE_OPTIONS, OURS, methods
 from ..core.method_api.costs import PIECE_SECONDS, memory_estimate, time_estimate
@@ -23,8 +22,9 @@ from .limb_operators import (
     OBJECT_OT_canonical_form_select_patch,
 )
 from .operators import OBJECT_OT_canonical_form, OBJECT_OT_canonical_form_clear
-from .pose_operators import OBJECT_OT_canonical_form_pose_like
+from .pose_panel import VIEW3D_PT_canonical_form_pose_like
 from .properties import METHOD_NAMES, hand_over
+from .sidebar import Tab, record_of
 from .tool_operators import OBJECT_OT_canonical_form_choose, OBJECT_OT_canonical_form_distance
 
 _MAIN = ("quality", "preserve_detail")
@@ -44,13 +44,7 @@ _CHARACTER, _MARGIN = 6.4, 55  # width of a character and of what stands beside 
 _FOLDED = 2  # warnings that are shown without a fold
 
 
-class _Tab:
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
-    bl_category = "Canonical Form"
-
-
-class VIEW3D_PT_canonical_form(_Tab, bpy.types.Panel):
+class VIEW3D_PT_canonical_form(Tab, bpy.types.Panel):
     """The main button, the progress of a run, and the options that most runs need."""
 
     bl_label = "Canonical Form"
@@ -88,7 +82,7 @@ class VIEW3D_PT_canonical_form(_Tab, bpy.types.Panel):
             layout.label(text=_estimate(chosen, objects), icon="MEMORY")
 
 
-class VIEW3D_PT_canonical_form_result(_Tab, bpy.types.Panel):
+class VIEW3D_PT_canonical_form_result(Tab, bpy.types.Panel):
     """The result of the last run and what can be done with it."""
 
     bl_label = "Result"
@@ -97,7 +91,7 @@ class VIEW3D_PT_canonical_form_result(_Tab, bpy.types.Panel):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Show the panel where there is a result."""
-        return _record(context) is not None
+        return record_of(context) is not None
 
     def draw(self, context: bpy.types.Context) -> None:
         """Draw the slider, the measures, the warnings and Clear."""
@@ -155,7 +149,7 @@ class VIEW3D_UL_canonical_form_patches(bpy.types.UIList):
             toggle.patch, toggle.only = index + 1, False
 
 
-class VIEW3D_PT_canonical_form_patches(_Tab, bpy.types.Panel):
+class VIEW3D_PT_canonical_form_patches(Tab, bpy.types.Panel):
     """The patches: a click selects their vertices, the check box takes the pose out of the limb."""
 
     bl_label = "Patches"
@@ -164,7 +158,7 @@ class VIEW3D_PT_canonical_form_patches(_Tab, bpy.types.Panel):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Show the panel where there are patches."""
-        return _record(context) is not None and len(require_object(context).data.canonical_form_patches) > 0
+        return record_of(context) is not None and len(require_object(context).data.canonical_form_patches) > 0
 
     def draw(self, context: bpy.types.Context) -> None:
         """Draw the list."""
@@ -180,34 +174,7 @@ class VIEW3D_PT_canonical_form_patches(_Tab, bpy.types.Panel):
             every.patch = 0
 
 
-class VIEW3D_PT_canonical_form_pose_like(_Tab, bpy.types.Panel):
-    """Another's pose: that of an object, or of a mannequin."""
-
-    bl_label = "Pose Like"
-    bl_parent_id = "VIEW3D_PT_canonical_form"
-    bl_options = {"DEFAULT_CLOSED"}
-
-    def draw(self, context: bpy.types.Context) -> None:
-        """Draw the reference, the buttons, and how sure the last match was."""
-        layout, chosen = self.layout, context.scene.canonical_form
-        layout.use_property_split = True
-        layout.use_property_decorate = False
-        layout.prop_search(chosen, "like", bpy.data, "objects")
-        row = layout.row()
-        row.enabled = bool(chosen.like)
-        _pose_button(row, chosen, "OBJECT", chosen.like, "Pose Like")
-        row = layout.row(align=True)
-        for pose, label in MANNEQUINS.items():
-            _pose_button(row, chosen, pose, "", label)
-        record = _record(context)
-        like = None if record is None else record.report.like
-        if like is not None and len(like.sides) > 1:
-            side = (like.side + 1) % len(like.sides)
-            text = f"Other Side ({side + 1} of {len(like.sides)})"
-            _pose_button(layout, chosen, like.pose, like.name, text).side = side
-
-
-class VIEW3D_PT_canonical_form_features(_Tab, bpy.types.Panel):
+class VIEW3D_PT_canonical_form_features(Tab, bpy.types.Panel):
     """The source of the feature points."""
 
     bl_label = "Feature Points"
@@ -240,7 +207,7 @@ class VIEW3D_PT_canonical_form_features(_Tab, bpy.types.Panel):
             button.step = step
 
 
-class VIEW3D_PT_canonical_form_distance(_Tab, bpy.types.Panel):
+class VIEW3D_PT_canonical_form_distance(Tab, bpy.types.Panel):
     """Distances from the selected vertices."""
 
     bl_label = "Distance from Selected"
@@ -258,7 +225,7 @@ class VIEW3D_PT_canonical_form_distance(_Tab, bpy.types.Panel):
         button.kind, button.isolines = chosen.distance, chosen.isolines
 
 
-class VIEW3D_PT_canonical_form_advanced(_Tab, bpy.types.Panel):
+class VIEW3D_PT_canonical_form_advanced(Tab, bpy.types.Panel):
     """The options of the method."""
 
     bl_label = "Advanced"
@@ -289,21 +256,6 @@ def _estimate(chosen: bpy.types.PropertyGroup, objects: list[bpy.types.Object]) 
     seconds = max(sum(time_estimate(count, settings) for count in runs), 1.0)
     more = "" if settings.together else f" and {PIECE_SECONDS:g} s a loose part"
     return f"{sum(counts):,} vertices, about {memory:.1f} GB, {seconds:,.0f} s{more}"
-
-
-def _record(context: bpy.types.Context) -> Record | None:
-    obj = meant_object(context)
-    return read_record(obj.data) if obj is not None and obj.type == "MESH" else None
-
-
-def _pose_button(
-    layout: bpy.types.UILayout, chosen: bpy.types.PropertyGroup, pose: str, name: str, text: str
-) -> bpy.types.OperatorProperties:
-    """Draw a button that takes a pose."""
-    button = layout.operator(OBJECT_OT_canonical_form_pose_like.bl_idname, text=text)
-    hand_over(chosen, button)
-    button.pose, button.like = pose, name
-    return button
 
 
 def _slider(record: Record) -> str:

@@ -8,15 +8,16 @@ import bpy
 from bpy.props import EnumProperty, IntProperty, StringProperty
 
 from ..blender.likeness import MANNEQUINS
-from ..blender.meant_objects import meant_object
+from ..blender.meant_objects import meant_object, require_object
 from ..blender.mesh_reading import refusal
 from ..core import CanonicalFormError
 from .job_operator import JobOperator
 from .operators import allowed, chosen_objects, tell_results
-from .properties import MethodProperties, RequestProperties, settings_of
+from .properties import TRANSFER_ITEMS, MethodProperties, RequestProperties, settings_of
 
 if TYPE_CHECKING:
     from ..blender.form_task import FormTask
+    from ..blender.transfer_task import TransferTask
 
 _SAID = {"OBJECT": "the reference", "T": "a mannequin in a T-pose", "A": "a mannequin in an A-pose"}
 
@@ -88,6 +89,44 @@ class OBJECT_OT_canonical_form_pose_like(JobOperator, MethodProperties, RequestP
         tell_results(self, context, task, self._refused, interactive)
 
 
-CLASSES = (OBJECT_OT_canonical_form_pose_like,)
+class OBJECT_OT_canonical_form_transfer(JobOperator, MethodProperties, bpy.types.Operator):
+    """Take over what the reference has: to the point of the mesh that is its like, in whatever pose"""  # noqa: D400
+
+    bl_idname = "object.canonical_form_transfer"
+    bl_label = "Transfer"
+    bl_options = {"UNDO"}
+
+    like: StringProperty(name="Reference", description="Object that has what is wanted")  # type: ignore[valid-type]
+    kinds: EnumProperty(  # type: ignore[valid-type]
+        name="Kinds", description="What is taken over", items=TRANSFER_ITEMS, options={"ENUM_FLAG"}, default={"GROUPS"}
+    )
+    side: IntProperty(  # type: ignore[valid-type]
+        name="Side",
+        description="Which way to match left and right, front and back: its number from 0; -1 for that of Pose Like, "
+        "or the likeliest",
+        default=-1,
+        min=-1,
+    )
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Disable the button, with a reason, where the active object cannot be used."""
+        return allowed(cls, cls.busy() or refusal(meant_object(context)))
+
+    def task(self, context: bpy.types.Context) -> "TransferTask":
+        """Read the active object and the reference."""
+        from ..blender.transfer_task import TransferTask, side_of
+
+        obj = require_object(context)
+        side = side_of(obj, self.like) if self.side < 0 else self.side
+        return TransferTask(obj, bpy.data.objects.get(self.like), self.kinds, settings_of(self), side)
+
+    def written(self, context: bpy.types.Context, task: "TransferTask", outcome: None, interactive: bool) -> None:
+        """Report the warnings, then what was taken over."""
+        self.warn(task.warnings)
+        self.report({"INFO"}, f"Taken over from {self.like}: {', '.join(task.told) or 'nothing'}.")
+
+
+CLASSES = (OBJECT_OT_canonical_form_pose_like, OBJECT_OT_canonical_form_transfer)
 
 register, unregister = bpy.utils.register_classes_factory(CLASSES)

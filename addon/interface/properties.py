@@ -28,6 +28,14 @@ from ..core.method_api.settings import current_options, former_options
 _DEFAULT = Settings()
 DISTANCES = [(name, kind.label, kind.help) for name, kind in KINDS.items()]
 
+TRANSFER_ITEMS = [
+    ("GROUPS", "Weights", "Vertex groups; with those of a rig its rest pose as a shape key, and its modifier"),
+    ("UVS", "UV", "UV maps"),
+    ("COLOURS", "Colours", "Colour attributes"),
+    ("KEYS", "Keys", "Shape keys, as changes of the shape: turned and sized as the mesh is here"),
+    ("MATERIALS", "Materials", "Materials, by face"),
+]
+
 
 def method_items(_owner: Any, _context: bpy.types.Context | None) -> list[tuple[str, str, str, str, int]]:
     """List the methods when Blender first asks for them: importing them all would slow down enabling.
@@ -157,6 +165,13 @@ class CanonicalFormProperties(MethodProperties, FormerProperties, RequestPropert
     like: StringProperty(  # type: ignore[valid-type]
         name="Reference",
         description="Object of a like body in the pose that is wanted, whatever its vertices and faces",
+    )
+    transfers: EnumProperty(  # type: ignore[valid-type]
+        name="Transfer",
+        description="What is taken over from the reference",
+        items=TRANSFER_ITEMS,
+        options={"ENUM_FLAG"},
+        default={"GROUPS", "UVS"},
     )
     show_points: BoolProperty(  # type: ignore[valid-type]
         name="Labels in the View",

@@ -23,13 +23,13 @@ POSE = {**QUICK, "pose": "OBJECT", "like": "Other"}
 @pytest.fixture(scope="module")
 def small():
     """A smaller figure than elsewhere: each run unfolds two."""
-    return shapes.figure(12)
+    return shapes.figure(16)
 
 
 @pytest.fixture(scope="module")
 def other():
     """The same figure in another resolution, and how its limbs hang in another pose."""
-    vertices, faces = shapes.figure(13)
+    vertices, faces = shapes.figure(17)
     bend = 0.4 * np.maximum(vertices[:, 0], 0.0)
     cos, sin = np.cos(bend), np.sin(bend)
     x, y, z = vertices.T
@@ -60,8 +60,9 @@ def test_the_pose_is_that_of_the_core_as_the_reference_stands_in_the_scene(pair,
     before = snapshot(reference)
     assert bpy.ops.object.canonical_form_pose_like(**POSE) == {"FINISHED"}
     turn = np.array(reference.matrix_world)[:3, :3]
-    plain = pose_like(small[0], small[1], other[0] @ turn.T, other[1], Settings(**QUICK))
-    np.testing.assert_allclose(points_of(keys_of(figure)["Like Other"]), plain.vertices, atol=0.01)
+    here, there = (each.astype(np.float32).astype(float) for each in (small[0], other[0]))  # as Blender keeps them
+    plain = pose_like(here, small[1], there @ turn.T, other[1], Settings(**QUICK))
+    np.testing.assert_allclose(points_of(keys_of(figure)["Like Other"]), plain.vertices, atol=1e-4)
     assert snapshot(reference) == before
     report = require_record(figure.data).report
     assert report.like is not None
@@ -222,7 +223,7 @@ def test_the_panel_offers_the_poses_and_the_other_side(pair):
     assert like is not None
     assert len(like.sides) > 1
     shown = drawn(panels.VIEW3D_PT_canonical_form_pose_like)
-    assert shown == ["like", "Pose Like", "T-Pose", "A-Pose", f"Other Side (2 of {len(like.sides)})"]
+    assert shown[:5] == ["like", "Pose Like", "T-Pose", "A-Pose", f"Other Side (2 of {len(like.sides)})"]
     assert "Pose to Like Other" in drawn(panels.VIEW3D_PT_canonical_form_result)
 
 

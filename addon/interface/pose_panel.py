@@ -1,0 +1,53 @@
+"""The panel of two meshes: another's pose, and what is taken over from it."""
+
+import bpy
+
+from ..blender.likeness import MANNEQUINS
+from .pose_operators import OBJECT_OT_canonical_form_pose_like, OBJECT_OT_canonical_form_transfer
+from .properties import METHOD_NAMES, hand_over
+from .sidebar import Tab, record_of
+
+
+class VIEW3D_PT_canonical_form_pose_like(Tab, bpy.types.Panel):
+    """Another's pose: that of an object, or of a mannequin."""
+
+    bl_label = "Pose Like"
+    bl_parent_id = "VIEW3D_PT_canonical_form"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Draw the reference, the buttons, and how sure the last match was."""
+        layout, chosen = self.layout, context.scene.canonical_form
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        layout.prop_search(chosen, "like", bpy.data, "objects")
+        row = layout.row()
+        row.enabled = bool(chosen.like)
+        _pose_button(row, chosen, "OBJECT", chosen.like, "Pose Like")
+        row = layout.row(align=True)
+        for pose, label in MANNEQUINS.items():
+            _pose_button(row, chosen, pose, "", label)
+        record = record_of(context)
+        like = None if record is None else record.report.like
+        if like is not None and len(like.sides) > 1:
+            side = (like.side + 1) % len(like.sides)
+            text = f"Other Side ({side + 1} of {len(like.sides)})"
+            _pose_button(layout, chosen, like.pose, like.name, text).side = side
+        column = layout.column()
+        column.use_property_split = False
+        column.enabled = bool(chosen.like)
+        column.prop(chosen, "transfers")
+        button = column.operator(OBJECT_OT_canonical_form_transfer.bl_idname)
+        for name in METHOD_NAMES:
+            setattr(button, name, getattr(chosen, name))
+        button.like, button.kinds = chosen.like, chosen.transfers
+
+
+def _pose_button(
+    layout: bpy.types.UILayout, chosen: bpy.types.PropertyGroup, pose: str, name: str, text: str
+) -> bpy.types.OperatorProperties:
+    """Draw a button that takes a pose."""
+    button = layout.operator(OBJECT_OT_canonical_form_pose_like.bl_idname, text=text)
+    hand_over(chosen, button)
+    button.pose, button.like = pose, name
+    return button

@@ -1,0 +1,195 @@
+"""What a mesh takes over from another: weights and rig, UV maps, colours, shape keys, materials."""
+
+from typing import Any
+
+import bpy
+import numpy as np
+import pytest
+
+from addon.blender.transfer_reading import read_source
+from addon.blender.transfer_record import TRANSFERS_PROPERTY, read_transfers
+from addon.interface import panels
+from addon.interface.pose_panel import VIEW3D_PT_canonical_form_pose_like
+from tests.blender.conftest import QUICK, add_object, drawn, snapshot
+from tests.blender.test_limbs import keys_of, points_of
+from tests.meshes import shapes
+
+ALL = {"GROUPS", "UVS", "COLOURS", "KEYS", "MATERIALS"}
+TRANSFER: dict[str, Any] = {**QUICK, "like": "Base"}
+
+
+@pytest.fixture(scope="module")
+def small():
+    """A figure with few vertices."""
+    return shapes.figure(16)
+
+
+@pytest.fixture
+def pair(blender, small):
+    """A mesh that has everything, and a bare one of the same shape under other numbers, moved; that is active."""
+    vertices, faces = small
+    base = add_object("Base", vertices, faces)
+    mesh = base.data
+    right = vertices[:, 0] > 0
+    for name, members in (("Left", ~right), ("Right", right)):
+        base.vertex_groups.new(name=name).add(np.flatnonzero(members).tolist(), 0.75, "REPLACE")
+    layer = mesh.uv_layers.new(name="Map")
+    layer.uv.foreach_set("vector", vertices[faces.ravel()][:, :2].astype(np.float32).ravel())
+    for name, domain, kind, source in (
+        ("Paint", "POINT", "FLOAT_COLOR", vertices),
+        ("Bake", "CORNER", "BYTE_COLOR", vertices[faces.ravel()]),
+    ):
+        attribute = mesh.color_attributes.new(name=name, type=kind, domain=domain)
+        values = np.column_stack([0.3 + 0.1 * source, np.ones(len(source))])
+        attribute.data.foreach_set("color", values.astype(np.float32).ravel())
+    base.shape_key_add(name="Basis")
+    key = base.shape_key_add(name="Grow")
+    key.data.foreach_set("co", (1.2 * vertices).astype(np.float32).ravel())
+    key.slider_max = 2.0
+    for name in ("Skin", "Cloth"):
+        mesh.materials.append(bpy.data.materials.new(name))
+    slots = (vertices[faces].mean(axis=1)[:, 0] > 0).astype(np.int32)
+    mesh.polygons.foreach_set("material_index", slots)
+    others, other_faces, old = shapes.permuted(vertices, faces)
+    scan = add_object("Scan", others, other_faces)
+    scan.location = (5.0, 0.0, 0.0)
+    base.select_set(False)
+    bpy.context.view_layer.update()
+    return scan, base, old
+
+
+@pytest.fixture
+def rig(pair):
+    """An armature with a bone for either half, that moves the base."""
+    data = bpy.data.armatures.new("Rig")
+    armature = bpy.data.objects.new("Rig", data)
+    bpy.context.scene.collection.objects.link(armature)
+    bpy.context.view_layer.objects.active = armature
+    bpy.ops.object.mode_set(mode="EDIT")
+    for name, tail in (("Left", (-1, 0, 0)), ("Right", (1, 0, 0))):
+        bone = data.edit_bones.new(name)
+        bone.head, bone.tail = (0, 0, 0), tail
+    bpy.ops.object.mode_set(mode="OBJECT")
+    pair[1].modifiers.new("Armature", "ARMATURE").object = armature
+    bpy.context.view_layer.objects.active = pair[0]
+    return armature
+
+
+def test_everything_is_taken_over_to_the_likes(pair, small):
+    scan, base, old = pair
+    assert bpy.ops.object.canonical_form_transfer(**TRANSFER, kinds=ALL) == {"FINISHED"}
+    here, there = read_source(scan), read_source(base)
+    vertices = small[0][old]
+    inner = np.abs(vertices[:, 0]) > 0.4
+    for name, members in (("Left", vertices[:, 0] < 0), ("Right", vertices[:, 0] > 0)):
+        np.testing.assert_allclose(here.groups[name][inner], 0.75 * members[inner], atol=0.01)
+    places = vertices[here.vertex_of][:, :2]
+    assert np.linalg.norm(here.uvs["Map"] - places, axis=1).mean() < 0.02
+    assert [(each.name, each.on_corners, each.data_type) for each in here.colours] == [
+        (each.name, each.on_corners, each.data_type) for each in there.colours
+    ]
+    assert np.abs(here.colours[0].values[:, :3] - 0.3 - 0.1 * vertices).mean() < 0.01
+    assert [key.name for key in keys_of(scan)] == ["Basis", "Grow"]
+    grown = points_of(keys_of(scan)["Grow"])
+    assert np.linalg.norm(grown - 1.2 * vertices, axis=1).mean() < 0.03
+    assert keys_of(scan)["Grow"].slider_max == 2.0
+    assert keys_of(scan)["Grow"].value == 0.0
+    assert [slot.material.name for slot in scan.material_slots] == ["Skin", "Cloth"]
+    slots = np.empty(len(scan.data.polygons), dtype=np.int32)
+    scan.data.polygons.foreach_get("material_index", slots)
+    corners = vertices[here.vertex_of.reshape(-1, 3)][:, :, 0]
+    clear = np.abs(corners).min(axis=1) > 0.4
+    assert np.array_equal(slots[clear] == 1, (corners.mean(axis=1) > 0)[clear])
+
+
+def test_the_reference_is_left_as_it_was(pair):
+    before = snapshot(pair[1])
+    bpy.ops.object.canonical_form_transfer(**TRANSFER, kinds=ALL)
+    assert snapshot(pair[1]) == before
+
+
+def test_another_run_replaces_what_nobody_changed(pair):
+    scan, _, _ = pair
+    bpy.ops.object.canonical_form_transfer(**TRANSFER, kinds=ALL)
+    once = snapshot(scan)
+    bpy.ops.object.canonical_form_transfer(**TRANSFER, kinds=ALL)
+    assert snapshot(scan) == once
+    assert {kind: sorted(names) for kind, names in read_transfers(scan.data).items()} == {
+        "groups": ["Left", "Right"], "uvs": ["Map"], "colours": ["Bake", "Paint"], "keys": ["Grow"],
+    }  # fmt: skip
+
+
+def test_what_the_user_has_under_the_same_name_is_kept(pair, capfd):
+    scan, _, _ = pair
+    scan.vertex_groups.new(name="Left").add([0, 1], 0.5, "REPLACE")
+    scan.data.uv_layers.new(name="Map")
+    scan.shape_key_add(name="Basis")
+    scan.shape_key_add(name="Grow")
+    before = points_of(keys_of(scan)["Grow"]).copy()
+    bpy.ops.object.canonical_form_transfer(**TRANSFER, kinds={"GROUPS", "UVS", "KEYS"})
+    said = capfd.readouterr().out
+    assert "vertex groups of its own called Left" in said
+    assert "UV maps of its own called Map" in said
+    assert scan.vertex_groups["Left"].weight(0) == 0.5
+    assert [group.name for group in scan.vertex_groups] == ["Left", "Right"]
+    np.testing.assert_array_equal(points_of(keys_of(scan)["Grow"]), before)
+    assert [key.name for key in keys_of(scan)] == ["Basis", "Grow"]
+
+
+def test_with_the_weights_comes_the_rig(pair, rig, small):
+    scan, _, old = pair
+    bpy.ops.object.canonical_form_transfer(**TRANSFER, kinds={"GROUPS"})
+    assert [key.name for key in keys_of(scan)] == ["Basis", "Rest of Base"]
+    assert keys_of(scan)["Rest of Base"].value == 1.0
+    assert [(each.type, each.object) for each in scan.modifiers] == [("ARMATURE", rig)]
+    placed = points_of(keys_of(scan)["Rest of Base"]) + np.array(scan.location)
+    assert np.linalg.norm(placed - small[0][old], axis=1).mean() < 0.2  # on the rig
+    bpy.ops.object.canonical_form_transfer(**TRANSFER, kinds={"GROUPS"})
+    assert len(scan.modifiers) == 1
+    assert len(keys_of(scan)) == 2
+
+
+def test_a_body_that_the_rig_does_not_fit_is_told(pair, rig, capfd):
+    scan, _, _ = pair
+    scan.scale = (3.0, 3.0, 3.0)
+    bpy.context.view_layer.update()
+    bpy.ops.object.canonical_form_transfer(**TRANSFER, kinds={"GROUPS"})
+    assert "Scan is 3 times as large as Base" in capfd.readouterr().out
+
+
+def test_the_side_is_that_of_the_pose(pair):
+    scan, _, _ = pair
+    bpy.ops.object.canonical_form_pose_like(**QUICK, pose="OBJECT", like="Base", side=1)
+    bpy.ops.object.canonical_form_transfer(**TRANSFER, kinds={"GROUPS"})
+    with_side = read_source(scan).groups["Left"]
+    bpy.ops.object.canonical_form_transfer(**TRANSFER, kinds={"GROUPS"}, side=0)
+    assert np.abs(with_side - read_source(scan).groups["Left"]).mean() > 0.05
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        ({"like": "Nobody"}, "Choose an object"),
+        ({"like": "Scan"}, "the reference itself"),
+        ({"kinds": set()}, "Nothing is chosen"),
+    ],
+)
+def test_what_makes_no_sense_is_told(pair, words, sentence):
+    scan, _, _ = pair
+    before = snapshot(scan)
+    with pytest.raises(RuntimeError, match=sentence):
+        bpy.ops.object.canonical_form_transfer(**{**TRANSFER, "kinds": {"GROUPS"}, **words})
+    assert snapshot(scan) == before
+
+
+def test_a_property_of_that_name_of_the_users_own_is_none_of_ours(pair):
+    scan, _, _ = pair
+    scan.data[TRANSFERS_PROPERTY] = "[1, 2"
+    assert not any(read_transfers(scan.data).values())
+
+
+def test_the_panel_offers_what_can_be_taken_over(pair):
+    bpy.context.scene.canonical_form.like = "Base"
+    shown = drawn(VIEW3D_PT_canonical_form_pose_like)
+    assert shown == ["like", "Pose Like", "T-Pose", "A-Pose", "transfers", "object.canonical_form_transfer"]
+    assert VIEW3D_PT_canonical_form_pose_like in panels.CLASSES
