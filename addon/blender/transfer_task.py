@@ -246,7 +246,7 @@ class TransferTask:
             )
         kept = [name for name in names if name not in left]
         if kept:
-            self.told.append(f"{len(kept)} {_CALLED[kind]}")
+            self.told.append(f"{_CALLED[kind]}: {len(kept)}")
         return kept
 
     def _write_groups(self, obj: bpy.types.Object, carried: _Carried, written: Written) -> None:

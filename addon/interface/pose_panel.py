@@ -4,7 +4,7 @@ import bpy
 
 from ..blender.likeness import MANNEQUINS
 from .pose_operators import OBJECT_OT_canonical_form_pose_like, OBJECT_OT_canonical_form_transfer
-from .properties import METHOD_NAMES, hand_over
+from .properties import METHOD_NAMES, TRANSFER_ITEMS, hand_over, transfer_flag
 from .sidebar import Tab, record_of
 
 
@@ -33,14 +33,15 @@ class VIEW3D_PT_canonical_form_pose_like(Tab, bpy.types.Panel):
             side = (like.side + 1) % len(like.sides)
             text = f"Other Side ({side + 1} of {len(like.sides)})"
             _pose_button(layout, chosen, like.pose, like.name, text).side = side
-        column = layout.column()
-        column.use_property_split = False
+        column = layout.column(heading="Take Over")
         column.enabled = bool(chosen.like)
-        column.prop(chosen, "transfers")
+        flags = {kind: transfer_flag(kind) for kind, *_ in TRANSFER_ITEMS}
+        for flag in flags.values():
+            column.prop(chosen, flag)
         button = column.operator(OBJECT_OT_canonical_form_transfer.bl_idname)
         for name in METHOD_NAMES:
             setattr(button, name, getattr(chosen, name))
-        button.like, button.kinds = chosen.like, chosen.transfers
+        button.like, button.kinds = chosen.like, {kind for kind, flag in flags.items() if getattr(chosen, flag)}
 
 
 def _pose_button(

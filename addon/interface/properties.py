@@ -37,6 +37,22 @@ TRANSFER_ITEMS = [
 ]
 
 
+def transfer_flag(kind: str) -> str:
+    """Name the check box of what can be taken over.
+
+    Parameters
+    ----------
+    kind : str
+        One of the kinds of `TRANSFER_ITEMS`.
+
+    Returns
+    -------
+    str
+        Name of the property.
+    """
+    return f"transfer_{kind.lower()}"
+
+
 def method_items(_owner: Any, _context: bpy.types.Context | None) -> list[tuple[str, str, str, str, int]]:
     """List the methods when Blender first asks for them: importing them all would slow down enabling.
 
@@ -150,7 +166,20 @@ class RequestProperties:
 REQUEST_NAMES = tuple(RequestProperties.__annotations__)
 
 
-class CanonicalFormProperties(MethodProperties, FormerProperties, RequestProperties, bpy.types.PropertyGroup):
+class TransferProperties:
+    """What is taken over from the reference, a check box each."""
+
+    __annotations__ = {
+        transfer_flag(kind): BoolProperty(
+            name=name, description=f"Take over: {about}", default=kind in ("GROUPS", "UVS")
+        )
+        for kind, name, about in TRANSFER_ITEMS
+    }
+
+
+class CanonicalFormProperties(
+    MethodProperties, FormerProperties, RequestProperties, TransferProperties, bpy.types.PropertyGroup
+):
     """The choices made in the panel, kept with the scene."""
 
     feature_source: EnumProperty(  # type: ignore[valid-type]
@@ -165,13 +194,6 @@ class CanonicalFormProperties(MethodProperties, FormerProperties, RequestPropert
     like: StringProperty(  # type: ignore[valid-type]
         name="Reference",
         description="Object of a like body in the pose that is wanted, whatever its vertices and faces",
-    )
-    transfers: EnumProperty(  # type: ignore[valid-type]
-        name="Transfer",
-        description="What is taken over from the reference",
-        items=TRANSFER_ITEMS,
-        options={"ENUM_FLAG"},
-        default={"GROUPS", "UVS"},
     )
     show_points: BoolProperty(  # type: ignore[valid-type]
         name="Labels in the View",

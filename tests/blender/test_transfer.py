@@ -191,5 +191,6 @@ def test_a_property_of_that_name_of_the_users_own_is_none_of_ours(pair):
 def test_the_panel_offers_what_can_be_taken_over(pair):
     bpy.context.scene.canonical_form.like = "Base"
     shown = drawn(VIEW3D_PT_canonical_form_pose_like)
-    assert shown == ["like", "Pose Like", "T-Pose", "A-Pose", "transfers", "object.canonical_form_transfer"]
+    flags = [f"transfer_{kind}" for kind in ("groups", "uvs", "colours", "keys", "materials")]
+    assert shown == ["like", "Pose Like", "T-Pose", "A-Pose", *flags, "object.canonical_form_transfer"]
     assert VIEW3D_PT_canonical_form_pose_like in panels.CLASSES

@@ -17,7 +17,7 @@ sys.path[:0] = [str(ROOT / "tests" / "window"), str(ROOT)]
 
 from tests.window.hand import Hand  # noqa: E402
 
-HEADERS = {"features": 273, "distance": 299}  # of the closed panels before a run, below the top of the sidebar
+HEADERS = {"pose": 274, "features": 299, "distance": 325}  # of closed panels before a run, below the sidebar's top
 hand = Hand(PICTURES)
 
 
@@ -39,6 +39,7 @@ def session():
         filepath=str(PACKAGE), repo="user_default", enable_on_install=True, overwrite=True
     )
     yield from panels_on_a_bare_figure()
+    yield from another_pose()
     yield from a_clothed_character()
     bpy.ops.screen.userpref_show("INVOKE_DEFAULT", section="EXTENSIONS")
     yield 2.0
@@ -136,6 +137,89 @@ def a_clothed_character():
     keys.update_tag()
     yield 1.0
     yield from hand.picture("7-half-way")
+
+
+def another_pose():
+    """From a posed figure to a T-pose; then the weights and the rig of a base mesh, and a pose of that rig."""
+    from addon.core import mannequin
+    from addon.core.mesh.geometry import surface_area
+    from tools.sample.posed_figure import build
+
+    bpy.data.batch_remove([*bpy.data.objects])
+    bpy.context.view_layer.update()
+    build(levels=3)
+    scan = figure()
+    scan.name = "Scan"
+    yield from hand.over_view()
+    yield from hand.click(*hand.below_top(HEADERS["pose"], 0.3))
+    yield 0.7
+    run("canonical_form_pose_like", pose="T")
+    hand.area().spaces.active.shading.color_type = "VERTEX"
+    with in_view():
+        bpy.ops.view3d.view_selected()
+    yield 1.0
+    yield from hand.picture("8-t-pose")
+    run("canonical_form_clear")
+
+    vertices, faces = mannequin()
+    area = sum(face.area for face in scan.data.polygons)
+    size = float(np.sqrt(area / surface_area(vertices, faces)))
+    base, armature = rigged(vertices, faces, size)
+    for obj in (base, armature):
+        obj.location.x = -1.6 * size
+    bpy.context.view_layer.objects.active = scan
+    for obj in bpy.data.objects:
+        obj.select_set(obj == scan)
+    chosen = bpy.context.scene.canonical_form
+    chosen.like = base.name
+    yield 0.5
+    run("canonical_form_transfer", like=base.name, kinds={"GROUPS"})
+    for name, turn in (("Arm.L", (0.0, 0.0, -0.9)), ("Shin.R", (1.1, 0.0, 0.0)), ("Thigh.R", (-0.9, 0.0, 0.0))):
+        bone = armature.pose.bones[name]
+        bone.rotation_mode, bone.rotation_euler = "XYZ", turn
+    for obj in bpy.data.objects:
+        obj.select_set(True)
+    hand.area().spaces.active.shading.color_type = "MATERIAL"
+    with in_view():
+        bpy.ops.view3d.view_selected()
+    for obj in bpy.data.objects:
+        obj.select_set(obj == scan)
+    yield 1.0
+    yield from hand.picture("9-rigged")
+    chosen.like = ""
+    yield from hand.over_view()
+    yield from hand.click(*hand.below_top(HEADERS["pose"], 0.3))
+    yield 0.5
+
+
+def rigged(vertices, faces, size):
+    """Make a base mesh with an armature that moves it."""
+    mesh = bpy.data.meshes.new("Base")
+    mesh.from_pydata((size * vertices).tolist(), [], faces.tolist())
+    base = bpy.data.objects.new("Base", mesh)
+    data = bpy.data.armatures.new("Rig")
+    armature = bpy.data.objects.new("Rig", data)
+    for obj in (base, armature):
+        bpy.context.scene.collection.objects.link(obj)
+    armature.show_in_front = True
+    joints = {"Trunk": ((0, 0.02, 0.95), (0, 0.02, 1.45), None), "Head": ((0, 0.02, 1.45), (0, 0, 1.7), "Trunk")}
+    for side, sign in (("L", 1), ("R", -1)):
+        joints[f"Arm.{side}"] = ((0.17 * sign, 0.02, 1.43), (0.45 * sign, 0.03, 1.43), "Trunk")
+        joints[f"Forearm.{side}"] = ((0.45 * sign, 0.03, 1.43), (0.85 * sign, 0.02, 1.43), f"Arm.{side}")
+        joints[f"Thigh.{side}"] = ((0.09 * sign, 0, 0.9), (0.1 * sign, -0.01, 0.5), "Trunk")
+        joints[f"Shin.{side}"] = ((0.1 * sign, -0.01, 0.5), (0.1 * sign, 0.03, 0.06), f"Thigh.{side}")
+    bpy.context.view_layer.objects.active = armature
+    for obj in bpy.data.objects:
+        obj.select_set(obj in (base, armature))
+    with in_view():
+        bpy.ops.object.mode_set(mode="EDIT")
+        for name, (head, tail, parent) in joints.items():
+            bone = data.edit_bones.new(name)
+            bone.head, bone.tail = size * np.array(head), size * np.array(tail)
+            bone.parent = data.edit_bones[parent] if parent else None
+        bpy.ops.object.mode_set(mode="OBJECT")
+        bpy.ops.object.parent_set(type="ARMATURE_AUTO")
+    return base, armature
 
 
 def leads(obj):
