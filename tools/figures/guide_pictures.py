@@ -7,6 +7,7 @@ import os
 import sys
 import traceback
 from pathlib import Path
+from typing import Any
 
 import bpy
 import numpy as np
@@ -165,8 +166,7 @@ def another_pose():
     area = sum(face.area for face in scan.data.polygons)
     size = float(np.sqrt(area / surface_area(vertices, faces)))
     base, armature = rigged(vertices, faces, size)
-    for obj in (base, armature):
-        obj.location.x = -1.6 * size
+    armature.location.x = 1.2 * size  # the base is its child
     bpy.context.view_layer.objects.active = scan
     for obj in bpy.data.objects:
         obj.select_set(obj == scan)
@@ -177,7 +177,8 @@ def another_pose():
     for name, turn in (("Arm.L", (0.0, 0.0, -0.9)), ("Shin.R", (1.1, 0.0, 0.0)), ("Thigh.R", (-0.9, 0.0, 0.0))):
         bone = armature.pose.bones[name]
         bone.rotation_mode, bone.rotation_euler = "XYZ", turn
-    for obj in bpy.data.objects:
+    base.hide_set(True)
+    for obj in (scan, armature):
         obj.select_set(True)
     hand.area().spaces.active.shading.color_type = "MATERIAL"
     with in_view():
@@ -202,7 +203,10 @@ def rigged(vertices, faces, size):
     for obj in (base, armature):
         bpy.context.scene.collection.objects.link(obj)
     armature.show_in_front = True
-    joints = {"Trunk": ((0, 0.02, 0.95), (0, 0.02, 1.45), None), "Head": ((0, 0.02, 1.45), (0, 0, 1.7), "Trunk")}
+    joints: dict[str, Any] = {
+        "Trunk": ((0, 0.02, 0.95), (0, 0.02, 1.45), None),
+        "Head": ((0, 0.02, 1.45), (0, 0, 1.7), "Trunk"),
+    }
     for side, sign in (("L", 1), ("R", -1)):
         joints[f"Arm.{side}"] = ((0.17 * sign, 0.02, 1.43), (0.45 * sign, 0.03, 1.43), "Trunk")
         joints[f"Forearm.{side}"] = ((0.45 * sign, 0.03, 1.43), (0.85 * sign, 0.02, 1.43), f"Arm.{side}")
