@@ -24,7 +24,7 @@ from .placement import world_rotation
 from .record import Part
 from .request import Request
 from .result_clearing import clear_results
-from .result_writing import write_results
+from .result_writing import key_name, write_results
 from .undeforming import positions_before
 
 if TYPE_CHECKING:
@@ -239,11 +239,12 @@ class FormItem:
         found = [(result.found, result.shapes) for result in self.results]
         if self.readings[0].deformed and request.step == "FORM" and not new:
             found = [_before_modifiers(obj, *each) for obj, each in zip(objects, found, strict=True)]
+        called = key_name(self.results[0].report)
         targets: list[bpy.types.Object] = []
         done = False
         try:
             for number, obj in enumerate(objects):
-                targets.append(add_result_object(obj, self.readings[number]) if new else obj)
+                targets.append(add_result_object(obj, self.readings[number], called) if new else obj)
                 self._write_one(number, targets[-1], *found[number], request)
             if request.step == "FORM":
                 lead(targets)

@@ -12,7 +12,7 @@ from .record import read_record, write_record
 from .result_clearing import clear_results
 
 
-def add_result_object(obj: bpy.types.Object, reading: Reading) -> bpy.types.Object:
+def add_result_object(obj: bpy.types.Object, reading: Reading, called: str) -> bpy.types.Object:
     """Add an object with a copy of the mesh of another, as it was read.
 
     Parameters
@@ -21,6 +21,8 @@ def add_result_object(obj: bpy.types.Object, reading: Reading) -> bpy.types.Obje
         The object, in Object Mode.
     reading : Reading
         The reading, of the base mesh or the evaluated one.
+    called : str
+        What the result is called: it follows the name of the object.
 
     Returns
     -------
@@ -35,7 +37,7 @@ def add_result_object(obj: bpy.types.Object, reading: Reading) -> bpy.types.Obje
             )
     else:
         mesh = obj.data.copy()
-    name = f"{obj.name} Canonical Form"
+    name = f"{obj.name} {called}"
     mesh.name = name
     added = bpy.data.objects.new(name, mesh)
     editable = [each for each in obj.users_collection if each.library is None and each.override_library is None]

@@ -78,7 +78,7 @@ def write_results(
     mesh = obj.data
     form = None if isinstance(found, FeaturePatches) else found.vertices
     old, active, elsewhere = read_record(mesh), active_items(obj), active_keys_elsewhere(obj)
-    same = old is not None and _key_name(old.report) == _key_name(report)
+    same = old is not None and key_name(old.report) == key_name(report)
     kept_key = unchanged_form_key(mesh) if form is not None and same else None
     record = Record(report, active, part=part)
     if old is not None:
@@ -113,6 +113,22 @@ def write_results(
         mesh.color_attributes.active_color_name = shown
     restore_active_keys(elsewhere)
     mesh.update()
+
+
+def key_name(report: FormReport) -> str:
+    """Name the shape key of a result.
+
+    Parameters
+    ----------
+    report : FormReport
+        The report of the run.
+
+    Returns
+    -------
+    str
+        The name that it is given; Blender adds a number where the user has one of that name.
+    """
+    return SHAPE_KEY if report.like is None else report.like.key
 
 
 def refill_key(obj: bpy.types.Object, positions: FloatArray) -> None:
@@ -177,18 +193,13 @@ def _write_key(
     if mesh.shape_keys is None:
         basis = obj.shape_key_add(name="Basis", from_mix=False)
         record.basis, record.basis_fingerprint = basis.name, key_fingerprint(basis)
-    key = kept_key or obj.shape_key_add(name=_key_name(record.report), from_mix=False)
+    key = kept_key or obj.shape_key_add(name=key_name(record.report), from_mix=False)
     record.keys[key.name] = None
     if kept_key is None:
         key.relative_key = mesh.shape_keys.reference_key
     key.data.foreach_set("co", form.astype(np.float32).ravel())
     key.value = value
     record.keys[key.name] = key_fingerprint(key)
-
-
-def _key_name(report: FormReport) -> str:
-    """Name the shape key of a result."""
-    return SHAPE_KEY if report.like is None else report.like.key
 
 
 def _write_groups(obj: bpy.types.Object, record: Record, found: AnyResult, patches: bool) -> None:

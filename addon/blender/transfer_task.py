@@ -17,6 +17,7 @@ from .combining import moved
 from .fingerprints import colour_fingerprint, key_fingerprint
 from .form_key import form_key
 from .group_weights import fill_group
+from .in_betweens import PROPERTY, has_in_betweens
 from .mesh_reading import find_object, read_mesh, read_object, require_unchanged
 from .object_states import object_mode
 from .placement import placement_of
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
 
 TRANSFERS = ("GROUPS", "UVS", "COLOURS", "KEYS", "MATERIALS")
 REST = "Rest of {}"
-_LEAST = 1e-4  # weight below which a vertex is no member
+_LEAST = 5e-4  # weight below which a vertex is no member: it would be rounded to 0
 _LIKE_SIZED = 1.25  # times as large as the rig's own body, or as small, from which on it hardly fits
 _CALLED = {"groups": "vertex groups", "uvs": "UV maps", "colours": "colour attributes", "keys": "shape keys"}
 
@@ -193,7 +194,7 @@ class TransferTask:
 
     def _carry(self, found: Match, rest: FloatArray | None) -> _Carried:
         """Carry over what is wanted."""
-        from ..core import transferred, transferred_corners, transferred_shape
+        from ..core import transferred, transferred_corners
 
         source, kinds = self._source, self._kinds
 
@@ -215,17 +216,21 @@ class TransferTask:
             )
             for each in (source.colours if "COLOURS" in kinds else ())
         }
-        start = self._reading.vertices if rest is None else rest
         keys = {
-            each.name: (
-                transferred_shape(found, start, self._reading.faces, self._there, each.shape)
-                - start
-                + self._reading.vertices,
-                each.limits,
-            )
+            each.name: (self._changed_like(each.shape, found, rest), each.limits)
             for each in (source.keys if "KEYS" in kinds else ())
         }
         return _Carried(groups, uvs, colours, keys, self._material_of(found), rest)
+
+    def _changed_like(self, shape: FloatArray, found: Match, rest: FloatArray | None) -> FloatArray:
+        """Change the shape, as it rests or as it is, like a key of the source; as the scene shows both."""
+        from ..core import transferred_shape
+
+        reading, there = self._reading, self._there_placement
+        start = reading.vertices if rest is None else rest
+        placed, faces = _placed(start, reading.faces, reading.placement)
+        after = transferred_shape(found, placed, faces, moved(self._there, there), moved(shape, there))
+        return moved(after, np.linalg.inv(reading.placement)) - start + reading.vertices
 
     def _material_of(self, found: Match) -> IntArray:
         """Find the slot of the source that each polygon takes its material from: that of most of its corners."""
@@ -301,6 +306,8 @@ class TransferTask:
         form = form_key(obj.data)
         if carried.rest is not None and form is not None:  # both at once would move it twice
             form.value = 0.0
+            if has_in_betweens(obj.data):
+                obj.data.shape_keys[PROPERTY] = 0.0
 
     def _write_materials(self, obj: bpy.types.Object, material_of: IntArray) -> None:
         """Give the polygons the materials of their likes; the object's own stay in their slots."""

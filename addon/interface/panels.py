@@ -119,7 +119,7 @@ class VIEW3D_PT_canonical_form_result(Tab, bpy.types.Panel):
             row.prop(chosen, "in_betweens")
         if len(objects) > 1:
             layout.label(text=f"{len(objects)} objects are one body", icon="OBJECT_DATA")
-        _draw_frame(layout, record.report.frame, context.scene)
+        _draw_frame(layout, record, context.scene)
         _draw_report(layout.column(align=True), record)
         _draw_warnings(layout, record.report.warnings, _line_length(context))
         layout.prop(context.scene.canonical_form, "show_points")
@@ -293,13 +293,14 @@ def _offer_shown(layout: bpy.types.UILayout, chosen: bpy.types.PropertyGroup, ob
         row.prop_enum(chosen, "mesh", "SHOWN", text="Take the Pose as Shown")
 
 
-def _draw_frame(layout: bpy.types.UILayout, frame: int | None, scene: bpy.types.Scene) -> None:
+def _draw_frame(layout: bpy.types.UILayout, record: Record, scene: bpy.types.Scene) -> None:
     """Tell of which frame the form is, and offer another run where a different one is shown."""
+    frame = record.report.frame
     if frame is None:
         return
     row = layout.row()
     row.label(text=f"The pose of frame {frame}")
-    if scene.frame_current != frame:
+    if scene.frame_current != frame and record.report.has_form:
         button = row.operator(OBJECT_OT_canonical_form.bl_idname, text=f"Again at {scene.frame_current}")
         hand_over(scene.canonical_form, button)
         button.mesh = "SHOWN"

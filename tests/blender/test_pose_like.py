@@ -230,3 +230,12 @@ def test_the_panel_offers_the_poses_and_the_other_side(pair):
 def test_a_long_name_is_cut_to_what_blender_keeps():
     assert len(Likeness("OBJECT", "Ä" * 60).key.encode()) <= 63
     assert Likeness("T").key == "T-Pose"
+
+
+def test_a_new_object_is_called_after_the_pose(pair):
+    figure, _ = pair
+    before = snapshot(figure)
+    bpy.ops.object.canonical_form_pose_like(**POSE, result="OBJECT")
+    added = bpy.data.objects["Figure Like Other"]
+    assert names_of(added)[0] == ["Basis", "Like Other"]
+    assert snapshot(figure) == before

@@ -194,3 +194,15 @@ def test_the_panel_offers_what_can_be_taken_over(pair):
     flags = [f"transfer_{kind}" for kind in ("groups", "uvs", "colours", "keys", "materials")]
     assert shown == ["like", "Pose Like", "T-Pose", "A-Pose", *flags, "object.canonical_form_transfer"]
     assert VIEW3D_PT_canonical_form_pose_like in panels.CLASSES
+
+
+def test_an_object_that_its_transform_mirrors_takes_over_too(pair, small):
+    scan, _, old = pair
+    points = np.array([vertex.co for vertex in scan.data.vertices]) * [-1, 1, 1]
+    scan.data.vertices.foreach_set("co", points.astype(np.float32).ravel())
+    scan.data.flip_normals()
+    scan.scale = (-1.0, 1.0, 1.0)
+    bpy.context.view_layer.update()
+    bpy.ops.object.canonical_form_transfer(**TRANSFER, kinds={"KEYS"})
+    grown = points_of(keys_of(scan)["Grow"])
+    assert np.linalg.norm(grown - 1.2 * small[0][old] * [-1, 1, 1], axis=1).mean() < 0.03
