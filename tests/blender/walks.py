@@ -51,7 +51,7 @@ class Walk:
         """Take steps; raise an AssertionError at the first that changes user data or fails without a sentence."""
         self._fresh()
         ours = [self.compute, self.compute, self.cancelled, self.clear, self.limb, self.in_betweens, self.distance,
-                self.choose, self.select_patch, self.compute_together, self.remove_anyway]  # fmt: skip
+                self.choose, self.select_patch, self.compute_together, self.remove_anyway, self.pose_like]  # fmt: skip
         theirs = [self.mode, self.mode, self.move, self.add_key, self.add_group, self.add_colours, self.rename_ours,
                   self.spoil_ours, self.delete_ours, self.delete_vertices, self.slide, self.copy_object, self.new_mesh,
                   self.reload, self.other_data, self.other_hat]  # fmt: skip
@@ -197,6 +197,13 @@ class Walk:
             self.hat.select_set(True)
         options = [{}, {"objects": "TOGETHER"}, {"objects": "EACH"}, {"step": "PATCHES"}, {"mesh": "SHOWN"}]
         self.op(bpy.ops.object.canonical_form, **QUICK, **self.chance.choice(options))
+
+    def pose_like(self):
+        names = ["Nobody", self.obj.name] + ([] if self.hat is None else [self.hat.name] * 4)
+        options = self.chance.choice([{}, {"side": 1}, {"mesh": "SHOWN"}])
+        self.op(
+            bpy.ops.object.canonical_form_pose_like, **QUICK, pose="OBJECT", like=self.chance.choice(names), **options
+        )
 
     def remove_anyway(self):
         self.op(bpy.ops.object.canonical_form_remove_in_betweens)
