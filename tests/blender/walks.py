@@ -200,7 +200,8 @@ class Walk:
 
     def pose_like(self):
         names = ["Nobody", self.obj.name] + ([] if self.hat is None else [self.hat.name] * 4)
-        options = self.chance.choice([{}, {"side": 1}, {"mesh": "SHOWN"}])
+        kinds: list[dict[str, Any]] = [{}, {"side": 1}, {"mesh": "SHOWN"}]
+        options = self.chance.choice(kinds)
         self.op(
             bpy.ops.object.canonical_form_pose_like, **QUICK, pose="OBJECT", like=self.chance.choice(names), **options
         )
