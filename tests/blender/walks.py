@@ -43,8 +43,7 @@ class Walk:
         self.form_task = import_module(f"{package}.blender.form_task")
         self.request = import_module(f"{package}.blender.request")
         self.arrays, self.chance, self.undo = arrays, random.Random(seed), undo
-        self.steps, self.counts = [], {}
-        self.number = 0
+        self.steps, self.counts, self.number = [], {}, 0
         self.folder = Path(tempfile.mkdtemp())
 
     def run(self, steps):
@@ -185,8 +184,7 @@ class Walk:
             {}, {}, {"step": "PATCHES"}, {"step": "FEATURES"}, {"mesh": "SHOWN"}, {"result": "OBJECT"}, {"value": 0.3},
             {"feature_points": "0,5"},
         ]  # fmt: skip
-        options = self.chance.choice(kinds)
-        self.op(bpy.ops.object.canonical_form, **QUICK, **options)
+        self.op(bpy.ops.object.canonical_form, **QUICK, **self.chance.choice(kinds))
         for obj in list(bpy.data.objects):
             if "Canonical Form" in obj.name:
                 bpy.data.meshes.remove(obj.data)
@@ -199,12 +197,8 @@ class Walk:
         self.op(bpy.ops.object.canonical_form, **QUICK, **self.chance.choice(options))
 
     def pose_like(self):
-        names = ["Nobody", self.obj.name] + ([] if self.hat is None else [self.hat.name] * 4)
-        kinds: list[dict[str, Any]] = [{}, {"side": 1}, {"mesh": "SHOWN"}]
-        options = self.chance.choice(kinds)
-        self.op(
-            bpy.ops.object.canonical_form_pose_like, **QUICK, pose="OBJECT", like=self.chance.choice(names), **options
-        )
+        name = "Nobody" if self.hat is None else self.hat.name
+        self.op(bpy.ops.object.canonical_form_pose_like, **QUICK, like=name, side=self.chance.choice([-1, 1]))
 
     def remove_anyway(self):
         self.op(bpy.ops.object.canonical_form_remove_in_betweens)
@@ -252,10 +246,8 @@ class Walk:
     # steps of the user
 
     def mode(self):
-        self.op(
-            bpy.ops.object.mode_set,
-            mode=self.chance.choice(["OBJECT", "OBJECT", "EDIT", "WEIGHT_PAINT", "VERTEX_PAINT"]),
-        )
+        modes = ["OBJECT", "OBJECT", "EDIT", "WEIGHT_PAINT", "VERTEX_PAINT"]
+        self.op(bpy.ops.object.mode_set, mode=self.chance.choice(modes))
 
     def _object_mode(self):
         self.op(bpy.ops.object.mode_set, mode="OBJECT")
