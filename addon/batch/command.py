@@ -261,14 +261,11 @@ def read_pose(path: Path, wanted: Wanted) -> Likeness:
     CanonicalFormError
         If it cannot be read.
     """
-    if not has_blender():
-        from .plain_computing import likeness_plainly
+    if has_blender():
+        _keep_output_clean()
+    from .matching import read_likeness
 
-        return likeness_plainly(path, wanted.side)
-    _keep_output_clean()
-    from .computing import likeness_in_blender
-
-    return likeness_in_blender(path, wanted.objects, wanted.side)
+    return read_likeness(path, wanted.objects, wanted.side)
 
 
 def compute_match(options: Namespace, target: Path, mark: str, stages: bool) -> Line:

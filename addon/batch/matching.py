@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from argparse import Namespace
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
-from ..blender.likeness import PoseArrays
+from ..blender.likeness import Likeness, PoseArrays
 from ..blender.replacing_files import replaced
 from ..core import Match, match
 from .arguments import settings_of
@@ -38,7 +39,9 @@ def match_files(options: Namespace, target: Path, mark: str, stages: bool) -> Li
     one, other = options.meshes
     line: Line = {"input": str(one), "other": str(other)}
     try:
-        here, there = (_read(path, options.objects or ()) for path in (one, other))
+        here, there = (read_likeness(path, options.objects or ()).reference for path in (one, other))
+        assert here is not None
+        assert there is not None
         with stage_line(f"{one.name} and {other.name}", stages) as progress:
             found = match(
                 here.pose,
@@ -64,16 +67,34 @@ def match_files(options: Namespace, target: Path, mark: str, stages: bool) -> Li
     }
 
 
-def _read(path: Path, names: tuple[str, ...]) -> PoseArrays:
-    """Read the mesh of a file, of several the largest."""
+def read_likeness(path: Path, names: Sequence[str], side: int = -1) -> Likeness:
+    """Read the pose of the mesh of a file, of several the largest, with Blender or without.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    names : sequence of str
+        Names of the objects wanted, where it has them.
+    side : int
+        Which way to match: -1 for the likeliest, or its number.
+
+    Returns
+    -------
+    Likeness
+        The pose.
+
+    Raises
+    ------
+    CanonicalFormError
+        If it cannot be read.
+    """
     if has_blender():
         from .computing import likeness_in_blender
 
-        found = likeness_in_blender(path, names, -1).reference
-        assert found is not None
-        return found
+        return likeness_in_blender(path, names, side)
     vertices, polygons = read_plain(path)
-    return PoseArrays(vertices, fans(polygons), vertices)
+    return Likeness("OBJECT", path.stem, PoseArrays(vertices, fans(polygons), vertices), side)
 
 
 def _write(path: Path, found: Match) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ..blender.kinds_of_files import PLAIN
-from ..blender.likeness import Likeness, PoseArrays
+from ..blender.likeness import Likeness
 from ..core import CanonicalForm, CanonicalFormError, PosedLike, canonical_form
 from ..core.measures.form_measures import summary
 from ..core.method_api.costs import memory_estimate
@@ -86,30 +86,6 @@ def reference_plainly(path: Path, wanted: Wanted) -> CanonicalForm:
     """
     vertices, polygons = read_plain(path)
     return canonical_form(vertices, fans(polygons), wanted.settings)
-
-
-def likeness_plainly(path: Path, side: int) -> Likeness:
-    """Read the pose of a file's mesh.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-    side : int
-        Which way to match: -1 for the likeliest, or its number.
-
-    Returns
-    -------
-    Likeness
-        The pose.
-
-    Raises
-    ------
-    CanonicalFormError
-        If it cannot be read.
-    """
-    vertices, polygons = read_plain(path)
-    return Likeness("OBJECT", path.stem, PoseArrays(vertices, fans(polygons), vertices), side)
 
 
 def _require_plain(wanted: Wanted) -> None:

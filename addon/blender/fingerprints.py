@@ -64,6 +64,24 @@ def colour_fingerprint(attribute: bpy.types.Attribute) -> str:
     return fingerprint(colours)
 
 
+def uv_fingerprint(layer: bpy.types.MeshUVLoopLayer) -> str:
+    """Hash the places of a UV map.
+
+    Parameters
+    ----------
+    layer : bpy.types.MeshUVLoopLayer
+        The map.
+
+    Returns
+    -------
+    str
+        The fingerprint.
+    """
+    values = np.empty(2 * len(layer.uv), dtype=np.float32)
+    layer.uv.foreach_get("vector", values)
+    return fingerprint(values)
+
+
 def members_fingerprint(vertices: np.ndarray, weights: np.ndarray) -> str:
     """Hash the members of a vertex group.
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
 from typing import NamedTuple
 
 import bpy
 import numpy as np
 
 from ..core.numerics.arrays import FloatArray, IntArray
+from .active_items import ItemNames
 from .record import read_record
 
 
@@ -104,6 +104,8 @@ def read_source(obj: bpy.types.Object) -> Source:
         Its base mesh and what can be taken over.
     """
     mesh = obj.data
+    record = read_record(mesh)
+    own = ItemNames() if record is None else record.written_items()
     mesh.calc_loop_triangles()
     corners = np.empty(3 * len(mesh.loop_triangles), dtype=np.int32)
     mesh.loop_triangles.foreach_get("loops", corners)
@@ -115,42 +117,32 @@ def read_source(obj: bpy.types.Object) -> Source:
         obj.name,
         corners.reshape(-1, 3).astype(np.int64),
         vertex_of.astype(np.int64),
-        _groups(obj),
+        _groups(obj, own),
         {layer.name: _values(layer.uv, "vector", 2) for layer in mesh.uv_layers},
         [
             SourceColours(each.name, each.domain == "CORNER", each.data_type, _values(each.data, "color", 4))
             for each in mesh.color_attributes
-            if each.domain in ("POINT", "CORNER") and each.name not in _own(mesh, "colours")
+            if each.domain in ("POINT", "CORNER") and each.name not in own.colours
         ],
-        _keys(mesh),
+        _keys(mesh, own),
         ["" if each.material is None else each.material.name for each in obj.material_slots],
         slot.astype(np.int64),
         next((each.object.name for each in obj.modifiers if each.type == "ARMATURE" and each.object is not None), ""),
     )
 
 
-def _own(mesh: bpy.types.Mesh, kind: str) -> Collection[str | None]:
-    """List the items of a kind that the extension wrote."""
-    record = read_record(mesh)
-    if record is None:
-        return set()
-    written = record.written_items()
-    return {"colours": written.colours, "groups": written.groups, "keys": written.shape_keys}[kind]
-
-
-def _groups(obj: bpy.types.Object) -> dict[str, FloatArray]:
+def _groups(obj: bpy.types.Object, own: ItemNames) -> dict[str, FloatArray]:
     """Read the weights of the vertex groups."""
-    own = _own(obj.data, "groups")
     weights = np.zeros((len(obj.vertex_groups), len(obj.data.vertices)))
     for vertex in obj.data.vertices if len(obj.vertex_groups) else ():
         for part in vertex.groups:
             weights[part.group, vertex.index] = part.weight
-    return {group.name: weights[group.index] for group in obj.vertex_groups if group.name not in own}
+    return {group.name: weights[group.index] for group in obj.vertex_groups if group.name not in own.groups}
 
 
-def _keys(mesh: bpy.types.Mesh) -> list[SourceKey]:
+def _keys(mesh: bpy.types.Mesh, own: ItemNames) -> list[SourceKey]:
     """Read the shape keys, each as if it were alone."""
-    keys, own = mesh.shape_keys, _own(mesh, "keys")
+    keys = mesh.shape_keys
     if keys is None:
         return []
     basis = _values(keys.reference_key.data, "co", 3)
@@ -161,7 +153,7 @@ def _keys(mesh: bpy.types.Mesh) -> list[SourceKey]:
             (key.slider_min, key.slider_max),
         )
         for key in keys.key_blocks
-        if key != keys.reference_key and key.name not in own
+        if key != keys.reference_key and key.name not in own.shape_keys
     ]
 
 

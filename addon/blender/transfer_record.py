@@ -5,9 +5,8 @@ from __future__ import annotations
 import json
 
 import bpy
-import numpy as np
 
-from .fingerprints import colour_fingerprint, fingerprint, group_fingerprints, key_fingerprint
+from .fingerprints import colour_fingerprint, group_fingerprints, key_fingerprint, uv_fingerprint
 from .form_key import remove_drivers
 
 TRANSFERS_PROPERTY = "canonical_form_transfers"
@@ -48,24 +47,6 @@ def write_transfers(mesh: bpy.types.Mesh, written: Written) -> None:
         For each of `KINDS` the fingerprints by name.
     """
     mesh[TRANSFERS_PROPERTY] = json.dumps(written)
-
-
-def uv_fingerprint(layer: bpy.types.MeshUVLoopLayer) -> str:
-    """Hash the places of a UV map.
-
-    Parameters
-    ----------
-    layer : bpy.types.MeshUVLoopLayer
-        The map.
-
-    Returns
-    -------
-    str
-        The fingerprint.
-    """
-    values = np.empty(2 * len(layer.uv), dtype=np.float32)
-    layer.uv.foreach_get("vector", values)
-    return fingerprint(values)
 
 
 def make_room(obj: bpy.types.Object, kind: str, names: list[str], written: Written) -> list[str]:

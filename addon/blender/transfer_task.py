@@ -14,7 +14,7 @@ from ..core.numerics.arrays import FloatArray, IntArray
 from .active_items import active_items, existing_items, restore_active_items
 from .advice import all_advised
 from .combining import moved
-from .fingerprints import colour_fingerprint, key_fingerprint
+from .fingerprints import colour_fingerprint, key_fingerprint, uv_fingerprint
 from .form_key import form_key
 from .group_weights import fill_group
 from .in_betweens import PROPERTY, has_in_betweens
@@ -24,7 +24,7 @@ from .placement import placement_of
 from .pose_reading import reference_refusal
 from .record import read_record
 from .transfer_reading import Source, read_source
-from .transfer_record import Written, make_room, read_transfers, uv_fingerprint, write_transfers
+from .transfer_record import Written, make_room, read_transfers, write_transfers
 
 if TYPE_CHECKING:
     from ..core import Match, Settings
@@ -44,7 +44,7 @@ class _Carried(NamedTuple):
     uvs: dict[str, FloatArray]
     colours: dict[str, tuple[str, str, FloatArray]]
     keys: dict[str, tuple[FloatArray, tuple[float, float]]]
-    material_of: IntArray
+    material_of: IntArray | None
     rest: FloatArray | None
 
 
@@ -167,7 +167,7 @@ class TransferTask:
                 self._write_uvs(obj, self._carried, written)
                 self._write_colours(obj, self._carried, written)
                 self._write_keys(obj, self._carried, written)
-                if "MATERIALS" in self._kinds:
+                if self._carried.material_of is not None:
                     self._write_materials(obj, self._carried.material_of)
             restore_active_items(obj, active.kept(existing_items(obj), otherwise=active_items(obj)))
             obj.data.update()
@@ -220,7 +220,8 @@ class TransferTask:
             each.name: (self._changed_like(each.shape, found, rest), each.limits)
             for each in (source.keys if "KEYS" in kinds else ())
         }
-        return _Carried(groups, uvs, colours, keys, self._material_of(found), rest)
+        material_of = self._material_of(found) if "MATERIALS" in kinds else None
+        return _Carried(groups, uvs, colours, keys, material_of, rest)
 
     def _changed_like(self, shape: FloatArray, found: Match, rest: FloatArray | None) -> FloatArray:
         """Change the shape, as it rests or as it is, like a key of the source; as the scene shows both."""
