@@ -1,4 +1,4 @@
-"""Runs ``python -m addon``: `compute` and `evaluate`, with Blender as a module or without it."""
+"""Runs ``python -m addon``: `compute`, `evaluate` and their likes, with Blender as a module or without it."""
 
 import sys
 from collections.abc import Sequence
@@ -22,6 +22,10 @@ def main(words: Sequence[str] | None = None) -> int:
         from .evaluation.command import main as evaluate
 
         return evaluate(list(words[1:]))
+    if words[:1] == ["evaluate-matches"]:
+        from .evaluation.correspondences.command import main as evaluate_matches
+
+        return evaluate_matches(list(words[1:]))
     from .batch.command import main as run
 
     return run(words, sys.stdout)

@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 import argparse
-import os
 import sys
 from collections.abc import Sequence
-from pathlib import Path
 from time import perf_counter
 from typing import TextIO
 
 from ..core import CanonicalFormError
 from ..scheduling.crews import crew
+from .arguments import (
+    add_dataset,
+    add_workers,
+    bar_style,
+    own_folder,
+    require_packages,
+    require_workers,
+)
 from .dataset import Shape, shapes_in
 from .methods import DEFAULT, KNOWN, Method, chosen_methods
 from .running import Lost, Rows, compute_forms, compute_hausdorff, hausdorff_rows, pending_forms
@@ -39,11 +45,11 @@ def main(arguments: list[str], output: TextIO | None = None) -> int:
     except SystemExit as stop:
         return int(stop.code or 0)
     try:
-        _require_packages(options.scheduler is not None)
+        require_packages(["matplotlib", "tqdm", "threadpoolctl", *(["distributed"] if options.scheduler else [])])
         methods = chosen_methods(_words(options.methods))
         shapes = shapes_in(options.dataset, options.classes)
-        _require_own_folder(options.output, [*(shape.path for shape in shapes), *filter(None, [options.classes])])
-        options.output.mkdir(parents=True, exist_ok=True)
+        own_folder(options.output, [*(shape.path for shape in shapes), *filter(None, [options.classes])])
+        require_workers(options.workers)
         store = Store(options.output)
         failed = _evaluated(store, shapes, methods, options, output or sys.stdout)
     except (CanonicalFormError, OSError) as error:
@@ -73,38 +79,16 @@ def _parser() -> argparse.ArgumentParser:
         "figures. A run that was stopped or killed goes on where it was when it is started again.",
         epilog=f"Methods: {', '.join(KNOWN)}. Settings may follow a method: ours:quality=draft,landmark_count=50.",
     )
-    parser.add_argument("dataset", type=Path, help="one folder a class; or all meshes and a file of their classes")
-    parser.add_argument("--output", type=Path, required=True, metavar="DIR", help="folder for results and tables")
+    add_dataset(parser)
     parser.add_argument(
         "--methods", default=",".join(DEFAULT), help="names, separated by commas (default: %(default)s)"
     )
-    parser.add_argument("--classes", type=Path, metavar="FILE", help=".cla file, or lines 'file,class'")
-    parser.add_argument(
-        "--workers", type=int, default=os.cpu_count() or 1, metavar="N", help="processes (default: cores)"
-    )
-    parser.add_argument("--scheduler", metavar="HOST:PORT", help="use a Dask cluster instead of processes")
+    add_workers(parser)
     parser.add_argument(
         "--hausdorff", type=int, default=10, metavar="N",
         help="shapes of a class that are compared by Hausdorff distance; 0 for none (default: %(default)s)",
     )  # fmt: skip
     return parser
-
-
-def _require_packages(cluster: bool) -> None:
-    """Find out now what would be missing after hours."""
-    from importlib.util import find_spec
-
-    wanted = ["matplotlib", "tqdm", "threadpoolctl", *(["distributed"] if cluster else [])]
-    missing = [name for name in wanted if find_spec(name) is None]
-    if missing:
-        names = " ".join("dask[distributed]" if name == "distributed" else name for name in missing)
-        raise CanonicalFormError(f"An evaluation needs more packages. Install them with: pip install {names}")
-
-
-def _require_own_folder(output: Path, inputs: Sequence[Path]) -> None:
-    """Refuse to write where files are that are read: tables have names that a file of classes may have too."""
-    if output.resolve() in {path.resolve().parent for path in inputs}:
-        raise CanonicalFormError(f"{output} holds files of the dataset. Choose another --output.")
 
 
 def _evaluated(
@@ -113,19 +97,17 @@ def _evaluated(
     """Do what is missing, write everything, and return how much failed."""
     from tqdm import tqdm
 
-    if options.workers < 1:
-        raise CanonicalFormError("--workers must be at least 1.")
     pending, lost = pending_forms(store, shapes, methods)
     missing, whole = sum(map(len, pending.values())), len(shapes) * len(methods)
     pace: list[float] = []
     began = perf_counter()
-    style = {"smoothing": 0.05, "mininterval": 0.5 if sys.stderr.isatty() else 30.0}  # seconds; in a file not so often
+    style = bar_style()
     with crew(options.workers, options.scheduler) as hired:
         with tqdm(total=whole, initial=whole - missing, unit="form", desc="Forms", **style) as bar:
             if missing:
                 lost |= compute_forms(store, pending, hired, lambda _: bar.update(), pace)
         rows = hausdorff_rows(store, shapes, methods, options.hausdorff)
-        todo = {name: row for name, row in rows.items() if not store.has_distances(name, row[2])}
+        todo = {name: row for name, row in rows.items() if not store.has(name, row[2])}
         lost_rows: dict[str, str] = {}
         if rows:
             with tqdm(total=len(rows), initial=len(rows) - len(todo), unit="row", desc="Hausdorff", **style) as bar:

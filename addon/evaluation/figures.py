@@ -40,11 +40,7 @@ def write_figures(store: Store, tables: Sequence[MethodTable]) -> list[Path]:
     made = []
 
     def save(figure: Figure, name: str) -> None:
-        path = store.folder / name
-        beside = path.with_name(f".{name}")
-        figure.savefig(beside, dpi=110, format="png", metadata={"Software": None})
-        beside.replace(path)
-        made.append(path)
+        made.append(store.write_picture(name, figure))
 
     figure = Figure(figsize=(7, 5), layout="constrained")
     axes = figure.add_subplot(xlabel="recall", ylabel="precision", ylim=(0, 1.03), xlim=(0, 1))

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import csv
-import io
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +14,7 @@ from .methods import INPUT, Method
 from .running import Rows, row_name
 from .store import Store
 from .tables import MethodTable
+from .writing import csv_text, markdown_table, number, short
 
 FIGURES = (
     "vertices", "faces", "features", "pair_count", "compactness", "compactness_error", "edge_distortion_median",
@@ -53,23 +52,23 @@ def write_report(
         for label in labels
     }
     files = {
-        "results.csv": _csv(
+        "results.csv": csv_text(
             ["class", "shape", "method", *FIGURES, "error"],
             (
                 [shape.label, shape.name, table.method.name]
-                + [_number(table.rows.get(shape, {}).get(figure)) for figure in FIGURES]
+                + [number(table.rows.get(shape, {}).get(figure)) for figure in FIGURES]
                 + [table.failures.get(shape, "")]
                 for table in tables
                 for shape in shapes
             ),
         ),
-        "classes.csv": _csv(_CLASS_HEAD, (_class_line(table, label) for table in tables for label in labels)),
-        "methods.csv": _csv(_METHOD_HEAD, (_method_line(table, matrices, labels) for table in tables)),
-        "costs.csv": _csv(
+        "classes.csv": csv_text(_CLASS_HEAD, (_class_line(table, label) for table in tables for label in labels)),
+        "methods.csv": csv_text(_METHOD_HEAD, (_method_line(table, matrices, labels) for table in tables)),
+        "costs.csv": csv_text(
             ["class", "shape", "method", "vertices", "seconds", "all_seconds", "memory_megabytes"],
             (
                 [shape.label, shape.name, table.method.name, table.rows[shape]["vertices"]]
-                + [_number(cost.get(name)) for name in ("seconds", "all_seconds", "memory")]
+                + [number(cost.get(name)) for name in ("seconds", "all_seconds", "memory")]
                 for table in tables
                 for shape, cost in table.costs.items()
             ),
@@ -79,14 +78,14 @@ def write_report(
     }
     for table in tables:
         names = [f"{shape.label}/{shape.name}" for shape in table.rows]
-        files[f"descriptor-distances-{table.method.name}.csv"] = _csv(
-            ["", *names], ([name, *map(_number, row)] for name, row in zip(names, table.distances, strict=True))
+        files[f"descriptor-distances-{table.method.name}.csv"] = csv_text(
+            ["", *names], ([name, *map(number, row)] for name, row in zip(names, table.distances, strict=True))
         )
     for (name, label), (some, matrix) in matrices.items():
         if len(some) > 1:
-            files[f"hausdorff-{name}@{label}.csv"] = _csv(
+            files[f"hausdorff-{name}@{label}.csv"] = csv_text(
                 ["", *(shape.name for shape in some)],
-                ([shape.name, *map(_number, row)] for shape, row in zip(some, matrix, strict=True)),
+                ([shape.name, *map(number, row)] for shape, row in zip(some, matrix, strict=True)),
             )
     written = [store.write_text(name, text) for name, text in files.items()]
     for kind in ("hausdorff-*.csv", "descriptor-distances-*.csv"):
@@ -113,9 +112,9 @@ def _class_line(table: MethodTable, label: str) -> list[str]:
         table.method.name,
         label,
         str(len(table.values("vertices", label))),
-        *map(_number, [_mean(error), _deviation(error)]),
-        *(_number(_mean(table.values(name, label))) for name in _MEANS),
-        *map(_number, [pose.ratio, pose.ratio_mirrored] if pose else [None, None]),
+        *map(number, [_mean(error), _deviation(error)]),
+        *(number(_mean(table.values(name, label))) for name in _MEANS),
+        *map(number, [pose.ratio, pose.ratio_mirrored] if pose else [None, None]),
     ]
 
 
@@ -130,11 +129,11 @@ def _method_line(table: MethodTable, matrices: dict[tuple[str, str], Any], label
         table.method.name,
         str(len(table.rows)),
         str(len(table.failures)),
-        *map(_number, [_mean(error), _deviation(error)]),
-        *(_number(_mean(table.values(name))) for name in _MEANS),
-        _number(_mean(np.array([each for each in within if np.isfinite(each)]))),
-        *map(_number, [table.pose_ratio(), table.pose_ratio(mirrored=True)]),
-        *map(_number, [found.nearest_neighbour, found.first_tier, found.second_tier, found.discounted_gain]),
+        *map(number, [_mean(error), _deviation(error)]),
+        *(number(_mean(table.values(name))) for name in _MEANS),
+        number(_mean(np.array([each for each in within if np.isfinite(each)]))),
+        *map(number, [table.pose_ratio(), table.pose_ratio(mirrored=True)]),
+        *map(number, [found.nearest_neighbour, found.first_tier, found.second_tier, found.discounted_gain]),
     ]
 
 
@@ -178,10 +177,10 @@ def report_text(
         "",
         "## All classes",
         "",
-        _markdown(
+        markdown_table(
             ["method", "compactness error", "deviation", "edges, median", "95 %", "Hausdorff to input",
              "within classes", "pose ratio", "mirrored", "NN", "1st tier", "2nd tier", "DCG", "failed"],
-            ([line[0], *(_short(word) for word in line[3:]), line[2]]
+            ([line[0], *(short(word) for word in line[3:]), line[2]]
              for line in (_method_line(table, matrices, labels) for table in tables)),
         ),
     ]  # fmt: skip
@@ -189,7 +188,7 @@ def report_text(
     lines += ["", "## Pose ratio by class (mirror images allowed)", "", _by_class(tables, labels, _pose_text)]
     lines += ["", "## Hausdorff distance within the classes, mean", ""]
     lines += [
-        _by_class(tables, labels, lambda t, label: _short(_number(_mean(_upper(matrices[t.method.name, label][1])))))
+        _by_class(tables, labels, lambda t, label: short(number(_mean(_upper(matrices[t.method.name, label][1])))))
     ]
     lines += ["", "## Methods", ""]
     lines += [f"- *{table.method.name}*: {table.method.source}" for table in tables]
@@ -230,24 +229,24 @@ def costs_text(tables: Sequence[MethodTable]) -> str:
     return (
         "# What it cost\n\nMedian seconds a mesh on one thread, without reading and measuring, by thousands of "
         "vertices; for rivals without the search for feature points, which is for show only. Peak memory beyond what "
-        f"the process had before.\n\n{_markdown(head, map(line, shown))}\n"
+        f"the process had before.\n\n{markdown_table(head, map(line, shown))}\n"
     )
 
 
 def _error_text(table: MethodTable, label: str) -> str:
     error = 1e4 * table.values("compactness_error", label)
-    return f"{_short(_number(_mean(error)))} ± {_short(_number(_deviation(error)))}" if len(error) else ""
+    return f"{short(number(_mean(error)))} ± {short(number(_deviation(error)))}" if len(error) else ""
 
 
 def _pose_text(table: MethodTable, label: str) -> str:
     pose = table.poses.get(label)
     if pose is None or not np.isfinite(pose.apart):
         return ""
-    return f"{_short(_number(pose.ratio))} ({_short(_number(pose.ratio_mirrored))})"
+    return f"{short(number(pose.ratio))} ({short(number(pose.ratio_mirrored))})"
 
 
 def _by_class(tables: Sequence[MethodTable], labels: list[str], text: Any) -> str:
-    return _markdown(
+    return markdown_table(
         ["method", *labels], ([table.method.name, *(text(table, label) for label in labels)] for table in tables)
     )
 
@@ -259,9 +258,9 @@ def _hausdorff_matrix(store: Store, rows: Rows, method: Method, label: str) -> t
     np.fill_diagonal(matrix, 0.0)
     for first in range(len(some) - 1):
         name = row_name(method, label, first)
-        row = store.distances(name, rows[name][2])
+        row = store.comparison(name, rows[name][2])
         if row is not None:
-            matrix[first, first + 1 :] = matrix[first + 1 :, first] = row
+            matrix[first, first + 1 :] = matrix[first + 1 :, first] = row[1]["distances"]
     return some, matrix
 
 
@@ -276,26 +275,3 @@ def _mean(values: np.ndarray) -> float:
 
 def _deviation(values: np.ndarray) -> float:
     return float(values.std(ddof=1)) if len(values) > 1 else float("nan")
-
-
-def _number(value: Any) -> str:
-    if value is None or (isinstance(value, float) and np.isnan(value)):
-        return ""
-    return f"{value:.9g}" if isinstance(value, float | np.floating) else str(value)
-
-
-def _short(word: str) -> str:
-    return f"{float(word):.3f}" if word else ""
-
-
-def _csv(head: Sequence[str], lines: Iterable[Sequence[Any]]) -> str:
-    stream = io.StringIO()
-    writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow(head)
-    writer.writerows(lines)
-    return stream.getvalue()
-
-
-def _markdown(head: Sequence[str], lines: Iterable[Sequence[str]]) -> str:
-    rows = [head, ["---"] * len(head), *lines]
-    return "\n".join("| " + " | ".join(row) + " |" for row in rows)

@@ -240,7 +240,7 @@ def compute_hausdorff(store: Store, rows: Rows, crew: Crew, told: Told, pace: li
             lost[str(name)] = result.reason
         else:
             distances, seconds = result
-            store.keep_distances(str(name), rows[str(name)][2], distances)
+            store.keep_comparison(str(name), rows[str(name)][2], {}, {"distances": np.array(distances)})
             pace.append(seconds)
         told(str(name))
     return lost

@@ -13,7 +13,7 @@ from contextlib import suppress
 from dataclasses import asdict
 from functools import cache
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
@@ -21,7 +21,11 @@ from .dataset import Shape
 from .methods import Method
 from .work import Outcome
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 _BROKEN = (OSError, ValueError, KeyError, EOFError, TypeError, zipfile.BadZipFile, zlib.error)  # of a cut-short file
+_DOTS = 110  # an inch, of pictures
 _STALE = 3600.0  # seconds after which a partial file is nobody's any more
 
 
@@ -141,13 +145,13 @@ class Store:
         except _BROKEN:
             return None
 
-    def has_distances(self, name: str, key: str) -> bool:
-        """Tell whether a row of Hausdorff distances is there.
+    def has(self, name: str, key: str) -> bool:
+        """Tell whether a comparison of shapes is there.
 
         Parameters
         ----------
         name : str
-            Name of the row.
+            Its name.
         key : str
             Of what it was made from.
 
@@ -158,39 +162,43 @@ class Store:
         """
         return self._key_in(self._results / f"{name}.npz") == key
 
-    def keep_distances(self, name: str, key: str, distances: list[float]) -> None:
-        """Write a row of Hausdorff distances.
+    def keep_comparison(self, name: str, key: str, figures: dict[str, Any], arrays: dict[str, np.ndarray]) -> None:
+        """Write a comparison of shapes.
 
         Parameters
         ----------
         name : str
-            Name of the row.
+            Its name.
         key : str
             Of what it was made from.
-        distances : list of float
-            The row.
+        figures : dict
+            Single figures.
+        arrays : dict of str to ndarray
+            Arrays.
         """
-        self._write(self._results / f"{name}.npz", {"key": key}, {"distances": np.array(distances)})
+        self._write(self._results / f"{name}.npz", {"key": key, "figures": figures}, arrays)
 
-    def distances(self, name: str, key: str) -> np.ndarray | None:
-        """Read a row of Hausdorff distances.
+    def comparison(self, name: str, key: str) -> tuple[dict[str, Any], dict[str, np.ndarray]] | None:
+        """Read a comparison of shapes.
 
         Parameters
         ----------
         name : str
-            Name of the row.
+            Its name.
         key : str
             Of what it must be made from.
 
         Returns
         -------
-        ndarray or None
-            The row; None if there is none.
+        (dict, dict) or None
+            The figures and the arrays; None if there is none.
         """
-        if not self.has_distances(name, key):
+        path = self._results / f"{name}.npz"
+        head = self._head(path)
+        if head is None or head.get("key") != key:
             return None
-        with np.load(self._results / f"{name}.npz") as stored:
-            return np.asarray(stored["distances"])
+        with np.load(path) as stored:
+            return head.get("figures", {}), {each: stored[each] for each in stored.files if each != "head"}
 
     def write_text(self, name: str, text: str) -> Path:
         """Write a file of the report; it is replaced in one step.
@@ -210,6 +218,26 @@ class Store:
         path = self.folder / name
         with _replacing(path) as stream:
             stream.write(text.encode())
+        return path
+
+    def write_picture(self, name: str, figure: Figure) -> Path:
+        """Write a picture; it is replaced in one step.
+
+        Parameters
+        ----------
+        name : str
+            Its name in the output folder.
+        figure : matplotlib.figure.Figure
+            The picture.
+
+        Returns
+        -------
+        Path
+            The file.
+        """
+        path = self.folder / name
+        with _replacing(path) as stream:
+            figure.savefig(stream, dpi=_DOTS, format="png", metadata={"Software": None})
         return path
 
     def _path(self, shape: Shape, method: Method) -> Path:
@@ -253,6 +281,27 @@ class _replacing:
             self._beside.unlink(missing_ok=True)
 
 
+def file_digest(path: Path) -> str:
+    """Make a key of the content of a file.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+
+    Returns
+    -------
+    str
+        The key.
+
+    Raises
+    ------
+    OSError
+        If it cannot be read.
+    """
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
 def keys_of(path: Path, methods: Sequence[Method]) -> list[str]:
     """Make the keys of results: they change with the mesh's file, the settings and the code.
 
@@ -273,7 +322,7 @@ def keys_of(path: Path, methods: Sequence[Method]) -> list[str]:
     OSError
         If the file cannot be read.
     """
-    content = hashlib.sha256(path.read_bytes()).hexdigest()
+    content = file_digest(path)
     settings = ["" if each.settings is None else json.dumps(asdict(each.settings), sort_keys=True) for each in methods]
     return [digest(content, path.suffix.lower(), each, code_version()) for each in settings]
 
@@ -290,6 +339,7 @@ def code_version() -> str:
     root = Path(__file__).resolve().parents[1]
     files = sorted((root / "core").rglob("*.py"))
     files += [root / "evaluation" / f"{name}.py" for name in ("work", "descriptor", "reading")]
+    files += [root / "evaluation" / "correspondences" / f"{name}.py" for name in ("work", "matchers")]
     files += [root / "blender" / f"{name}.py" for name in ("off_format", "reading_files", "mesh_reading")]
     files.append(root / "batch" / "plain_files.py")
     return digest(*(path.read_text(encoding="utf-8") for path in files))

@@ -1,0 +1,111 @@
+"""What the commands of an evaluation share: arguments, and what is found out before the work begins."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from collections.abc import Sequence
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+from ..core import CanonicalFormError
+
+_PACKAGE = {"distributed": "dask[distributed]", "pyFM": "pyfmaps"}  # where it has another name than its module
+
+
+def add_dataset(parser: argparse.ArgumentParser) -> None:
+    """Add the dataset, its classes and the folder for the results.
+
+    Parameters
+    ----------
+    parser : argparse.ArgumentParser
+        The parser.
+    """
+    parser.add_argument("dataset", type=Path, help="one folder a class; or all meshes and a file of their classes")
+    parser.add_argument("--output", type=Path, required=True, metavar="DIR", help="folder for results and tables")
+    parser.add_argument("--classes", type=Path, metavar="FILE", help=".cla file, or lines 'file,class'")
+
+
+def add_workers(parser: argparse.ArgumentParser) -> None:
+    """Add who does the work.
+
+    Parameters
+    ----------
+    parser : argparse.ArgumentParser
+        The parser.
+    """
+    parser.add_argument(
+        "--workers", type=int, default=os.cpu_count() or 1, metavar="N", help="processes (default: cores)"
+    )
+    parser.add_argument("--scheduler", metavar="HOST:PORT", help="use a Dask cluster instead of processes")
+
+
+def require_packages(names: Sequence[str]) -> None:
+    """Find out now what would be missing after hours.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Modules.
+
+    Raises
+    ------
+    CanonicalFormError
+        If one is not installed; the message says how to install it.
+    """
+    missing = [_PACKAGE.get(name, name) for name in names if find_spec(name) is None]
+    if missing:
+        words = " ".join(missing)
+        raise CanonicalFormError(f"An evaluation needs more packages. Install them with: pip install {words}")
+
+
+def require_workers(count: int) -> None:
+    """Check the number of workers.
+
+    Parameters
+    ----------
+    count : int
+        The number.
+
+    Raises
+    ------
+    CanonicalFormError
+        If it is below 1.
+    """
+    if count < 1:
+        raise CanonicalFormError("--workers must be at least 1.")
+
+
+def own_folder(output: Path, inputs: Sequence[Path]) -> None:
+    """Make the folder for the results, which holds none of the files that are read: their names may be the same.
+
+    Parameters
+    ----------
+    output : Path
+        The folder.
+    inputs : sequence of Path
+        The files.
+
+    Raises
+    ------
+    CanonicalFormError
+        If one is in it.
+    OSError
+        If it cannot be made.
+    """
+    if output.resolve() in {path.resolve().parent for path in inputs}:
+        raise CanonicalFormError(f"{output} holds files of the dataset. Choose another --output.")
+    output.mkdir(parents=True, exist_ok=True)
+
+
+def bar_style() -> dict[str, Any]:
+    """Say how progress bars look: in a file they are written less often.
+
+    Returns
+    -------
+    dict
+        Arguments of a bar.
+    """
+    return {"smoothing": 0.05, "mininterval": 0.5 if sys.stderr.isatty() else 30.0}  # seconds
