@@ -59,6 +59,7 @@ def test_every_pair_has_a_row_and_the_classes_without_pairs_a_reason(run):
     for row in rows:
         assert 0 < float(row["error"]) < (0.05 if row["method"] == "ours" else 0.3)
         assert bool(row["edges"]) == (row["method"] == "ours")
+        assert row["crossings_true"] == ("0" if row["method"] == "ours" else "")
         assert row["failure"] == ""
     assert all(float(row["seconds"]) > 0 for row in rows_of(folder / "matches-costs.csv"))
     report = (folder / "matches.md").read_text()

@@ -16,7 +16,8 @@ from .picture import matches_figure
 from .work import APART, LEFT
 
 Outcome = tuple[dict[str, Any], dict[str, np.ndarray]] | str
-_FIGURES = ("error", "nearer", "near", "flip", "pose", "edges")
+_CROSSINGS = ("crossings", "crossings_before", "crossings_true")
+_FIGURES = ("error", "nearer", "near", "flip", "pose", "edges", *_CROSSINGS)
 
 
 class Result(NamedTuple):
@@ -115,7 +116,12 @@ def report_text(results: Sequence[Result], matchers: Sequence[Matcher], left_out
                 rows.append([label, matcher.name, str(len(found)), *_mean_and_most(error, 2), *shares, flips])
             ratio, edges = (_column(found, name) for name in ("pose", "edges"))
             if len(edges):
-                poses.append([label, matcher.name, str(len(ratio)), *_mean_and_most(ratio, 3), f"{edges.mean():.3f}"])
+                through = [_column(found, name) for name in _CROSSINGS]
+                poses.append(
+                    [label, matcher.name, str(len(ratio)), *_mean_and_most(ratio, 3), f"{edges.mean():.3f}"]
+                    + [f"{each.mean():.0f}" if len(each) else "" for each in through]
+                    + [f"{_crossing_more(found)} of {len(found)}"]
+                )
     lines = [
         "# Matches",
         "",
@@ -131,9 +137,13 @@ def report_text(results: Sequence[Result], matchers: Sequence[Matcher], left_out
             "## Poses taken over",
             "",
             f"Distance to the true pose over the distance between the two poses, those more than {APART} apart; edges: "
-            "median change of their lengths.",
+            "median change of their lengths. Pairs of triangles that cross, mean: in the pose taken over, before, and "
+            "in the true pose; *more*: pairs of meshes in which they are more than both before and in the true pose.",
             "",
-            markdown_table(["pairs of", "method", "pairs", "distance", "most", "edges"], poses),
+            markdown_table(
+                ["pairs of", "method", "pairs", "distance", "most", "edges", "crossings", "before", "true", "more"],
+                poses,
+            ),
         ]
     lines += ["", "## Methods", "", *(f"- *{each.name}*: {each.source}" for each in matchers)]
     failed = [each for each in results if isinstance(each.outcome, str)]
@@ -186,6 +196,11 @@ def _figures(results: Sequence[Result], label: str, matcher: Matcher) -> list[di
 def _column(figures: Sequence[dict[str, Any]], name: str) -> np.ndarray:
     """Collect one figure, where there is one."""
     return np.array([each[name] for each in figures if each[name] is not None], dtype=np.float64)
+
+
+def _crossing_more(figures: Sequence[dict[str, Any]]) -> int:
+    """Count the results that cross themselves more than the mesh before and in the true pose."""
+    return sum(each["crossings"] > max(each["crossings_before"], each["crossings_true"] or 0) for each in figures)
 
 
 def _mean_and_most(values: np.ndarray, digits: int) -> list[str]:

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...core.distances.heat import HeatMethod
+from ...core.measures.crossings import crossings
 from ...core.mesh.closest_points import closest_points
 from ...core.mesh.coarsening import coarsened
 from ...core.mesh.geometry import surface_area
@@ -30,7 +31,8 @@ class Outcome(NamedTuple):
     Attributes
     ----------
     row : dict
-        ``error``, ``near``, ``nearer``, ``flip``; ``pose`` and ``edges`` where a pose was taken over; ``seconds``.
+        ``error``, ``near``, ``nearer``, ``flip``, ``seconds``; where a pose was taken over ``pose``, ``edges`` and how
+        many pairs of triangles cross: ``crossings``, and ``_before`` in its own and ``_true`` in the true pose.
     arrays : dict of str to ndarray
         ``corners``, ``weights``, ``posed``.
     """
@@ -97,6 +99,9 @@ def matched(one: Mesh, other: Mesh, matcher: str, same_body: bool) -> Outcome:
         "flip": bool((errors > WRONG).mean() > FLIPPED),
         "pose": None,
         "edges": found.edges,
+        "crossings": None,
+        "crossings_before": None,
+        "crossings_true": None,
         "seconds": seconds,
     }
     arrays = {"corners": found.corners.astype(np.int32), "weights": found.weights.astype(np.float32)}
@@ -105,6 +110,10 @@ def matched(one: Mesh, other: Mesh, matcher: str, same_body: bool) -> Outcome:
         apart = mean_apart([one.vertices, other.vertices])
         if same_body and apart > APART * np.sqrt(surface_area(*one)):
             row["pose"] = mean_apart([found.posed, other.vertices]) / apart
+        shapes = {"crossings": found.posed, "crossings_before": one.vertices, "crossings_true": other.vertices}
+        for name, shape in shapes.items():
+            if same_body or name != "crossings_true":
+                row[name] = len(crossings(shape, one.faces))
     return Outcome(row, arrays)
 
 
