@@ -11,6 +11,7 @@ from .numerics.arrays import FloatArray, IntArray
 from .run.errors import InvalidSettingsError
 
 T_POSE, A_POSE = 0.0, 45.0  # degrees
+VERTEX_COUNT = 30_346  # of a mannequin
 
 _STEP, _BLEND = 0.009, 0.007  # of the grid, and how far solids flow together, in metres
 _LIFTED = 90.0  # degrees: arms are turned no further up or down

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -15,11 +16,12 @@ from .matching.unfolded import Unfolded, unfolded
 from .mesh.geometry import surface_area
 from .mesh.tables import rows_in
 from .method_api.catalogue import method_named
+from .method_api.costs import require_match_memory
 from .method_api.settings import Settings
 from .method_api.surface_features import DETECTION
 from .opening import OPENING, features_of, opened
 from .results import Match
-from .run.errors import InvalidSettingsError
+from .run.errors import CancelledError, CanonicalFormError, InvalidSettingsError
 from .run.monitor import Cancelled, Monitor, Progress
 
 _UNFOLDED = 0.4  # of the work, one mesh
@@ -79,7 +81,7 @@ def match(
     other_faces : (m', 3) array_like of int
         Its triangles.
     settings : Settings, optional
-        Options of the forms of both.
+        Options of the forms of both; chosen feature points are of the first.
     side : str or int
         "auto", or the number of one of the `Match.sides`, 0 for the likeliest, where left and right or front and back
         came out wrong.
@@ -164,10 +166,18 @@ def matched_bodies(
     if side != "auto" and (isinstance(side, bool) or not isinstance(side, int | np.integer) or side < 0):
         raise InvalidSettingsError("match_side", value=side)
     settings = method_named(settings.method).settings(settings)
+    require_match_memory(np.size(vertices) // 3, np.size(other_vertices) // 3, settings)
     one = monitor.piece(0.0, _UNFOLDED * share, OPENING)
     two = monitor.piece(_UNFOLDED * share, 2 * _UNFOLDED * share, OPENING)
     bodies, surfaces = _unfolded_bodies(vertices, faces, settings, one)
-    others, other_surfaces = _unfolded_bodies(other_vertices, other_faces, settings, two)
+    try:
+        others, other_surfaces = _unfolded_bodies(
+            other_vertices, other_faces, replace(settings, feature_points=None), two
+        )
+    except CancelledError:
+        raise
+    except CanonicalFormError as error:
+        raise error.about("The other mesh") from error
     monitor.extend(one.warnings)
     order, other_order = (_by_area(each) for each in (bodies, others))
     if len(order) != len(other_order):

@@ -47,7 +47,7 @@ def pose_like(
     reference_faces : (m', 3) array_like of int
         Its triangles.
     settings : Settings, optional
-        Options of the forms of both.
+        Options of the forms of both; chosen feature points are of the first.
     side : str or int
         As in `match`.
     reference_pose : (n', 3) array_like of float, optional

@@ -3,6 +3,10 @@
 import bpy
 
 from ..blender.likeness import MANNEQUINS
+from ..blender.meant_objects import meant_objects
+from ..core import Settings
+from ..core.mannequins import VERTEX_COUNT
+from ..core.method_api.costs import match_memory_estimate, match_time_estimate
 from .pose_operators import OBJECT_OT_canonical_form_pose_like, OBJECT_OT_canonical_form_transfer
 from .properties import METHOD_NAMES, TRANSFER_ITEMS, hand_over, transfer_flag
 from .sidebar import Tab, record_of
@@ -42,6 +46,19 @@ class VIEW3D_PT_canonical_form_pose_like(Tab, bpy.types.Panel):
         for name in METHOD_NAMES:
             setattr(button, name, getattr(chosen, name))
         button.like, button.kinds = chosen.like, {kind for kind, flag in flags.items() if getattr(chosen, flag)}
+        objects = [obj for obj in meant_objects(context) if obj is not None and obj.type == "MESH"]
+        if objects:
+            layout.label(text=_estimate(chosen, objects), icon="MEMORY")
+
+
+def _estimate(chosen: bpy.types.PropertyGroup, objects: list[bpy.types.Object]) -> str:
+    """Estimate memory and time of a match with the reference, or with a mannequin where there is none."""
+    settings = Settings(method=chosen.method, quality=chosen.quality, pieces=chosen.pieces)
+    count = sum(len(obj.data.vertices) for obj in objects)
+    like = bpy.data.objects.get(chosen.like)
+    other = len(like.data.vertices) if like is not None and like.type == "MESH" else VERTEX_COUNT
+    memory, seconds = (each(count, other, settings) for each in (match_memory_estimate, match_time_estimate))
+    return f"{count:,} and {other:,} vertices, {memory:.1f} GB, {seconds:,.0f} s"
 
 
 def _pose_button(

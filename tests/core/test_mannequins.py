@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial import cKDTree
 
 from addon.core import InvalidMeshError, InvalidSettingsError, Settings, mannequin, pose_like
-from addon.core.mannequins import A_POSE, T_POSE
+from addon.core.mannequins import A_POSE, T_POSE, VERTEX_COUNT
 from addon.core.mesh.connectivity import is_closed
 from addon.core.mesh.geometry import signed_volume, surface_area
 from addon.core.modelling.solids import Ellipsoid, RoundCone, smooth_union
@@ -42,6 +42,7 @@ def test_a_union_lies_between_its_solids_and_their_hull():
 def test_it_is_closed_symmetric_and_stands(arms):
     vertices, faces = mannequin(arms)
     assert is_closed(faces)
+    assert len(vertices) == VERTEX_COUNT
     assert len(vertices) - len(faces) / 2 == 2
     assert cKDTree(vertices).query(vertices * [-1, 1, 1])[0].max() < 1e-9
     assert vertices[:, 2].min() == 0.0

@@ -1,6 +1,7 @@
 """Two meshes matched, and posed like each other."""
 
 from contextlib import suppress
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from addon.core import (
     InvalidSettingsError,
     Settings,
     canonical_form,
+    feature_patches,
     match,
     pose_like,
     transferred,
@@ -175,6 +177,25 @@ def test_it_stops_when_asked(at, poses):
             straight, faces, bent, bent_faces, DRAFT,
             progress=lambda part, _: seen.append(part), cancelled=lambda: seen[-1] > at,
         )  # fmt: skip
+
+
+def test_an_error_says_which_mesh_is_meant(poses):
+    (straight, faces), (bent, bent_faces, _) = poses
+    with pytest.raises(InvalidMeshError, match=r"^The other mesh: Faces refer to vertices outside") as raised:
+        match(straight, faces, bent, bent_faces + 1, DRAFT)
+    assert raised.value.kind == "face_range"
+    with pytest.raises(InvalidMeshError, match=r"^Faces refer"):
+        match(straight, faces + 1, bent, bent_faces, DRAFT)
+
+
+def test_chosen_feature_points_are_of_the_first_mesh(poses):
+    (straight, faces), (bent, bent_faces, _) = poses
+    coarse = coarsened(bent, bent_faces, len(bent) // 2)
+    chosen = [*feature_patches(straight, faces, DRAFT).feature_points.tolist()]
+    assert max(chosen) >= len(coarse.kept)
+    chosen_settings = replace(DRAFT, feature_points=tuple(chosen))
+    found = match(straight, faces, bent[coarse.kept], coarse.faces, chosen_settings)
+    assert (found.vertices >= 0).all()
 
 
 @settings(max_examples=10, deadline=None, suppress_health_check=[HealthCheck.too_slow])

@@ -9,6 +9,8 @@ from .settings import Settings
 
 _SMALL = (0.055, 0.6e-6)  # gigabytes, and by vertex: the work on the coarse mesh, measured
 _LARGE = (0.015, 1.27e-6)  # the rounds of the coarse mesh, which take more from about 60,000 vertices on
+_MATCH = (0.03, 0.17e-6)  # gigabytes beside the larger form, and by vertex of both, measured
+_MATCH_SECONDS = (2.0, 5e-5)  # beside the two forms, and by vertex
 _LANDMARK_BYTES = 40.0  # a distance of each vertex from each landmark, and the work to place the vertex by them
 _USUAL_PATCHES = 5
 PIECE_SECONDS = 0.25  # what a loose part with a form of its own takes however small it is, measured
@@ -99,6 +101,79 @@ def require_memory(vertex_count: int, settings: Settings) -> None:
     if not _grows_squared(settings) and needed > memory_limit(settings.memory_limit):
         limit = limit_in_words(settings.memory_limit)
         raise TooLargeError("mesh_memory", vertices=vertex_count, needed=needed, limit=limit)
+
+
+def match_memory_estimate(count: int, other_count: int, settings: Settings) -> float:
+    """Estimate the most memory that a match takes, both forms included.
+
+    Parameters
+    ----------
+    count, other_count : int
+        Numbers of vertices.
+    settings : Settings
+        The options of the forms.
+
+    Returns
+    -------
+    float
+        Gigabytes.
+
+    Examples
+    --------
+    >>> f"{match_memory_estimate(100_000, 100_000, Settings()):.2f} GB"
+    '0.21 GB'
+    """
+    base, each = _MATCH
+    return memory_estimate(max(count, other_count), settings) + base + each * (count + other_count)
+
+
+def match_time_estimate(count: int, other_count: int, settings: Settings) -> float:
+    """Estimate how long a match takes on a machine of 2020 or later, both forms included, within a factor of two.
+
+    Parameters
+    ----------
+    count, other_count : int
+        Numbers of vertices.
+    settings : Settings
+        The options of the forms.
+
+    Returns
+    -------
+    float
+        Seconds.
+
+    Examples
+    --------
+    >>> f"{match_time_estimate(10_000, 10_000, Settings()):.1f} s"
+    '4.6 s'
+    """
+    base, each = _MATCH_SECONDS
+    return time_estimate(count, settings) + time_estimate(other_count, settings) + base + each * count
+
+
+def require_match_memory(count: int, other_count: int, settings: Settings) -> None:
+    """Raise an error if two meshes are too large to be matched within the memory limit.
+
+    Parameters
+    ----------
+    count, other_count : int
+        Numbers of vertices.
+    settings : Settings
+        The options of the forms.
+
+    Raises
+    ------
+    TooLargeError
+        With the memory needed and what to do.
+
+    Examples
+    --------
+    >>> require_match_memory(10_000, 10_000, Settings(memory_limit=1.0))
+    """
+    needed = match_memory_estimate(count, other_count, settings)
+    if not _grows_squared(settings) and needed > memory_limit(settings.memory_limit):
+        limit = limit_in_words(settings.memory_limit)
+        raise TooLargeError("mesh_memory", vertices=count + other_count, needed=needed, limit=limit)
 
 
 def _grows_squared(settings: Settings) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from .messages import kinds, message
+from .messages import Message, kinds, message
 
 
 class CanonicalFormError(Exception):
@@ -39,6 +39,26 @@ class CanonicalFormError(Exception):
     def numbers(self) -> dict[str, Any]:
         """What the text tells beside its kind."""
         return getattr(self.args[0], "numbers", {})
+
+    def about(self, what: str) -> CanonicalFormError:
+        """Say of what the error tells, where there are several.
+
+        Parameters
+        ----------
+        what : str
+            Its name.
+
+        Returns
+        -------
+        CanonicalFormError
+            The same error, whose text begins with that name.
+
+        Examples
+        --------
+        >>> print(InvalidMeshError("no_faces").about("The other mesh"))
+        The other mesh: The mesh has no faces. Choose a mesh with a surface.
+        """
+        return type(self)(Message(f"{what}: {self}", self.kind, self.numbers))
 
 
 class InvalidMeshError(CanonicalFormError):

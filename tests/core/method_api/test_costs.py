@@ -6,7 +6,14 @@ import sys
 import pytest
 
 from addon.core import Settings, TooLargeError
-from addon.core.method_api.costs import memory_estimate, require_memory, time_estimate
+from addon.core.method_api.costs import (
+    match_memory_estimate,
+    match_time_estimate,
+    memory_estimate,
+    require_match_memory,
+    require_memory,
+    time_estimate,
+)
 
 
 def test_the_memory_is_known_beforehand():
@@ -30,6 +37,15 @@ def test_a_mesh_that_does_not_fit_is_refused_in_words(monkeypatch):
         TooLargeError, match=r"1,000,000 vertices needs about 1\.3 GB, more than 0\.6 GB, which is 60% of"
     ):
         require_memory(1_000_000, Settings())
+
+
+def test_a_match_takes_more_than_the_forms_and_is_refused_in_words(monkeypatch):
+    monkeypatch.setattr("addon.core.run.memory.free_memory", lambda: 1.0)
+    assert match_memory_estimate(10_000, 200_000, Settings()) > memory_estimate(200_000, Settings())
+    assert match_time_estimate(10_000, 200_000, Settings()) > time_estimate(200_000, Settings())
+    require_match_memory(200_000, 200_000, Settings())
+    with pytest.raises(TooLargeError, match=r"700,000 vertices needs about .* more than 0\.6 GB"):
+        require_match_memory(400_000, 300_000, Settings())
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="needs ulimit -v")
