@@ -14,6 +14,7 @@ from ..core import CanonicalFormError
 from .job_operator import JobOperator
 from .operators import allowed, chosen_objects, tell_results
 from .properties import TRANSFER_ITEMS, MethodProperties, RequestProperties, settings_of
+from .viewport import show_colours
 
 if TYPE_CHECKING:
     from ..blender.form_task import FormTask
@@ -127,6 +128,33 @@ class OBJECT_OT_canonical_form_transfer(JobOperator, MethodProperties, bpy.types
         self.report({"INFO"}, f"Taken over from {self.like}: {', '.join(task.told) or 'nothing'}.")
 
 
-CLASSES = (OBJECT_OT_canonical_form_pose_like, OBJECT_OT_canonical_form_transfer)
+class OBJECT_OT_canonical_form_match_colours(bpy.types.Operator):
+    """Show the colours that the match carries over on the reference too, or remove them there"""  # noqa: D400
+
+    bl_idname = "object.canonical_form_match_colours"
+    bl_label = "Colours on the Reference"
+    bl_options = {"REGISTER", "UNDO"}
+
+    like: StringProperty(name="Reference", description="Object whose colours were carried over")  # type: ignore[valid-type]
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Show or remove them."""
+        from ..blender.match_colours import toggle_source_colours
+
+        try:
+            shown = toggle_source_colours(bpy.data.objects.get(self.like))
+        except CanonicalFormError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        if shown:
+            show_colours(context)
+        return {"FINISHED"}
+
+
+CLASSES = (
+    OBJECT_OT_canonical_form_pose_like,
+    OBJECT_OT_canonical_form_match_colours,
+    OBJECT_OT_canonical_form_transfer,
+)
 
 register, unregister = bpy.utils.register_classes_factory(CLASSES)

@@ -3,11 +3,16 @@
 import bpy
 
 from ..blender.likeness import MANNEQUINS
+from ..blender.match_colours import has_source_colours
 from ..blender.meant_objects import meant_objects
 from ..core import Settings
 from ..core.mannequins import VERTEX_COUNT
 from ..core.method_api.costs import match_memory_estimate, match_time_estimate
-from .pose_operators import OBJECT_OT_canonical_form_pose_like, OBJECT_OT_canonical_form_transfer
+from .pose_operators import (
+    OBJECT_OT_canonical_form_match_colours,
+    OBJECT_OT_canonical_form_pose_like,
+    OBJECT_OT_canonical_form_transfer,
+)
 from .properties import METHOD_NAMES, TRANSFER_ITEMS, hand_over, transfer_flag
 from .sidebar import Tab, record_of
 
@@ -37,6 +42,11 @@ class VIEW3D_PT_canonical_form_pose_like(Tab, bpy.types.Panel):
             side = (like.side + 1) % len(like.sides)
             text = f"Other Side ({side + 1} of {len(like.sides)})"
             _pose_button(layout, chosen, like.pose, like.name, text).side = side
+        source = None if like is None or like.pose != "OBJECT" else bpy.data.objects.get(like.name)
+        if source is not None and source.type == "MESH":
+            action = "Remove Colours from" if has_source_colours(source) else "Show Colours on"
+            text = f"{action} {source.name}"
+            layout.operator(OBJECT_OT_canonical_form_match_colours.bl_idname, text=text).like = source.name
         column = layout.column(heading="Take Over")
         column.enabled = bool(chosen.like)
         flags = {kind: transfer_flag(kind) for kind, *_ in TRANSFER_ITEMS}

@@ -35,7 +35,7 @@ def blender():
 @pytest.fixture(scope="session")
 def arrays():
     """A small figure."""
-    return shapes.figure(18)
+    return shapes.figure(13)
 
 
 @pytest.fixture

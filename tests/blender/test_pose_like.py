@@ -12,8 +12,8 @@ from addon.blender.likeness import Likeness
 from addon.blender.record import require_record
 from addon.core import Settings, mannequin, pose_like
 from addon.core.measures.alignment import rigid_fit
-from addon.interface import panels
-from tests.blender.conftest import QUICK, add_object, drawn, snapshot
+from addon.interface import panels, pose_panel
+from tests.blender.conftest import QUICK, add_object, drawn, flat, snapshot
 from tests.blender.test_limbs import keys_of, points_of
 from tests.meshes import shapes
 
@@ -85,6 +85,27 @@ def test_the_match_is_shown_and_cleared_with_the_rest(pair):
     assert len(require_record(figure.data).patch_names) == len(figure.data.canonical_form_patches) == len(groups) - 2
     bpy.ops.object.canonical_form_clear()
     assert snapshot(figure) == before
+
+
+def test_the_reference_can_show_the_colours_too(pair):
+    figure, reference = pair
+    before = snapshot(reference)
+    bpy.ops.object.canonical_form_pose_like(**POSE)
+    assert "Show Colours on Other" in drawn(pose_panel.VIEW3D_PT_canonical_form_pose_like)
+    assert bpy.ops.object.canonical_form_match_colours(like="Other") == {"FINISHED"}
+    assert reference.data.color_attributes.active_color_name == "Match Source"
+    carried, source = (
+        np.frombuffer(flat(each.data.color_attributes.active_color.data, "color", 4), dtype=np.float32).reshape(-1, 4)
+        for each in (figure, reference)
+    )
+    assert np.ptp(source[:, :3], axis=0) == pytest.approx([0.95] * 3)
+    np.testing.assert_allclose(carried.min(axis=0), source.min(axis=0), atol=0.1)
+    np.testing.assert_allclose(carried.max(axis=0), source.max(axis=0), atol=0.1)
+    assert "Remove Colours from Other" in drawn(pose_panel.VIEW3D_PT_canonical_form_pose_like)
+    assert bpy.ops.object.canonical_form_match_colours(like="Other") == {"FINISHED"}
+    assert snapshot(reference) == before
+    with pytest.raises(RuntimeError, match="The reference is gone"):
+        bpy.ops.object.canonical_form_match_colours(like="Nobody")
 
 
 def test_a_form_gives_way_to_a_pose_and_the_pose_to_a_form(pair):

@@ -1,0 +1,64 @@
+"""The colours of a reference, which a match carries over: shown on the reference too, to compare them."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+from ..core import CanonicalFormError
+from .colour_attributes import add_colours
+from .mesh_reading import read_mesh, refusal
+from .object_states import object_mode
+from .palette import places
+
+SOURCE_COLOURS = "Match Source"
+
+
+def has_source_colours(obj: bpy.types.Object) -> bool:
+    """Tell whether a reference shows its colours.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        The reference.
+
+    Returns
+    -------
+    bool
+        Whether it has them.
+    """
+    return SOURCE_COLOURS in obj.data.color_attributes
+
+
+def toggle_source_colours(obj: bpy.types.Object | None) -> bool:
+    """Colour a reference as the match of others shows it, or remove these colours.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object or None
+        The reference.
+
+    Returns
+    -------
+    bool
+        Whether it shows them now.
+
+    Raises
+    ------
+    CanonicalFormError
+        If it is gone or cannot be changed; the message says what to do.
+    """
+    reason = "The reference is gone. Choose another." if obj is None else refusal(obj)
+    if obj is None or reason is not None:
+        raise CanonicalFormError(reason or "")
+    with object_mode(obj):
+        colours = obj.data.color_attributes
+        if has_source_colours(obj):
+            colours.remove(colours[SOURCE_COLOURS])
+            return False
+        vertices = read_mesh(obj.data)[0] @ np.array(obj.matrix_world)[:3, :3].T
+        attribute = add_colours(obj, SOURCE_COLOURS)
+        shades = np.append(places(vertices), np.ones((len(vertices), 1)), axis=1)
+        attribute.data.foreach_set("color", shades.astype(np.float32).ravel())
+        colours.active_color_name = attribute.name
+    return True
