@@ -89,7 +89,7 @@ def test_every_reader_gives_the_same_form(kind, tmp_path):
     if importer(f".{kind}") is None:
         pytest.skip(f"this Blender does not read .{kind}")
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    add_object("Figure", *shapes.figure(18))
+    add_object("Figure", *shapes.figure(13))
     path = tmp_path / f"figure.{kind}"
     {
         "fbx": lambda: bpy.ops.export_scene.fbx(filepath=str(path), use_selection=True),
@@ -98,7 +98,7 @@ def test_every_reader_gives_the_same_form(kind, tmp_path):
         "abc": lambda: bpy.ops.wm.alembic_export(filepath=str(path), as_background_job=False),
         "gltf": lambda: bpy.ops.export_scene.gltf(filepath=str(path), export_format="GLTF_SEPARATE"),
     }[kind]()
-    shapes.write_off(tmp_path / "plain.off", *shapes.figure(18))
+    shapes.write_off(tmp_path / "plain.off", *shapes.figure(13))
     code, [read, plain] = run(path, tmp_path / "plain.off", "--output", tmp_path / "out", "--axes", "Z,-Y",
                               "--format", "ply")  # fmt: skip
     assert code == 0
@@ -154,7 +154,7 @@ def test_frames_of_a_rig_give_numbered_files_that_agree(tmp_path):
 
 def test_objects_together_are_one_result(tmp_path):
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    vertices, faces = shapes.figure(18)
+    vertices, faces = shapes.figure(13)
     add_object("Body", vertices, faces)
     ball, triangles = shapes.sphere(2)
     add_object("Ball", 0.2 * ball + vertices[100], triangles)

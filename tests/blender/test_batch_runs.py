@@ -42,7 +42,7 @@ def ended(process):
 @pytest.mark.parametrize("times", [1, 2])
 def test_a_crash_costs_one_file_at_most(tmp_path, times):
     shapes.write_off(tmp_path / "slow.off", *shapes.figure(44))
-    shapes.write_off(tmp_path / "quick.off", *shapes.figure(18))
+    shapes.write_off(tmp_path / "quick.off", *shapes.figure(13))
     out = tmp_path / "out"
     process = started([tmp_path / "slow.off", tmp_path / "quick.off", "--output", out, "--quality", "full", *QUICK])
     killed: list[int] = []

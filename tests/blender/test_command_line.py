@@ -23,7 +23,7 @@ QUICK = ["--max-iterations", "2", "--eigenpairs", "20", "--landmark-count", "12"
 def folder(tmp_path_factory):
     """The same small figure in every format, and some that are broken."""
     folder = tmp_path_factory.mktemp("meshes")
-    vertices, faces = shapes.figure(18)
+    vertices, faces = shapes.figure(13)
     bpy.ops.wm.read_factory_settings(use_empty=True)
     mesh = bpy.data.meshes.new("Figure")
     mesh.from_pydata(vertices.tolist(), [], faces.tolist())
@@ -59,7 +59,7 @@ def test_every_format_gives_the_same_form(folder, tmp_path):
     code, lines, _ = run(*inputs, "--output", tmp_path)
     assert code == 0
     assert [Path(line["input"]).suffix for line in lines] == [path.suffix for path in inputs]
-    vertices, faces = shapes.figure(18)
+    vertices, faces = shapes.figure(13)
     for line in lines:
         assert (line["vertices"], line["faces"]) == (len(vertices), len(faces))
         assert len(line["feature_points"]) == len(lines[0]["feature_points"])
@@ -81,7 +81,7 @@ def test_the_bare_form_has_the_inputs_order_and_space(folder, tmp_path, kind):
     code, [line], _ = run(folder / "off.off", "--output", tmp_path, "--format", kind)
     assert code == 0
     assert Path(line["output"]) == tmp_path / f"off.{kind}"
-    vertices, faces = shapes.figure(18)
+    vertices, faces = shapes.figure(13)
     if kind == "obj":
         form, corners = shapes.read_obj(tmp_path / "off.obj")
         np.testing.assert_array_equal(corners, faces)
@@ -108,7 +108,7 @@ def test_a_failed_mesh_does_not_stop_the_others(folder, tmp_path):
 
 def test_an_input_is_never_overwritten(folder, tmp_path):
     source = tmp_path / "off.obj"
-    vertices, faces = shapes.figure(18)
+    vertices, faces = shapes.figure(13)
     text = "\n".join([f"v {x} {y} {z}" for x, y, z in vertices] + [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in faces])
     source.write_text(text)
     code, [line], _ = run(source, "--output", tmp_path, "--format", "obj")
@@ -126,7 +126,7 @@ def test_an_existing_result_is_replaced_and_nothing_is_left_beside_it(folder, tm
 
 def test_every_mesh_of_a_blend_file_is_done_and_one_can_be_named(tmp_path, folder):
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    vertices, faces = shapes.figure(18)
+    vertices, faces = shapes.figure(13)
     for name in ("One", "Two"):
         mesh = bpy.data.meshes.new(name)
         mesh.from_pydata(vertices.tolist(), [], faces.tolist())
@@ -194,7 +194,7 @@ def test_off_with_counts_on_the_first_line_colours_and_quads(tmp_path):
 
 def test_a_file_with_awkward_objects_does_not_stop_the_run(tmp_path, folder):
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    vertices, faces = shapes.figure(18)
+    vertices, faces = shapes.figure(13)
     hidden = bpy.data.collections.new("Hidden")
     bpy.context.scene.collection.children.link(hidden)
     for name, collection in (("Cube.001", bpy.context.scene.collection), ("Cube_001", hidden)):

@@ -28,7 +28,7 @@ def test_as_published_is_a_method_now(figure_object):
 
 
 def test_the_command_line_takes_former_flags(tmp_path):
-    shapes.write_off(tmp_path / "figure.off", *shapes.figure(18))
+    shapes.write_off(tmp_path / "figure.off", *shapes.figure(13))
     lines = io.StringIO()
     words = ["compute", str(tmp_path / "figure.off"), "--output", str(tmp_path / "out")]
     with pytest.warns(FutureWarning, match="use landmark_count"):

@@ -76,7 +76,7 @@ def meanwhile_renamed(obj):
 
 def meanwhile_replaced(obj):
     obj.name = "Renamed"
-    add_object("Figure", *shapes.figure(18))
+    add_object("Figure", *shapes.figure(13))
 
 
 def meanwhile_moved_a_vertex(obj):

@@ -23,13 +23,13 @@ POSE = {**QUICK, "pose": "OBJECT", "like": "Other"}
 @pytest.fixture(scope="module")
 def small():
     """A smaller figure than elsewhere: each run unfolds two."""
-    return shapes.figure(16)
+    return shapes.figure(13)
 
 
 @pytest.fixture(scope="module")
 def other():
     """The same figure in another resolution, and how its limbs hang in another pose."""
-    vertices, faces = shapes.figure(17)
+    vertices, faces = shapes.figure(15)
     bend = 0.4 * np.maximum(vertices[:, 0], 0.0)
     cos, sin = np.cos(bend), np.sin(bend)
     x, y, z = vertices.T

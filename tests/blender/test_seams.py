@@ -16,7 +16,7 @@ from .conftest import QUICK, add_object, snapshot
 @pytest.fixture
 def seamed(blender):
     """A figure cut along seams, as a .glb stores it: quadrants with borders of their own."""
-    vertices, faces = shapes.figure(18)
+    vertices, faces = shapes.figure(13)
     middle = vertices[faces].mean(axis=1)
     quadrant = 2 * (middle[:, 0] > 0) + (middle[:, 2] > 1)
     points, corners, first = [], [], 0

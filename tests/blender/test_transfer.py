@@ -21,7 +21,7 @@ TRANSFER: dict[str, Any] = {**QUICK, "like": "Base"}
 @pytest.fixture(scope="module")
 def small():
     """A figure with few vertices."""
-    return shapes.figure(16)
+    return shapes.figure(13)
 
 
 @pytest.fixture
@@ -192,7 +192,8 @@ def test_the_panel_offers_what_can_be_taken_over(pair):
     bpy.context.scene.canonical_form.like = "Base"
     shown = drawn(VIEW3D_PT_canonical_form_pose_like)
     flags = [f"transfer_{kind}" for kind in ("groups", "uvs", "colours", "keys", "materials")]
-    assert shown == ["like", "Pose Like", "T-Pose", "A-Pose", *flags, "object.canonical_form_transfer"]
+    assert shown[:-1] == ["like", "Pose Like", "T-Pose", "A-Pose", *flags, "object.canonical_form_transfer"]
+    assert shown[-1].startswith("558 and 558 vertices, 0.1 GB, ")
     assert VIEW3D_PT_canonical_form_pose_like in panels.CLASSES
 
 

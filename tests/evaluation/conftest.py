@@ -11,7 +11,7 @@ def dataset(tmp_path_factory):
     folder = tmp_path_factory.mktemp("dataset")
     rng = np.random.default_rng(0)
     figure, faces = shapes.figure(11)
-    ball, ball_faces = shapes.sphere(3)
+    ball, ball_faces = shapes.sphere(2)
     for number in range(3):
         turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
         turn *= np.sign(np.linalg.det(turn))
