@@ -11,7 +11,7 @@ from ..numerics.arrays import FloatArray, IntArray
 _CENTRES = 6  # nearest centres of triangles whose triangles are looked at,
 _CORNERS = 2  # and nearest vertices, with
 _AROUND = 8  # as many triangles around each
-_ROUNDING = 1e-9
+_AT_ONCE = 4096  # points, whose triangles stay in the cache
 _AROUND_KNOWN = 12  # triangles around a vertex that is known to be the nearest
 
 
@@ -159,26 +159,17 @@ def closest_among(points: FloatArray, faces: IntArray, wanted: FloatArray, candi
     """
     least = np.full(len(wanted), np.inf)
     face, weights = np.zeros(len(wanted), dtype=np.int64), np.zeros((len(wanted), 3))
-    centres, radii = _balls(points, faces)
-    for own in np.ascontiguousarray(candidates.T):
-        apart = centres[own] - wanted
-        near = np.flatnonzero(np.sqrt(_dot(apart, apart)) - radii[own] < np.sqrt(least))  # others cannot be closer
-        tried, aim = own[near], wanted[near]
-        corners = points[faces[tried]]  # (q', 3, d)
-        at = _barycentric(corners[:, 0], corners[:, 1], corners[:, 2], aim)
-        square = ((np.einsum("qi,qij->qj", at, corners) - aim) ** 2).sum(axis=1)
-        closer = square < least[near]
-        which = near[closer]
-        least[which], face[which], weights[which] = square[closer], tried[closer], at[closer]
+    for start in range(0, len(wanted), _AT_ONCE):
+        some = slice(start, start + _AT_ONCE)
+        for own in candidates[some].T:
+            corners = points[faces[own]]  # (q', 3, d)
+            at = _barycentric(corners[:, 0], corners[:, 1], corners[:, 2], wanted[some])
+            apart = np.einsum("qi,qij->qj", at, corners) - wanted[some]
+            square = _dot(apart, apart)
+            closer = np.flatnonzero(square < least[some])
+            which = start + closer
+            least[which], face[which], weights[which] = square[closer], own[closer], at[closer]
     return SurfacePoints(face, weights, np.sqrt(least))
-
-
-def _balls(points: FloatArray, faces: IntArray) -> tuple[FloatArray, FloatArray]:
-    """Find a ball around each triangle: its centre and radius, with some room for rounding."""
-    corners = points[faces]
-    centres = corners.mean(axis=1)
-    away = corners - centres[:, None]
-    return centres, (1 + _ROUNDING) * np.sqrt(np.einsum("ijk,ijk->ij", away, away).max(axis=1))
 
 
 def _barycentric(a: FloatArray, b: FloatArray, c: FloatArray, wanted: FloatArray) -> FloatArray:

@@ -19,6 +19,7 @@ _SHARE = 0.6  # of the vertices, the cheapest, may go in one round
 _FEW = 0.05  # of the vertices that may go in a round; fewer do not thin the mesh out
 _TURN = 0.2  # least cosine between the normals of a triangle before and after
 _THINNEST = 0.02  # least area of a triangle that a removal makes, in squares of its longest edge
+_AT_ONCE = 8192  # edges, whose numbers stay in the cache
 _TIE = 1e-8  # costs as close as this count as equal, lower vertex first, so that rounding decides nothing
 
 
@@ -209,13 +210,7 @@ def _wishes(
     """Find for every vertex that may go the neighbour where it harms least; the cheaper share, and their rank."""
     u, v = links.tail, links.head
     degree = np.diff(links.first)
-    x, y, z = (coordinate[v] for coordinate in points.T)
-    # the edges are sorted by their tail, so what belongs to it is repeated
-    q = [np.repeat(coefficient, degree) for coefficient in np.ascontiguousarray(quadrics.T)]
-    harm = q[0] * x * x + q[4] * y * y + q[7] * z * z + q[9]
-    harm += 2 * (q[1] * x * y + q[2] * x * z + q[5] * y * z + q[3] * x + q[6] * y + q[8] * z)
-    length = sum((np.repeat(coordinate, degree) - coordinate[v]) ** 2 for coordinate in points.T)
-    cost = np.maximum(harm, 0.0) + _EVENNESS * length * np.repeat(areas, degree)
+    cost = _costs(points, links, quadrics, areas)
     cost[np.repeat(patience == np.inf, degree)] = np.inf
     rim = links.triangles != 2
     if rim.any():  # along a border, or off the inside
@@ -237,6 +232,20 @@ def _wishes(
     cost = cost[pick] * 2.0**turn
     cheap = cost <= (1 + _TIE) * np.quantile(cost, _SHARE) if len(cost) else np.zeros(0, bool)
     return u[pick[cheap]], v[pick[cheap]], _ranks(cost[cheap])
+
+
+def _costs(points: FloatArray, links: _Links, quadrics: FloatArray, areas: FloatArray) -> FloatArray:
+    """Compute what it costs to draw the tail of each edge onto its head."""
+    cost = np.empty(len(links.tail))
+    for start in range(0, len(cost), _AT_ONCE):
+        some = slice(start, start + _AT_ONCE)
+        u, v = links.tail[some], links.head[some]
+        (x, y, z), q = points[v].T, quadrics[u].T
+        harm = q[0] * x * x + q[4] * y * y + q[7] * z * z + q[9]
+        harm += 2 * (q[1] * x * y + q[2] * x * z + q[5] * y * z + q[3] * x + q[6] * y + q[8] * z)
+        length = sum((points[u, axis] - points[v, axis]) ** 2 for axis in range(3))
+        cost[some] = np.maximum(harm, 0.0) + _EVENNESS * length * areas[u]
+    return cost
 
 
 def _ranks(cost: FloatArray) -> IntArray:
