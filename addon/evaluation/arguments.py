@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -40,6 +40,37 @@ def add_workers(parser: argparse.ArgumentParser) -> None:
         "--workers", type=int, default=os.cpu_count() or 1, metavar="N", help="processes (default: cores)"
     )
     parser.add_argument("--scheduler", metavar="HOST:PORT", help="use a Dask cluster instead of processes")
+
+
+def exit_code(parser: argparse.ArgumentParser, words: Sequence[str], work: Callable[[argparse.Namespace], bool]) -> int:
+    """Run a command, and tell in a sentence why it cannot be done.
+
+    Parameters
+    ----------
+    parser : argparse.ArgumentParser
+        Reads the words.
+    words : sequence of str
+        The words after the command.
+    work : callable
+        The command: its options, to whether all of it was done.
+
+    Returns
+    -------
+    int
+        0 if all was done, 1 if not, 2 if nothing could be done, 130 if stopped by the keyboard.
+    """
+    try:
+        options = parser.parse_args(words)
+    except SystemExit as stop:
+        return int(stop.code or 0)
+    try:
+        return int(not work(options))
+    except (CanonicalFormError, OSError) as error:
+        print(f"canonical_form: {error}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("canonical_form: Stopped; the same command goes on from here.", file=sys.stderr)
+        return 130
 
 
 def require_packages(names: Sequence[str]) -> None:

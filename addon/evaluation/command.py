@@ -8,12 +8,12 @@ from collections.abc import Sequence
 from time import perf_counter
 from typing import TextIO
 
-from ..core import CanonicalFormError
 from ..scheduling.crews import crew
 from .arguments import (
     add_dataset,
     add_workers,
     bar_style,
+    exit_code,
     own_folder,
     require_packages,
     require_workers,
@@ -40,25 +40,17 @@ def main(arguments: list[str], output: TextIO | None = None) -> int:
     int
         0 if every form was computed, 1 if one failed, 2 if nothing could be done, 130 if stopped by the keyboard.
     """
-    try:
-        options = _parser().parse_args(arguments)
-    except SystemExit as stop:
-        return int(stop.code or 0)
-    try:
-        require_packages(["matplotlib", "tqdm", "threadpoolctl", *(["distributed"] if options.scheduler else [])])
-        methods = chosen_methods(_words(options.methods))
-        shapes = shapes_in(options.dataset, options.classes)
-        own_folder(options.output, [*(shape.path for shape in shapes), *filter(None, [options.classes])])
-        require_workers(options.workers)
-        store = Store(options.output)
-        failed = _evaluated(store, shapes, methods, options, output or sys.stdout)
-    except (CanonicalFormError, OSError) as error:
-        print(f"canonical_form: {error}", file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        print("canonical_form: Stopped; the same command goes on from here.", file=sys.stderr)
-        return 130
-    return int(failed > 0)
+    return exit_code(_parser(), arguments, lambda options: _evaluate(options, output or sys.stdout))
+
+
+def _evaluate(options: argparse.Namespace, output: TextIO) -> bool:
+    """Evaluate, and tell whether every form was computed."""
+    require_packages(["matplotlib", "tqdm", "threadpoolctl", *(["distributed"] if options.scheduler else [])])
+    require_workers(options.workers)
+    methods = chosen_methods(_words(options.methods))
+    shapes = shapes_in(options.dataset, options.classes)
+    own_folder(options.output, [*(shape.path for shape in shapes), *filter(None, [options.classes])])
+    return _evaluated(Store(options.output), shapes, methods, options, output) == 0
 
 
 def _words(text: str) -> list[str]:

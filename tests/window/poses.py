@@ -2,7 +2,9 @@
 
 import bpy
 
-ROWS = {"header": 274, "pose": 336, "mannequins": 362, "transfer": 508}  # below the top, without a result
+ROWS = {"header": 274, "like": 310, "pose": 336, "mannequins": 362, "transfer": 508}  # below the top, without a result
+PANELS = {"patches": 467, "result": 274}  # with a result: headers of the panels above, to be closed from below
+SIDES, COLOURS = 440, 466  # then: Other Side, and Show Colours
 SIDE = 0.3  # how far to the left a button of a row of two is
 
 
@@ -35,12 +37,20 @@ def poses(hand, figure, state, running, wait_for_the_end):
     assert state(obj) == before, "undo does not take the T-pose back"
 
     other = reference(obj)
-    bpy.context.scene.canonical_form.like = other.name
     yield 0.5
+    yield from hand.click(*hand.below_top(ROWS["like"], 0.7))
+    yield 0.7
+    for letter in "OTHER":
+        yield from hand.key(letter)
+    yield from hand.picture("14-reference")
+    yield from hand.key("RET")
+    yield 0.5
+    assert bpy.context.scene.canonical_form.like == other.name, "the reference is not chosen"
     yield from click(hand, running, "pose")
     yield from wait_for_the_end()
     assert [key.name for key in obj.data.shape_keys.key_blocks] == ["Basis", f"Like {other.name}"]
     yield from hand.picture("14-like-another")
+    yield from other_side(hand, obj, other, running, wait_for_the_end)
     with bpy.context.temp_override(window=hand.window, area=hand.area(), region=hand.region("WINDOW")):
         bpy.ops.object.canonical_form_clear()
     yield 0.7
@@ -62,6 +72,28 @@ def poses(hand, figure, state, running, wait_for_the_end):
     bpy.data.objects.remove(bpy.data.objects["Other"])
     yield from hand.click(*hand.below_top(ROWS["header"], 0.3))
     yield 0.5
+
+
+def other_side(hand, obj, other, running, wait_for_the_end):
+    """Press Other Side and show the colours on the reference, with the panels above closed meanwhile."""
+    for row in PANELS.values():
+        yield from hand.click(*hand.below_top(row, 0.3))
+        yield 0.7
+    before = [tuple(point.co) for point in obj.data.shape_keys.key_blocks[1].data]
+    yield from hand.picture("14-other-side")
+    yield from hand.click_until(running, range(SIDES - 4, SIDES + 8, 4), 0.6)
+    yield from wait_for_the_end()
+    assert [tuple(point.co) for point in obj.data.shape_keys.key_blocks[1].data] != before, "the other side is the same"
+    yield from hand.click_until(
+        lambda: "Match Source" in other.data.color_attributes, range(COLOURS - 4, COLOURS + 8, 4), 0.6
+    )
+    yield from hand.picture("14-colours")
+    yield from hand.click(*hand.below_top(COLOURS, 0.6))
+    yield 0.7
+    assert "Match Source" not in other.data.color_attributes, "the colours of the reference stay"
+    for row in reversed(PANELS.values()):
+        yield from hand.click(*hand.below_top(row, 0.3))
+        yield 0.7
 
 
 def click(hand, running, row):

@@ -64,7 +64,7 @@ def positions():
     return [tuple(point.co) for point in form().data]
 
 
-def wait_for_the_end(seconds=60):
+def wait_for_the_end(seconds=180):
     began = perf_counter()
     while running():
         assert perf_counter() - began < seconds, "the job does not end"

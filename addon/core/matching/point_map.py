@@ -96,8 +96,9 @@ def point_map(one: Unfolded, other: Unfolded, side: Side, monitor: Monitor) -> P
     surface, normals = one.found.surface, vertex_normals(one.whole_form, one.found.whole_faces) @ rotation
     wanted = one.whole_form @ rotation + shift + surface.prolong(smoothed)  # (n, 3)
     whole = other.found.whole_faces
+    monitor.check()
     others = np.column_stack([other.whole_form, _FACING * vertex_normals(other.whole_form, whole)])
-    points = closest_points(others, whole, np.column_stack([wanted, _FACING * normals]))
+    points = closest_points(others, whole, np.column_stack([wanted, _FACING * normals]), monitor)
     monitor.check()
     sure = np.clip(smooth(one.found.mass * _confidence(one, other, partner, reached, rotation, monitor)), 0.0, 1.0)
     return PointMap(points, np.clip(surface.prolong(sure), 0.0, 1.0), side.score)

@@ -7,11 +7,12 @@ from typing import NamedTuple
 import numpy as np
 
 from ..numerics.arrays import FloatArray, IntArray
+from ..run.monitor import Monitor
 
 _CENTRES = 6  # nearest centres of triangles whose triangles are looked at,
 _CORNERS = 2  # and nearest vertices, with
 _AROUND = 8  # as many triangles around each
-_AT_ONCE = 4096  # points, whose triangles stay in the cache
+_AT_ONCE = 4096  # points: their triangles stay in the cache, and a cancel is heard between them
 _AROUND_KNOWN = 12  # triangles around a vertex that is known to be the nearest
 
 
@@ -33,7 +34,9 @@ class SurfacePoints(NamedTuple):
     distances: FloatArray
 
 
-def closest_points(points: FloatArray, faces: IntArray, wanted: FloatArray) -> SurfacePoints:
+def closest_points(
+    points: FloatArray, faces: IntArray, wanted: FloatArray, monitor: Monitor | None = None
+) -> SurfacePoints:
     """Find the closest point of a surface to each of the points wanted.
 
     Only triangles near the closest vertices and centres are looked at: a long, thin triangle whose corners and centre
@@ -47,11 +50,18 @@ def closest_points(points: FloatArray, faces: IntArray, wanted: FloatArray) -> S
         Triangles.
     wanted : (q, d) ndarray of float
         Points.
+    monitor : Monitor, optional
+        Polled for cancellation.
 
     Returns
     -------
     SurfacePoints
         The closest points.
+
+    Raises
+    ------
+    CancelledError
+        If the run is cancelled.
 
     Examples
     --------
@@ -66,12 +76,23 @@ def closest_points(points: FloatArray, faces: IntArray, wanted: FloatArray) -> S
     """
     from scipy.spatial import cKDTree
 
-    count = min(_CENTRES, len(faces))
-    centres = cKDTree(points[faces].mean(axis=1)).query(wanted, k=range(1, count + 1))[1]  # (q, k)
+    monitor = monitor or Monitor()
     used = np.unique(faces)
-    corners = used[cKDTree(points[used]).query(wanted, k=range(1, min(_CORNERS, len(used)) + 1))[1]]
-    near = triangles_around(faces, len(points), _AROUND)[corners].reshape(len(wanted), -1)
-    return closest_among(points, faces, wanted, np.column_stack([centres, near]))
+    centres = cKDTree(points[faces].mean(axis=1))
+    monitor.check()
+    corners = cKDTree(points[used])
+    count, corner_count = min(_CENTRES, len(faces)), min(_CORNERS, len(used))
+    around = triangles_around(faces, len(points), _AROUND)
+    found = []
+    for start in range(0, max(len(wanted), 1), _AT_ONCE):
+        monitor.check()
+        aim = wanted[start : start + _AT_ONCE]
+        near = centres.query(aim, k=range(1, count + 1))[1]  # (q', k)
+        beside = around[used[corners.query(aim, k=range(1, corner_count + 1))[1]]].reshape(
+            len(aim), corner_count * _AROUND
+        )
+        found.append(closest_among(points, faces, aim, np.column_stack([near, beside])))
+    return SurfacePoints(*(np.concatenate(parts) for parts in zip(*found, strict=True)))
 
 
 def closest_around(points: FloatArray, faces: IntArray, wanted: FloatArray, nearest: IntArray) -> SurfacePoints:
@@ -159,16 +180,13 @@ def closest_among(points: FloatArray, faces: IntArray, wanted: FloatArray, candi
     """
     least = np.full(len(wanted), np.inf)
     face, weights = np.zeros(len(wanted), dtype=np.int64), np.zeros((len(wanted), 3))
-    for start in range(0, len(wanted), _AT_ONCE):
-        some = slice(start, start + _AT_ONCE)
-        for own in candidates[some].T:
-            corners = points[faces[own]]  # (q', 3, d)
-            at = _barycentric(corners[:, 0], corners[:, 1], corners[:, 2], wanted[some])
-            apart = np.einsum("qi,qij->qj", at, corners) - wanted[some]
-            square = _dot(apart, apart)
-            closer = np.flatnonzero(square < least[some])
-            which = start + closer
-            least[which], face[which], weights[which] = square[closer], own[closer], at[closer]
+    for own in candidates.T:
+        corners = points[faces[own]]  # (q, 3, d)
+        at = _barycentric(corners[:, 0], corners[:, 1], corners[:, 2], wanted)
+        apart = np.einsum("qi,qij->qj", at, corners) - wanted
+        square = _dot(apart, apart)
+        closer = square < least
+        least[closer], face[closer], weights[closer] = square[closer], own[closer], at[closer]
     return SurfacePoints(face, weights, np.sqrt(least))
 
 

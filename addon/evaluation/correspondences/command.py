@@ -11,7 +11,15 @@ from typing import TextIO
 from ...core import CanonicalFormError
 from ...scheduling.attempts import Failure, give_memory_back
 from ...scheduling.crews import Work, crew
-from ..arguments import add_dataset, add_workers, bar_style, own_folder, require_packages, require_workers
+from ..arguments import (
+    add_dataset,
+    add_workers,
+    bar_style,
+    exit_code,
+    own_folder,
+    require_packages,
+    require_workers,
+)
 from ..dataset import shapes_in
 from ..reading import Reader
 from ..store import Store, code_version, digest, file_digest
@@ -36,35 +44,27 @@ def main(arguments: list[str], output: TextIO | None = None) -> int:
     int
         0 if every pair was matched, 1 if one failed, 2 if nothing could be done, 130 if stopped by the keyboard.
     """
-    try:
-        options = _parser().parse_args(arguments)
-    except SystemExit as stop:
-        return int(stop.code or 0)
-    try:
-        matchers = chosen_matchers([word for word in options.methods.split(",") if word])
-        needed = [name for each in matchers for name in each.packages]
-        require_packages(
-            ["matplotlib", "tqdm", "threadpoolctl", *needed, *(["distributed"] if options.scheduler else [])]
-        )
-        require_workers(options.workers)
-        if options.poses < 1:
-            raise CanonicalFormError("--poses must be at least 1.")
-        shapes = shapes_in(options.dataset, options.classes)
-        own_folder(options.output, [*(shape.path for shape in shapes), *filter(None, [options.classes])])
-        with closing(Reader()) as reader:
-            poses = Poses(reader)
-            pairs, left_out = pairs_of(shapes, options.poses, options.across, poses)
-        store = Store(options.output)
-        results = _results(store, pairs, matchers, poses, options)
-        for path in write_report(store, results, matchers, left_out, poses):
-            print(path, file=output or sys.stdout, flush=True)
-    except (CanonicalFormError, OSError) as error:
-        print(f"canonical_form: {error}", file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        print("canonical_form: Stopped; the same command goes on from here.", file=sys.stderr)
-        return 130
-    return int(any(isinstance(each.outcome, str) for each in results))
+    return exit_code(_parser(), arguments, lambda options: _evaluate(options, output or sys.stdout))
+
+
+def _evaluate(options: argparse.Namespace, output: TextIO) -> bool:
+    """Match, and tell whether every pair was matched."""
+    matchers = chosen_matchers([word for word in options.methods.split(",") if word])
+    needed = ["matplotlib", "tqdm", "threadpoolctl", *(name for each in matchers for name in each.packages)]
+    require_packages([*needed, *(["distributed"] if options.scheduler else [])])
+    require_workers(options.workers)
+    if options.poses < 1:
+        raise CanonicalFormError("--poses must be at least 1.")
+    shapes = shapes_in(options.dataset, options.classes)
+    own_folder(options.output, [*(shape.path for shape in shapes), *filter(None, [options.classes])])
+    with closing(Reader()) as reader:
+        poses = Poses(reader)
+        pairs, left_out = pairs_of(shapes, options.poses, options.across, poses)
+    store = Store(options.output)
+    results = _results(store, pairs, matchers, poses, options)
+    for path in write_report(store, results, matchers, left_out, poses):
+        print(path, file=output, flush=True)
+    return not any(isinstance(each.outcome, str) for each in results)
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -14,6 +14,7 @@ from addon.core.mesh.geometry import moved_by_frames
 from addon.core.surface.delaunay import intrinsic_delaunay
 from addon.core.surface.triangulation import triangulated
 from addon.core.surface.working_surface import working_surface
+from tests.meshes import shapes
 from tests.meshes.shapes import prepared
 
 
@@ -68,8 +69,8 @@ def test_pressure_keeps_the_compactness(figure):
     assert compactness_error(points, kept, figure[1]) < 0.1 * compactness_error(points, bare, figure[1])
 
 
-def test_preserve_detail_goes_from_the_bare_form_to_the_rigid_one(figure):
-    vertices, faces = figure
+def test_preserve_detail_goes_from_the_bare_form_to_the_rigid_one():
+    vertices, faces = shapes.figure(15)
     stretch = [
         np.abs(
             edge_stretch(vertices, canonical_form(vertices, faces, Settings(preserve_detail=much)).vertices, faces) - 1

@@ -14,7 +14,7 @@ from tests.meshes.shapes import prepared
 
 
 def test_struts_join_the_two_sides_of_a_thin_body():
-    vertices, faces = shapes.sphere(5)
+    vertices, faces = shapes.sphere(4)
     points, _surface = prepared(vertices * [1.0, 1.0, 0.1], faces)
     struts = struts_through(points, faces, np.zeros((len(points), 1)))
     assert len(struts) > 0.2 * len(points)
@@ -123,7 +123,7 @@ def test_struts_bring_a_pouch_back_inside():
 
 
 def test_no_strut_joins_what_is_far_apart_on_the_surface():
-    vertices, faces = shapes.sphere(5)
+    vertices, faces = shapes.sphere(4)
     points, _surface = prepared(vertices * [1.0, 1.0, 0.1], faces)
     sides = np.where(points[:, 2] > 0, 10.0, 0.0)[:, None]  # as if the other side were another limb
     assert not len(struts_through(points, faces, sides))

@@ -53,7 +53,8 @@ def test_poses_come_nearer_to_each_other_and_edges_keep_their_lengths(real_mesh:
     assert stretched[1] < stretched[0]
 
 
-def test_a_start_from_the_pose_and_a_bare_form_are_not_straightened(figure: Mesh):
+def test_a_start_from_the_pose_and_a_bare_form_are_not_straightened():
+    figure = shapes.figure(15)
     for options in ({"start": "input"}, {"preserve_detail": 0.0}):
         straight, stress = (
             canonical_form(*figure, Settings(arrangement=each, **options)).vertices for each in ("straight", "stress")

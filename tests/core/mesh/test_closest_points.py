@@ -1,8 +1,11 @@
 """Closest points of a surface against every triangle, and against what is known."""
 
 import numpy as np
+import pytest
 
+from addon.core import CancelledError
 from addon.core.mesh.closest_points import closest_among, closest_points
+from addon.core.run.monitor import Monitor
 from tests.meshes import shapes
 
 
@@ -34,3 +37,15 @@ def test_weights_are_barycentric_also_on_triangles_without_area():
     np.testing.assert_allclose(found.weights.sum(axis=1), 1)
     assert found.weights.min() >= 0
     np.testing.assert_allclose(found.distances, [1, 5, 3])
+
+
+def test_many_points_are_found_in_parts_between_which_a_cancel_is_heard():
+    vertices, faces = shapes.sphere(2)
+    wanted = np.random.default_rng(2).normal(size=(5000, 3))
+    found, last = closest_points(vertices, faces, wanted), closest_points(vertices, faces, wanted[4990:])
+    np.testing.assert_array_equal(found.faces[4990:], last.faces)
+    np.testing.assert_array_equal(found.weights[4990:], last.weights)
+    assert len(closest_points(vertices, faces, wanted[:0]).faces) == 0
+    asked = iter([False, False, True])
+    with pytest.raises(CancelledError):
+        closest_points(vertices, faces, wanted, Monitor(cancelled=lambda: next(asked)))
