@@ -68,7 +68,7 @@ def _estimate(chosen: bpy.types.PropertyGroup, objects: list[bpy.types.Object]) 
     like = bpy.data.objects.get(chosen.like)
     other = len(like.data.vertices) if like is not None and like.type == "MESH" else VERTEX_COUNT
     memory, seconds = (each(count, other, settings) for each in (match_memory_estimate, match_time_estimate))
-    return f"{count:,} and {other:,} vertices, {memory:.1f} GB, {seconds:,.0f} s"
+    return f"A match: about {memory:.1f} GB, {seconds:,.0f} s"
 
 
 def _pose_button(
