@@ -27,7 +27,7 @@ def has_source_colours(obj: bpy.types.Object) -> bool:
     bool
         Whether it has them.
     """
-    return SOURCE_COLOURS in obj.data.color_attributes
+    return _name(obj) is not None
 
 
 def toggle_source_colours(obj: bpy.types.Object | None) -> bool:
@@ -53,8 +53,9 @@ def toggle_source_colours(obj: bpy.types.Object | None) -> bool:
         raise CanonicalFormError(reason or "")
     with object_mode(obj):
         colours = obj.data.color_attributes
-        if has_source_colours(obj):
-            colours.remove(colours[SOURCE_COLOURS])
+        shown = _name(obj)
+        if shown is not None:
+            colours.remove(colours[shown])
             return False
         vertices = read_mesh(obj.data)[0] @ np.array(obj.matrix_world)[:3, :3].T
         attribute = add_colours(obj, SOURCE_COLOURS)
@@ -62,3 +63,9 @@ def toggle_source_colours(obj: bpy.types.Object | None) -> bool:
         attribute.data.foreach_set("color", shades.astype(np.float32).ravel())
         colours.active_color_name = attribute.name
     return True
+
+
+def _name(obj: bpy.types.Object) -> str | None:
+    """Find the name of the colours, which is longer where a vertex group has it."""
+    names = [each.name for each in obj.data.color_attributes]
+    return next((name for name in names if name.startswith(SOURCE_COLOURS)), None)

@@ -166,7 +166,7 @@ def matched_bodies(
     if side != "auto" and (isinstance(side, bool) or not isinstance(side, int | np.integer) or side < 0):
         raise InvalidSettingsError("match_side", value=side)
     settings = method_named(settings.method).settings(settings)
-    require_match_memory(np.size(vertices) // 3, np.size(other_vertices) // 3, settings)
+    require_match_memory(_count(vertices), _count(other_vertices), settings)
     one = monitor.piece(0.0, _UNFOLDED * share, OPENING)
     two = monitor.piece(_UNFOLDED * share, 2 * _UNFOLDED * share, OPENING)
     bodies, surfaces = _unfolded_bodies(vertices, faces, settings, one)
@@ -216,6 +216,14 @@ def _unfolded_bodies(
         return unfolded(found, form / np.sqrt(surface_area(form, found.whole_faces)), own)
 
     return bodies, bodies.map(work, monitor, {**DETECTION, **method.stages}, bodies.chosen)
+
+
+def _count(vertices: ArrayLike) -> int:
+    """Count vertices before they are checked; what is no array of numbers is refused later."""
+    try:
+        return np.size(vertices) // 3
+    except ValueError:  # rows of different lengths
+        return 0
 
 
 def _by_area(bodies: Bodies) -> list[int]:

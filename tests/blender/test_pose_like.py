@@ -104,6 +104,10 @@ def test_the_reference_can_show_the_colours_too(pair):
     assert "Remove Colours from Other" in drawn(pose_panel.VIEW3D_PT_canonical_form_pose_like)
     assert bpy.ops.object.canonical_form_match_colours(like="Other") == {"FINISHED"}
     assert snapshot(reference) == before
+    reference.vertex_groups.new(name="Match Source")  # which takes the name away
+    for shown in (["Match Source Colours"], []):
+        bpy.ops.object.canonical_form_match_colours(like="Other")
+        assert [each.name for each in reference.data.color_attributes] == shown
     with pytest.raises(RuntimeError, match="The reference is gone"):
         bpy.ops.object.canonical_form_match_colours(like="Nobody")
 

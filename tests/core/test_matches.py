@@ -186,6 +186,8 @@ def test_an_error_says_which_mesh_is_meant(poses):
     assert raised.value.kind == "face_range"
     with pytest.raises(InvalidMeshError, match=r"^Faces refer"):
         match(straight, faces + 1, bent, bent_faces, DRAFT)
+    with pytest.raises(InvalidMeshError, match=r"The other mesh: .* must be arrays of numbers"):
+        match(straight, faces, [[0, 0, 0], [1, 0]], [[0, 1, 0]], DRAFT)
 
 
 def test_chosen_feature_points_are_of_the_first_mesh(poses):

@@ -97,7 +97,8 @@ def _middle(results: Sequence[Matched]) -> Pair:
 
 def _stripes(mesh: Mesh) -> FloatArray:
     """Colour a mesh by place, in stripes."""
-    place = (mesh.vertices - mesh.vertices.min(axis=0)) / np.ptp(mesh.vertices, axis=0)
+    extent = np.maximum(np.ptp(mesh.vertices, axis=0), np.finfo(float).tiny)
+    place = (mesh.vertices - mesh.vertices.min(axis=0)) / extent
     odd = np.floor(_BANDS * place @ upright(mesh.vertices)[:, 1]) % 2
     return 255.0 * place * np.where(odd == 1, _DARK, 1.0)[:, None]
 
