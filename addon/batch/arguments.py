@@ -15,6 +15,7 @@ from ..core.method_api.options import Option, options_of
 from ..core.method_api.settings import Settings, current_options, former_options
 from ..core.numerics.arrays import FloatArray
 from ..core.run.errors import CanonicalFormError
+from .plain_files import has_blender
 
 _POSING = """\
 examples:
@@ -59,6 +60,8 @@ class Wanted:
         Whether the mesh is taken as modifiers, armature and shape keys show it.
     frames : tuple of int
         Frames to take it at; empty for the one that the file was saved at.
+    frame_keys : bool
+        Whether the forms of all frames are shape keys of one .blend.
     objects : tuple of str
         Names of the objects wanted; all where empty.
     together : bool
@@ -87,6 +90,7 @@ class Wanted:
     settings: Settings = field(default_factory=Settings)
     shown: bool = False
     frames: tuple[int, ...] = ()
+    frame_keys: bool = False
     objects: tuple[str, ...] = ()
     together: bool = False
     axes: FloatArray | None = None
@@ -141,12 +145,16 @@ def wanted_of(options: argparse.Namespace, **more: Any) -> Wanted:
         If an option is out of its range; the sentence names it.
     """
     frames = _frames(options.frames) if options.frames else () if options.frame is None else (options.frame,)
+    frame_keys = options.frames_as == "keys"
+    if frame_keys and (not options.frames or options.format != "blend"):
+        raise CanonicalFormError("--frames-as keys needs --frames, and --format blend.")
     return Wanted(
         output=options.output,
         format=options.format,
         settings=settings_of(options),
         shown=options.mesh == "shown" or bool(frames),
         frames=frames,
+        frame_keys=frame_keys,
         objects=tuple(options.objects or ()),
         together=options.together,
         axes=None if options.axes is None else _axes(options.axes, options.format),
@@ -159,7 +167,11 @@ def wanted_of(options: argparse.Namespace, **more: Any) -> Wanted:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="canonical-form", description="Take the pose out of meshes, or change it.")
+    parser = argparse.ArgumentParser(
+        prog="canonical-form",
+        description="Take the pose out of meshes, or change it.",
+        epilog="evaluate and evaluate-matches compare methods on a dataset; each has a --help of its own.",
+    )
     commands = parser.add_subparsers(dest="command", required=True)
     compute = commands.add_parser(
         "compute", help="compute the canonical form of meshes", epilog=_EPILOGUE, formatter_class=_Help
@@ -213,8 +225,9 @@ def _add_files(parser: argparse.ArgumentParser) -> None:
     )
     files.add_argument("--output", type=Path, required=True, metavar="DIR", help="folder for the results")
     files.add_argument(
-        "--format", choices=(*WRITTEN, "off"), default="blend", help="what to write; off without Blender only"
-    )
+        "--format", choices=(*WRITTEN, "off"), default="blend" if has_blender() else "obj",
+        help="what to write (default: blend, obj where Blender is not there); off without Blender only",
+    )  # fmt: skip
     files.add_argument("--skip-existing", action="store_true", help="leave out files that have their result already")
     files.add_argument("--jobs", type=int, default=1, metavar="N", help="number of files worked on at once")
     files.add_argument("--scheduler", metavar="HOST:PORT", help="work on the Dask cluster of this scheduler instead")
@@ -224,7 +237,11 @@ def _add_files(parser: argparse.ArgumentParser) -> None:
         help="base: the mesh itself; shown: as modifiers, armature and shape keys show it",
     )  # fmt: skip
     what.add_argument("--frame", type=int, metavar="N", help="take the mesh as shown at this frame")
-    what.add_argument("--frames", metavar="A:B[:STEP]", help="a result for each of these frames, B included, numbered")
+    what.add_argument("--frames", metavar="A:B[:STEP]", help="a result for each of these frames, B included")
+    what.add_argument(
+        "--frames-as", choices=("files", "keys"), default="files",
+        help="results of frames are numbered files, or shape keys of one .blend, each keyed to show at its frame",
+    )  # fmt: skip
     what.add_argument("--objects", "--object", nargs="+", metavar="NAME", help="objects to compute (default: all)")
     what.add_argument("--together", action="store_true", help="all objects of a file are one body, in one result")
 

@@ -12,6 +12,7 @@ from contextlib import redirect_stdout
 from pathlib import Path
 from typing import TextIO
 
+from ..blender.file_access import require_folder, sentence
 from ..blender.likeness import Likeness
 from ..core import CanonicalForm, CanonicalFormError
 from ..scheduling.attempts import Failure
@@ -49,8 +50,11 @@ def main(words: Sequence[str], output: TextIO, *, alone: bool = False) -> int:
         run = _MatchRun(options, alone) if options.command == "match" else _Run(options, alone)
     except SystemExit as stop:
         return int(stop.code or 0)
-    except (CanonicalFormError, OSError) as error:
+    except CanonicalFormError as error:
         complain(str(error))
+        return 2
+    except OSError as error:
+        complain(sentence(error))
         return 2
     try:
         return run.all(output)
@@ -87,7 +91,7 @@ class _Run:
         if options.scheduler and self._reference_path is not None:
             self._reference_path = self._reference_path.resolve()
         inputs = (*files, *([self._reference_path] if self._reference_path else []))
-        _made(options.output)
+        require_folder(options.output)
         self.wanted = wanted_of(
             options,
             mark=str(os.getpid()),
@@ -162,7 +166,7 @@ class _MatchRun:
         self._options, self._mark = options, str(os.getpid())
         settings_of(options)
         output: Path = options.output
-        _made(output)
+        require_folder(output)
         one, other = output_stems(options.meshes)
         self._target = output / f"{one}-{other}.npz"
         self._crew: Crew = InThisProcess() if alone else LocalCrew(1, _ATTEMPTS, one_thread=False)
@@ -286,16 +290,6 @@ def compute_match(options: Namespace, target: Path, mark: str, stages: bool) -> 
     from .matching import match_files
 
     return match_files(options, target, mark, stages)
-
-
-def _made(folder: Path) -> None:
-    """Make the folder for the results."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise CanonicalFormError(
-            f"The folder {folder} for the results cannot be made: {error.strerror}. Choose another --output."
-        ) from error
 
 
 def _hired(options: Namespace, alone: bool) -> Crew:

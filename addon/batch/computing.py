@@ -10,6 +10,7 @@ import numpy as np
 
 from ..blender.advice import explained
 from ..blender.form_task import FormTask
+from ..blender.frame_keys import keep_for_frame
 from ..blender.kinds_of_files import WRITTEN
 from ..blender.likeness import Likeness
 from ..blender.mesh_reading import refusal
@@ -52,33 +53,29 @@ def compute_in_blender(
     except Exception as error:  # any: the files after it are still to be computed
         yield failure({"input": str(path)}, error, explained(error))
         return
+    one_file = wanted.format == "blend" or wanted.together
+    pending: list[Line] = []  # of what the next saved file will hold
     for number, frame in enumerate(wanted.frames or (None,)):
         if frame is not None:
-            if number:  # nothing of an earlier frame may be left
+            if number and not wanted.frame_keys:  # nothing of an earlier frame may be left
                 objects = open_meshes(path, wanted.objects, shared=not wanted.shown)
             bpy.context.scene.frame_set(frame)
         groups = [objects] if wanted.together else [[obj] for obj in objects]
-        one_file = wanted.format == "blend" or wanted.together
-        whole = targets.of_file(frame)
+        whole = targets.of_file(None if wanted.frame_keys else frame)
         if one_file and wanted.skip_existing and whole.exists():
             yield targets.skipped(whole, frame)
             continue
-        lines: list[Line] = []
         alone = one_file or len(groups) == 1
         own = [whole] * len(groups) if alone else targets.of_objects([obj.name for obj in objects], frame)
         for group, target in zip(groups, own, strict=True):
             if not one_file and wanted.skip_existing and target.exists():
-                lines.append(targets.skipped(target, frame))
+                pending.append(targets.skipped(target, frame))
                 continue
-            lines.append(_computed(targets, group, target, wanted, reference, frame))
-        if wanted.format == "blend" and any("error" not in line for line in lines):
-            try:
-                targets.require_new(whole)
-                save_blend(whole, wanted.mark)
-            except (CanonicalFormError, OSError, RuntimeError) as error:
-                told = explained(error)
-                lines = [line if "error" in line else failure(_head(line), error, told) for line in lines]
-        yield from lines
+            pending.append(_computed(targets, group, target, wanted, reference, frame))
+        if wanted.frame_keys and frame != wanted.frames[-1]:
+            continue
+        yield from _saved(pending, whole, targets, wanted) if wanted.format == "blend" else pending
+        pending = []
 
 
 def reference_in_blender(path: Path, wanted: Wanted) -> CanonicalForm:
@@ -144,6 +141,19 @@ def likeness_in_blender(path: Path, names: Sequence[str], side: int) -> Likeness
     return read_likeness(max(chosen, key=lambda obj: len(obj.data.vertices)), side)
 
 
+def _saved(lines: list[Line], whole: Path, targets: Targets, wanted: Wanted) -> list[Line]:
+    """Save the file as it is now, with the results of all lines."""
+    if all("error" in line for line in lines):
+        return lines
+    try:
+        targets.require_new(whole)
+        save_blend(whole, wanted.mark)
+    except (CanonicalFormError, OSError, RuntimeError) as error:
+        told = explained(error)
+        return [line if "error" in line else failure(_head(line), error, told) for line in lines]
+    return lines
+
+
 def _request(wanted: Wanted, reference: CanonicalForm | Likeness | None) -> Request:
     """Say what is computed: another object holds what is shown, as its mesh may have other vertices."""
     form = None if isinstance(reference, Likeness) else reference
@@ -194,6 +204,9 @@ def _computed(
         if task.errors:
             raise CanonicalFormError(" ".join(task.errors))
         (item,) = task.items
+        if frame is not None and wanted.frame_keys:
+            for name in item.written_to:
+                keep_for_frame(bpy.data.objects[name], frame, wanted.frames)
         if wanted.format != "blend":
             shown = [
                 Shown(obj, _in_axes(result.found.vertices, obj, wanted), result.found.patches, result.colours.patches)  # type: ignore[union-attr]

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
+from ..blender.file_access import sentence
 from ..core.run.errors import CanonicalFormError
 
 SCHEMA = 1  # version of the fields; higher when one changes its meaning
@@ -35,27 +36,25 @@ def failure(line: Line, error: Exception, told: str | None = None) -> Line:
     >>> failure({"input": "a.obj"}, OSError("No room."))
     {'input': 'a.obj', 'error': 'No room.'}
     """
-    sentence = (told or str(error)).strip()
+    text = (told or (sentence(error) if isinstance(error, OSError) else str(error))).strip()
     if isinstance(error, ModuleNotFoundError):
         return {**line, "error": f"The Python module {error.name} is missing: pip install {error.name}"}
     if not isinstance(
         error, CanonicalFormError | OSError | RuntimeError | MemoryError
     ):  # RuntimeError: Blender refuses
-        sentence = (
-            f"This is a bug in Canonical Form; please report it with the file. {type(error).__name__}: {sentence}"
-        )
-    return {**line, "error": sentence}
+        text = f"This is a bug in Canonical Form; please report it with the file. {type(error).__name__}: {text}"
+    return {**line, "error": text}
 
 
-def complain(sentence: str) -> None:
+def complain(text: str) -> None:
     """Say something on standard error.
 
     Parameters
     ----------
-    sentence : str
-        The sentence.
+    text : str
+        A sentence.
     """
-    print(f"canonical_form: {sentence}", file=sys.stderr, flush=True)
+    print(f"canonical_form: {text}", file=sys.stderr, flush=True)
 
 
 @contextmanager

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from ..blender.file_access import require_readable
 from ..blender.kinds_of_files import PLAIN
 from ..blender.off_format import read_off
 from ..blender.replacing_files import replaced
@@ -58,8 +59,7 @@ def read_plain(path: Path) -> tuple[FloatArray, list[list[int]]]:
     kind = path.suffix.lower()
     if kind not in PLAIN:
         raise InvalidMeshError(f"{path.name} can only be read by Blender. Without it, use {', '.join(PLAIN)}.")
-    if not path.is_file():
-        raise InvalidMeshError(f"{path} is not a file.")
+    require_readable(path)
     try:
         vertices, polygons = {".off": read_off, ".obj": _read_obj, ".ply": _read_ply}[kind](path)
     except InvalidMeshError:

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 
 from ..core import CanonicalFormError
 from ..core.run.messages import Message
+from .file_access import sentence
 
 _DISSOLVE = "Mesh > Clean Up > Degenerate Dissolve"
 _MERGE = "Mesh > Merge > By Distance"
@@ -87,4 +88,4 @@ def explained(error: Exception) -> str:
         return _NO_MEMORY
     if isinstance(error, CanonicalFormError) and error.args:
         return advised(error.args[0])
-    return str(error)
+    return sentence(error) if isinstance(error, OSError) else str(error)

@@ -13,6 +13,7 @@ import bpy
 import numpy as np
 
 from ..core import InvalidMeshError
+from .file_access import require_readable
 from .kinds_of_files import IMPORTERS, READ
 from .off_format import read_off
 
@@ -75,8 +76,7 @@ def open_meshes(path: Path, names: Sequence[str] = (), *, shared: bool = True) -
     """
     if path.suffix.lower() not in READ:
         raise InvalidMeshError(f"{path.name} is not of a kind that can be read: {', '.join(READ)}.")
-    if not path.is_file():
-        raise InvalidMeshError(f"{path} is not a file.")
+    require_readable(path)
     try:
         with quiet():
             if path.suffix.lower() == ".blend":

@@ -10,6 +10,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+from ..blender.file_access import require_folder, sentence
 from ..core import CanonicalFormError
 
 _PACKAGE = {"distributed": "dask[distributed]", "pyFM": "pyfmaps"}  # where it has another name than its module
@@ -66,7 +67,7 @@ def exit_code(parser: argparse.ArgumentParser, words: Sequence[str], work: Calla
     try:
         return int(not work(options))
     except (CanonicalFormError, OSError) as error:
-        print(f"canonical_form: {error}", file=sys.stderr)
+        print(f"canonical_form: {sentence(error) if isinstance(error, OSError) else error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         print("canonical_form: Stopped; the same command goes on from here.", file=sys.stderr)
@@ -122,13 +123,11 @@ def own_folder(output: Path, inputs: Sequence[Path]) -> None:
     Raises
     ------
     CanonicalFormError
-        If one is in it.
-    OSError
-        If it cannot be made.
+        If one is in it, or it cannot be made or written to.
     """
     if output.resolve() in {path.resolve().parent for path in inputs}:
         raise CanonicalFormError(f"{output} holds files of the dataset. Choose another --output.")
-    output.mkdir(parents=True, exist_ok=True)
+    require_folder(output)
 
 
 def bar_style() -> dict[str, Any]:

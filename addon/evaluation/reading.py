@@ -1,4 +1,4 @@
-"""Reads the mesh of a file: .off files directly, all else through Blender, as the command `compute` does.
+"""Reads the mesh of a file: .off files directly, also .obj and .ply without Blender, all else through it.
 
 Blender may crash on a damaged file: it reads in a process of its own.
 """

@@ -150,6 +150,17 @@ def test_frames_of_a_rig_give_numbered_files_that_agree(tmp_path):
         assert apart[0] < 1.15 * apart[1] + 1e-3
     code, lines = run(path, "--output", tmp_path / "out", "--frames", "1:9:4", "--format", "obj", "--skip-existing")
     assert (code, [line.get("skipped") for line in lines]) == (0, [True] * 3)
+    words = ("--frames", "1:9:4", "--frames-as", "keys", "--reference", "first")
+    code, lines = run(path, "--output", tmp_path / "keys", *words)
+    assert (code, {line["output"] for line in lines}) == (0, {str(tmp_path / "keys" / "limb.blend")})
+    bpy.ops.wm.open_mainfile(filepath=lines[0]["output"])
+    assert list(bpy.data.objects["Limb"].data.shape_keys.key_blocks.keys())[1:] == [
+        "Canonical Form 1", "Canonical Form 5", "Canonical Form 9",
+    ]  # fmt: skip
+    for frame, form in zip((1, 5, 9), forms, strict=True):
+        bpy.context.scene.frame_set(frame)
+        shown = bpy.data.objects["Limb"].evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+        assert np.abs(np.array([vertex.co for vertex in shown.vertices]) - form).max() < 2e-3
 
 
 def test_objects_together_are_one_result(tmp_path):
@@ -178,6 +189,8 @@ def test_objects_together_are_one_result(tmp_path):
         (["--axes", "Z,-Y", "--format", "glb"], "has axes of its own"),
         (["--frames", "5:1"], "at least one frame"),
         (["--frames", "a:b"], "whole numbers"),
+        (["--frames-as", "keys"], "needs --frames"),
+        (["--frames-as", "keys", "--frames", "1:3", "--format", "glb"], "--format blend"),
         (["--jobs", "0"], "at least 1"),
         (["--jobs", "2"], "one job only"),
         (["--reference", "nowhere.off"], "not a file"),

@@ -286,16 +286,6 @@ def test_odd_names_stay_in_the_output_folder(tmp_path, folder):
     assert {path.name for path in tmp_path.iterdir()} == {source.name, "odd.blend", "out"}
 
 
-@pytest.mark.skipif(os.name != "posix" or os.geteuid() == 0, reason="needs a user who may not do all")
-def test_a_file_without_permission_is_reported(tmp_path, folder):
-    source = tmp_path / "secret.off"
-    source.write_bytes((folder / "off.off").read_bytes())
-    source.chmod(0)
-    code, [line], _ = run(source, "--output", tmp_path / "out")
-    assert code == 1
-    assert "ermission" in line["error"]
-
-
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a disk that is full")
 def test_a_full_disk_is_reported_and_the_old_file_stays(tmp_path, folder):
     _, [line], _ = run(folder / "off.off", "--output", tmp_path, "--format", "obj")
