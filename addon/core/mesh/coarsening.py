@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..numerics.arrays import FloatArray, IntArray
+from ..numerics.blocks import AT_ONCE
 from ..run.monitor import Monitor
 from .connectivity import half_edges, undirected_keys
 from .geometry import area_vectors, vertex_areas
@@ -15,11 +16,11 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
 
 _EVENNESS = 0.05  # weight of evenly spread vertices against the fit to the surface: fingers keep a few more
-_SHARE = 0.6  # of the vertices, the cheapest, may go in one round
+_FAR = 20  # times the target: while more vertices are left, as many as can go at once
+_SHARE = 0.6  # of the vertices, the cheapest, may go in one round, nearer to it
 _FEW = 0.05  # of the vertices that may go in a round; fewer do not thin the mesh out
 _TURN = 0.2  # least cosine between the normals of a triangle before and after
 _THINNEST = 0.02  # least area of a triangle that a removal makes, in squares of its longest edge
-_AT_ONCE = 8192  # edges, whose numbers stay in the cache
 _TIE = 1e-8  # costs as close as this count as equal, lower vertex first, so that rounding decides nothing
 
 
@@ -132,9 +133,10 @@ def coarsened(
         monitor.tick(np.log(count / left) / np.log(count / target))
         links = _Links(faces, count)
         monitor.check()
-        leaving, onto, rank = _wishes(points, links, quadrics, areas, patience)
+        far = left > _FAR * target
+        leaving, onto, rank = _wishes(points, links, quadrics, areas, patience, 1.0 if far else _SHARE)
         monitor.check()
-        chosen = _independent(leaving, rank, links, count)
+        chosen = _independent(leaving, rank, links, count, most=far)
         monitor.check()
         leaving, onto, rank = leaving[chosen], onto[chosen], rank[chosen]
         corners = _corners(faces, leaving, count)
@@ -150,14 +152,16 @@ def coarsened(
         monitor.check()
         rounds.append((leaving[going], _mean_value_weights(points, corners, leaving, count)[going]))
         leaving, onto = leaving[going], onto[going]
-        np.add.at(quadrics, onto, quadrics[leaving])
+        terms = (onto[:, None] * quadrics.shape[1] + np.arange(quadrics.shape[1])).ravel()
+        np.add.at(quadrics.reshape(-1), terms, quadrics[leaving].ravel())  # in one dimension it is faster
         np.add.at(areas, onto, areas[leaving])
         alive[leaving] = False
         left -= len(leaving)
         goes_to = np.arange(count)
         goes_to[leaving] = onto
         faces = goes_to[faces]
-        flat = (faces == np.roll(faces, 1, axis=1)).any(axis=1)
+        one, two, three = faces.T
+        flat = (one == two) | (two == three) | (three == one)
         faces = faces[~flat]
     kept = np.flatnonzero(alive)
     number = np.full(count, -1, dtype=np.int64)
@@ -169,11 +173,11 @@ class _Links:
     """The edges of the present mesh, both ways, sorted by their tail, and on how many triangles each lies."""
 
     def __init__(self, faces: IntArray, count: int) -> None:
-        keys, triangles = np.unique(undirected_keys(*half_edges(faces), count), return_counts=True)
-        low, high = np.divmod(keys, count)
-        marked = np.concatenate([keys, high * count + low]) * 4 + np.tile(np.minimum(triangles, 3), 2)
-        marked.sort()  # sorting is faster than ordering
-        self.key, self.triangles = marked >> 2, marked & 3
+        tail, head = half_edges(faces)
+        keys = np.concatenate([tail * count + head, head * count + tail])
+        keys.sort()
+        new = np.flatnonzero(np.concatenate([[True], keys[1:] != keys[:-1]])) if len(keys) else np.zeros(0, np.int64)
+        self.key, self.triangles = keys[new], np.minimum(np.diff(np.append(new, len(keys))), 3)
         self.tail, self.head = np.divmod(self.key, count)
         self.first = np.concatenate([[0], np.cumsum(np.bincount(self.tail, minlength=count))])
         self.count = count
@@ -197,15 +201,17 @@ def _quadrics(points: FloatArray, faces: IntArray) -> FloatArray:
     area = np.linalg.norm(normal, axis=1)
     normal /= np.maximum(area, np.finfo(float).tiny)[:, None]
     plane = np.column_stack([normal, -np.einsum("ij,ij->i", normal, points[faces[:, 0]])])
-    row, column = np.triu_indices(4)
-    terms = plane[:, row] * plane[:, column] * (area / 3)[:, None]  # (m, 10)
+    corners = faces.ravel()
     return np.column_stack(
-        [np.bincount(faces.ravel(), np.repeat(terms[:, k], 3), minlength=len(points)) for k in range(10)]
+        [
+            np.bincount(corners, np.repeat(plane[:, row] * plane[:, column] * (area / 3), 3), minlength=len(points))
+            for row, column in zip(*np.triu_indices(4), strict=True)
+        ]
     )
 
 
 def _wishes(
-    points: FloatArray, links: _Links, quadrics: FloatArray, areas: FloatArray, patience: FloatArray
+    points: FloatArray, links: _Links, quadrics: FloatArray, areas: FloatArray, patience: FloatArray, share: float
 ) -> tuple[IntArray, IntArray, IntArray]:
     """Find for every vertex that may go the neighbour where it harms least; the cheaper share, and their rank."""
     u, v = links.tail, links.head
@@ -230,21 +236,23 @@ def _wishes(
     start = np.searchsorted(owner, np.arange(len(again) + 1))
     pick[again] = edge[order[start[:-1] + turn[again] % np.diff(start)]]
     cost = cost[pick] * 2.0**turn
-    cheap = cost <= (1 + _TIE) * np.quantile(cost, _SHARE) if len(cost) else np.zeros(0, bool)
+    cheap = cost <= (1 + _TIE) * np.quantile(cost, share) if len(cost) else np.zeros(0, bool)
     return u[pick[cheap]], v[pick[cheap]], _ranks(cost[cheap])
 
 
 def _costs(points: FloatArray, links: _Links, quadrics: FloatArray, areas: FloatArray) -> FloatArray:
     """Compute what it costs to draw the tail of each edge onto its head."""
     cost = np.empty(len(links.tail))
-    for start in range(0, len(cost), _AT_ONCE):
-        some = slice(start, start + _AT_ONCE)
+    for start in range(0, len(cost), AT_ONCE):
+        some = slice(start, start + AT_ONCE)
         u, v = links.tail[some], links.head[some]
-        (x, y, z), q = points[v].T, quadrics[u].T
+        there, q = points.take(v, axis=0), quadrics.take(u, axis=0).T
+        x, y, z = there.T
         harm = q[0] * x * x + q[4] * y * y + q[7] * z * z + q[9]
         harm += 2 * (q[1] * x * y + q[2] * x * z + q[5] * y * z + q[3] * x + q[6] * y + q[8] * z)
-        length = sum((points[u, axis] - points[v, axis]) ** 2 for axis in range(3))
-        cost[some] = np.maximum(harm, 0.0) + _EVENNESS * length * areas[u]
+        way = points.take(u, axis=0) - there
+        way *= way
+        cost[some] = np.maximum(harm, 0.0) + _EVENNESS * (way[:, 0] + way[:, 1] + way[:, 2]) * areas.take(u)
     return cost
 
 
@@ -257,25 +265,32 @@ def _ranks(cost: FloatArray) -> IntArray:
     return rank
 
 
-def _independent(leaving: IntArray, rank: IntArray, links: _Links, count: int) -> IntArray:
-    """Choose vertices of which no two share an edge, cheap ones first, and none onto which another goes."""
+def _independent(leaving: IntArray, rank: IntArray, links: _Links, count: int, *, most: bool) -> IntArray:
+    """Choose vertices of which no two share an edge, cheap ones first, and none onto which another goes.
+
+    As many as there can be if `most`; else only those that are cheapest around.
+    """
     place = np.full(count, count + 1, dtype=np.int64)  # in the order of going, the lower vertex first in a tie
     place[np.sort(rank * count + leaving) % count] = np.arange(len(leaving))
     free = place <= count
     chosen = np.zeros(count, dtype=bool)
+    tail, head = links.tail, links.head
     for turn in range(6):
-        if turn == 2 and np.count_nonzero(chosen) >= _FEW * len(leaving):
+        enough = np.count_nonzero(chosen) >= _FEW * len(leaving)
+        if turn == 2 and enough and not most:
             break
-        if turn == 2:  # costs rise steadily along the surface, and few are cheaper than all around: draw lots
+        if (
+            turn == 2 and not enough
+        ):  # costs rise steadily along the surface, and few are cheaper than all around: draw lots
             place[place <= count] = np.random.default_rng(0).permutation(len(leaving))[place[place <= count]]
-        between = free[links.tail] & free[links.head]
-        tail, head = links.tail[between], links.head[between]
+        between = np.flatnonzero(free[tail] & free[head])
+        tail, head = tail[between], head[between]
         beaten = np.zeros(count, dtype=bool)
         beaten[tail[place[tail] > place[head]]] = True
         new = free & ~beaten
         chosen |= new
         free &= ~new
-        free[links.head[new[links.tail]]] = False
+        free[head[new[tail]]] = False
     return np.flatnonzero(chosen[leaving])
 
 
@@ -319,17 +334,23 @@ def _harmless(
     owner, one, two = corners
     stays = (one != onto[owner]) & (two != onto[owner])
     owner, one, two = owner[stays], one[stays], two[stays]
-    u, v = leaving[owner], onto[owner]
-    before = np.cross(points[one] - points[u], points[two] - points[u])
-    after = np.cross(points[one] - points[v], points[two] - points[v])
+    for start in range(0, len(owner), AT_ONCE):
+        some = slice(start, start + AT_ONCE)
+        from_one, from_two = points.take(one[some], axis=0), points.take(two[some], axis=0)
+        here, there = points.take(leaving[owner[some]], axis=0), points.take(onto[owner[some]], axis=0)
+        spoils = _spoils(from_one, from_two, here, there)
+        good[owner[some][spoils]] = False
+    return good
+
+
+def _spoils(one: FloatArray, two: FloatArray, here: FloatArray, there: FloatArray) -> np.ndarray:
+    """Tell which triangles of `one`, `two` and `here` turn over or get thin when that corner goes `there`."""
+    to_one, to_two = one - there, two - there
+    before, after = np.cross(one - here, two - here), np.cross(to_one, to_two)
     size_before, size_after = np.linalg.norm(before, axis=1), np.linalg.norm(after, axis=1)
     turned = np.einsum("ij,ij->i", before, after) < _TURN * size_before * size_after
-    longest = np.maximum.reduce(
-        [((points[a] - points[b]) ** 2).sum(axis=1) for a, b in ((one, two), (one, v), (two, v))]
-    )
-    thin = (size_after < _THINNEST * longest) & (size_after < size_before)
-    good[owner[turned | thin]] = False
-    return good
+    longest = np.maximum.reduce([(each**2).sum(axis=1) for each in (one - two, to_one, to_two)])
+    return np.asarray(turned | ((size_after < _THINNEST * longest) & (size_after < size_before)))
 
 
 def _strands(
@@ -353,14 +374,17 @@ def _mean_value_weights(
     from scipy.sparse import coo_matrix
 
     owner, one, two = corners
-    u = leaving[owner]
-    to_one, to_two = points[one] - points[u], points[two] - points[u]
-    tiny = np.finfo(float).tiny
-    length_one = np.maximum(np.linalg.norm(to_one, axis=1), 1e-12)
-    length_two = np.maximum(np.linalg.norm(to_two, axis=1), 1e-12)
-    cosine = np.einsum("ij,ij->i", to_one, to_two) / (length_one * length_two)
-    tangent = np.sqrt(np.maximum(1 - cosine, 0) / np.maximum(1 + cosine, 1e-6))  # of half the corner's angle
+    pair = np.empty((2, len(owner)))
+    for start in range(0, len(owner), AT_ONCE):
+        some = slice(start, start + AT_ONCE)
+        here = points.take(leaving[owner[some]], axis=0)
+        to_one, to_two = points.take(one[some], axis=0) - here, points.take(two[some], axis=0) - here
+        length_one = np.maximum(np.linalg.norm(to_one, axis=1), 1e-12)
+        length_two = np.maximum(np.linalg.norm(to_two, axis=1), 1e-12)
+        cosine = np.einsum("ij,ij->i", to_one, to_two) / (length_one * length_two)
+        tangent = np.sqrt(np.maximum(1 - cosine, 0) / np.maximum(1 + cosine, 1e-6))  # of half the corner's angle
+        pair[:, some] = tangent / length_one, tangent / length_two
     row = np.tile(owner, 2)
-    weight = np.concatenate([tangent / length_one, tangent / length_two]) + tiny
+    weight = pair.ravel() + np.finfo(float).tiny
     weight /= np.bincount(row, weight, minlength=len(leaving))[row]
     return coo_matrix((weight, (row, np.concatenate([one, two]))), shape=(len(leaving), count)).tocsr()

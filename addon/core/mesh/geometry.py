@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..numerics.arrays import FloatArray, IntArray
+from ..numerics.blocks import AT_ONCE
 from ..run.errors import InvalidMeshError
 
 
@@ -79,8 +82,10 @@ def area_vectors(vertices: FloatArray, faces: IntArray) -> FloatArray:
     >>> area_vectors(np.array([[0.0, 0, 0], [2, 0, 0], [0, 3, 0]]), np.array([[0, 1, 2]])).tolist()
     [[0.0, 0.0, 3.0]]
     """
-    a, b, c = vertices[faces].transpose(1, 0, 2)
-    return np.asarray(np.cross(b - a, c - a) / 2)
+    result = np.empty((len(faces), 3))
+    for some, (a, b, c) in _triangles(vertices, faces):
+        result[some] = np.cross(b - a, c - a) / 2
+    return result
 
 
 def vertex_area_vectors(vertices: FloatArray, faces: IntArray) -> FloatArray:
@@ -319,14 +324,24 @@ def component_areas(points: FloatArray, faces: IntArray, start: IntArray) -> tup
     >>> area.tolist(), size.tolist()
     ([2.0], [1.0])
     """
-    corners = points[faces]  # (m, 3 corners, 3)
-    low = np.minimum.reduceat(corners.min(axis=1), start)  # (k, 3)
-    high = np.maximum.reduceat(corners.max(axis=1), start)
+    least, most = np.empty((2, len(faces), 3))
+    for some, (a, b, c) in _triangles(points, faces):
+        least[some], most[some] = np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
+    low, high = np.minimum.reduceat(least, start), np.maximum.reduceat(most, start)  # (k, 3)
     size = (high / 2 - low / 2).max(axis=1)
-    count = np.diff(np.append(start, len(faces)))
-    middle, scale = np.repeat(high / 2 + low / 2, count, axis=0), np.repeat(np.where(size > 0, size, 1.0), count)
-    corners -= middle[:, None]
-    corners /= scale[:, None, None]
-    a, b, c = corners.transpose(1, 0, 2)
-    area = np.add.reduceat(np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2, start)
+    middle, scale = high / 2 + low / 2, np.where(size > 0, size, 1.0)
+    component = np.repeat(np.arange(len(start)), np.diff(np.append(start, len(faces))))
+    each = np.empty(len(faces))
+    for some, corners in _triangles(points, faces):
+        origin, unit = middle[component[some]], scale[component[some], None]
+        a, b, c = ((corner - origin) / unit for corner in corners)
+        each[some] = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
+    area = np.add.reduceat(each, start)
     return np.where(size > 0, area, 0.0), size
+
+
+def _triangles(points: FloatArray, faces: IntArray) -> Iterator[tuple[slice, tuple[FloatArray, ...]]]:
+    """List the corners of the triangles, so many at once that they stay in the cache."""
+    for start in range(0, len(faces), AT_ONCE):
+        some = slice(start, start + AT_ONCE)
+        yield some, tuple(points.take(faces[some, corner], axis=0) for corner in range(3))

@@ -7,10 +7,10 @@ from ..run.memory import limit_in_words, memory_limit, pair_memory
 from .catalogue import OURS, method_named
 from .settings import Settings
 
-_SMALL = (0.055, 0.6e-6)  # gigabytes, and by vertex: the work on the coarse mesh, measured
-_LARGE = (0.015, 1.27e-6)  # the rounds of the coarse mesh, which take more from about 60,000 vertices on
-_MATCH = (0.03, 0.17e-6)  # gigabytes beside the larger form, and by vertex of both, measured
-_MATCH_SECONDS = (2.0, 5e-5)  # beside the two forms, and by vertex
+_SMALL = (0.08, 0.4e-6)  # gigabytes, and by vertex: the work on the coarse mesh, measured
+_LARGE = (0.02, 0.77e-6)  # the rounds of the coarse mesh, which take more from about 160,000 vertices on
+_MATCH = 0.15e-6  # gigabytes beside the larger form, by vertex of both, measured
+_MATCH_SECONDS = (1.0, 4e-5)  # beside the two forms, and by vertex
 _LANDMARK_BYTES = 40.0  # a distance of each vertex from each landmark, and the work to place the vertex by them
 _USUAL_PATCHES = 5
 PIECE_SECONDS = 0.25  # what a loose part with a form of its own takes however small it is, measured
@@ -34,7 +34,7 @@ def memory_estimate(vertex_count: int, settings: Settings) -> float:
     Examples
     --------
     >>> f"{memory_estimate(100_000, Settings()):.2f} GB"
-    '0.14 GB'
+    '0.12 GB'
     """
     method = method_named(settings.method)
     settings = method.settings(settings)
@@ -66,11 +66,11 @@ def time_estimate(vertex_count: int, settings: Settings) -> float:
     Examples
     --------
     >>> f"{time_estimate(100_000, Settings()):.1f} s"
-    '3.1 s'
+    '1.9 s'
     """
     if _grows_squared(settings):
         return 1.0 + 2e-7 * vertex_count**2
-    return (0.4 if settings.quality == "draft" else 0.8) + 2.3e-5 * vertex_count
+    return (0.4 if settings.quality == "draft" else 0.8) + 1.1e-5 * vertex_count
 
 
 def require_memory(vertex_count: int, settings: Settings) -> None:
@@ -121,10 +121,9 @@ def match_memory_estimate(count: int, other_count: int, settings: Settings) -> f
     Examples
     --------
     >>> f"{match_memory_estimate(100_000, 100_000, Settings()):.2f} GB"
-    '0.21 GB'
+    '0.15 GB'
     """
-    base, each = _MATCH
-    return memory_estimate(max(count, other_count), settings) + base + each * (count + other_count)
+    return memory_estimate(max(count, other_count), settings) + _MATCH * (count + other_count)
 
 
 def match_time_estimate(count: int, other_count: int, settings: Settings) -> float:
@@ -145,7 +144,7 @@ def match_time_estimate(count: int, other_count: int, settings: Settings) -> flo
     Examples
     --------
     >>> f"{match_time_estimate(10_000, 10_000, Settings()):.1f} s"
-    '4.6 s'
+    '3.2 s'
     """
     base, each = _MATCH_SECONDS
     return time_estimate(count, settings) + time_estimate(other_count, settings) + base + each * count

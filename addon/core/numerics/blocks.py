@@ -8,6 +8,7 @@ import numpy as np
 
 from .arrays import FloatArray
 
+AT_ONCE = 8192  # rows of a few numbers each: they stay in the cache from one step of a formula to the next
 _COLUMNS = 32  # most right-hand sides at once: more do not fit the processor's cache and take longer each
 _VALUES = 200_000  # most values at once
 _ROWS = 128
