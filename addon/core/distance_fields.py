@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -24,7 +26,8 @@ from .surface.triangulation import Triangulation, triangulated
 _STAGES: Plan = {"Surface": 10, "Pieces": 90}
 _BODY_STAGES: Plan = {"Coarse mesh": 20, "Triangulation": 5, "Distances": 75}
 _WORKED_ON = 2000  # vertices between which biharmonic distance and commute time are computed, all pairs
-_REFINED = 30_000  # vertices up to which the heat method splits the triangles for accuracy
+_WHOLE = 30_000  # vertices up to which the heat method takes the surface as it is
+_COARSE = 20_000  # vertices, and the sources, that it takes of a larger one
 _ONE_BY_ONE = 16  # sources that the heat method measures from one by one, which is more accurate
 _OFF = 0.1  # of the largest distance: how far one may be held before it is reported
 _MOST_SOURCES = 1000  # of these kinds: each stays in the coarse mesh
@@ -53,12 +56,12 @@ def distance_field(
         Vertices to measure from.
     kind : {'heat', 'fast_marching', 'biharmonic', 'commute_time'}
         Geodesic distance by the heat method or by fast marching, biharmonic distance (equation 9) or commute time
-        (the root of equation 8). The last two are computed on 2,000 vertices and carried to all.
+        (the root of equation 8). The last two are computed on 2,000 vertices and carried to all; the heat method, above
+        30,000 vertices, on 20,000.
     progress : callable, optional
         Called with the fraction done (0 to 1) and the name of the stage.
     cancelled : callable, optional
-        The computation stops when it returns True; one factorisation, a few seconds at 160,000 vertices, is not
-        interrupted.
+        The computation stops when it returns True; one factorisation, up to a second, is not interrupted.
     warned : callable, optional
         Called with each warning, a sentence; without it they are Python's own.
     memory_limit : float
@@ -152,7 +155,7 @@ def heat_geodesics(
     from scipy.spatial.distance import cdist
 
     monitor = Monitor()
-    bodies, chosen = _measurable(vertices, faces, sources, "heat", memory_limit, monitor, refined=True)
+    bodies, chosen = _measurable(vertices, faces, sources, "heat", memory_limit, monitor)
     columns = np.atleast_1d(np.asarray(sources))
 
     def work(body: Body, here: Chosen, own: Monitor) -> FloatArray:
@@ -160,7 +163,8 @@ def heat_geodesics(
         if len(here.vertices):
             points, _, unit = of_unit_area(body.points, body.faces)
             surface = _surface_of(body, points, own)
-            found = HeatMethod(surface, monitor=own, fewest=WHOLE).distances(here.vertices)
+            heat, numbers, prolong = _heat_on(body, surface, points, here.vertices, memory_limit, own)
+            found = prolong(heat.distances(numbers))
             longest = dijkstra(edge_graph(surface), directed=False, indices=here.vertices).T
             each[:, here.positions] = unit * _possible(found, cdist(points, points[here.vertices]), longest, own)
         return each
@@ -179,8 +183,6 @@ def _measurable(
     kind: str,
     memory_limit: float,
     monitor: Monitor,
-    *,
-    refined: bool = False,
 ) -> tuple[Bodies, list[Chosen]]:
     """Find the bodies and the sources in them, and refuse what is too large before anything is computed."""
     with monitor.stage("Surface"):
@@ -191,9 +193,9 @@ def _measurable(
             if KINDS[kind].spectral and len(here.vertices) > _MOST_SOURCES:
                 raise InvalidSettingsError("too_many_sources", most=_MOST_SOURCES, count=len(here.vertices))
             count = len(body.vertices)
-            finer = refined or (kind == "heat" and count <= _REFINED)  # about four times as many vertices
             if len(here.vertices):
-                require_distance_memory(4 * count if finer else count, kind, limit=memory_limit)
+                worked_on = count if count <= _WHOLE else min(count, _COARSE + len(here.vertices))
+                require_distance_memory(count, kind, unknowns=_unknowns(worked_on), limit=memory_limit)
     return bodies, chosen
 
 
@@ -202,6 +204,35 @@ def _surface_of(body: Body, points: FloatArray, monitor: Monitor) -> Triangulati
     if len(body.parts) > 1:
         return body.working_surface(points, body.faces, monitor=monitor).triangulation
     return triangulated(points, body.faces)
+
+
+def _heat_on(
+    body: Body,
+    surface: Triangulation,
+    points: FloatArray,
+    chosen: IntArray,
+    memory_limit: float,
+    monitor: Monitor,
+) -> tuple[HeatMethod, IntArray, Callable[[FloatArray], FloatArray]]:
+    """Prepare the heat method on a surface, or on a coarse mesh of it: the method, the sources there, and the way back.
+
+    Split triangles of a coarse mesh measure more accurately than those of a fine one as they are.
+    """
+    if len(points) <= _WHOLE:
+        return HeatMethod(surface, monitor=monitor, fewest=WHOLE), chosen, lambda field: field
+    coarse = body.working_surface(points, body.faces, _COARSE, fixed=np.unique(chosen), monitor=monitor)
+    if coarse.stuck:
+        count = len(coarse.points)
+        require_distance_memory(len(points), "heat", unknowns=_unknowns(count), limit=memory_limit)
+        monitor.warn("coarse_mesh_stuck", count=count)
+    refine = len(coarse.points) <= _WHOLE
+    heat = HeatMethod(coarse.triangulation, refine=refine, monitor=monitor, fewest=WHOLE)
+    return heat, coarse.numbers_of(chosen), coarse.prolong
+
+
+def _unknowns(count: int) -> int:
+    """Count the vertices of the triangles that the heat method solves on: a few are split in four."""
+    return 4 * count if count <= _WHOLE else count
 
 
 def _field_of_body(body: Body, chosen: IntArray, kind: str, memory_limit: float, monitor: Monitor) -> FloatArray:
@@ -215,12 +246,13 @@ def _field_of_body(body: Body, chosen: IntArray, kind: str, memory_limit: float,
         field = _spectral_field(body, points, chosen, kind, memory_limit, monitor)
         return field * (unit if kind == "biharmonic" else 1.0)
     surface = _surface_of(body, points, monitor)
-    with monitor.stage("Distances"):
-        if kind == "fast_marching":
+    if kind == "fast_marching":
+        with monitor.stage("Distances"):
             return unit * fast_marching(surface, chosen, monitor)
-        heat = HeatMethod(surface, refine=len(points) <= _REFINED, monitor=monitor, fewest=WHOLE)
+    heat, numbers, prolong = _heat_on(body, surface, points, chosen, memory_limit, monitor)
+    with monitor.stage("Distances"):
         one_by_one = len(chosen) <= _ONE_BY_ONE
-        field = heat.distances(chosen).min(axis=1) if one_by_one else heat.distance_to_set(chosen)
+        field = prolong(heat.distances(numbers).min(axis=1) if one_by_one else heat.distance_to_set(numbers))
         longest = dijkstra(edge_graph(surface), directed=False, indices=chosen, min_only=True)
         return unit * _possible(field, cKDTree(points[chosen]).query(points)[0], longest, monitor)
 

@@ -23,6 +23,35 @@ def test_geodesics_on_real_meshes_agree_with_exact_ones(real_mesh, name, kind, m
     assert np.abs(measured - true).mean() < most * true.mean()
 
 
+@pytest.mark.parametrize("size", [None, (4000, 3000)])
+def test_a_large_mesh_is_measured_on_a_coarse_one_and_as_accurately(size, figure, monkeypatch):
+    vertices, faces = shapes.midpoints(*figure)
+    if size is not None:
+        monkeypatch.setattr("addon.core.distance_fields._WHOLE", size[0])
+        monkeypatch.setattr("addon.core.distance_fields._COARSE", size[1])
+    said: list[str] = []
+    for sources in ([100], [7, 4000], list(range(0, 8000, 400))):
+        true = exact(vertices, faces, sources)
+        measured = distance_field(vertices, faces, sources, "heat", warned=said.append)
+        assert (measured[sources] == 0).all()
+        assert np.abs(measured - true).mean() < (0.025 if len(sources) < 16 else 0.1) * true.mean()
+    assert said == []
+    one = heat_geodesics(vertices, faces, [100])[:, 0]
+    np.testing.assert_allclose(one, distance_field(vertices, faces, [100]), atol=1e-9 * one.max())
+
+
+def test_a_large_selection_is_measured_from_without_splitting_triangles(monkeypatch):
+    monkeypatch.setattr("addon.core.distance_fields._WHOLE", 1500)
+    monkeypatch.setattr("addon.core.distance_fields._COARSE", 1000)
+    vertices, faces = shapes.sphere(4)
+    sources = np.flatnonzero(vertices[:, 2] < 0.5)
+    said: list[str] = []
+    measured = distance_field(vertices, faces, sources, "heat", warned=said.append)
+    true = np.maximum(np.arccos(0.5) - np.arccos(np.clip(vertices[:, 2], -1, 1)), 0)
+    assert np.abs(measured - true).mean() < 0.2 * true.mean()  # .18 on all vertices, split
+    assert "could only be reduced to" in said[0]
+
+
 def test_many_sources_are_measured_from_together(figure):
     vertices, faces = figure
     sources = np.flatnonzero(vertices[:, 2] < np.quantile(vertices[:, 2], 0.1))

@@ -6,6 +6,7 @@ from ..run.errors import TooLargeError
 from ..run.memory import limit_in_words, memory_limit
 
 _FACTORS = (6.9, 655_362, 1.35)  # gigabytes that the factors of the heat method take at so many vertices, and growth
+_CARRIED = (0.05, 0.4e-6)  # gigabytes, and by vertex: the coarse mesh and the way back to all vertices
 _LINEAR = {  # gigabytes, and by vertex
     "fast_marching": (0.05, 0.75e-6),
     "biharmonic": (0.1, 1.05e-6),
@@ -13,15 +14,17 @@ _LINEAR = {  # gigabytes, and by vertex
 }
 
 
-def distance_memory(vertex_count: int, kind: str) -> float:
+def distance_memory(vertex_count: int, kind: str, unknowns: int = 0) -> float:
     """Estimate the most memory that distances from some vertices take.
 
     Parameters
     ----------
     vertex_count : int
-        Number of vertices of the connected surface; where the heat method refines it, of the refined one.
+        Number of vertices of the connected surface.
     kind : {'heat', 'fast_marching', 'biharmonic', 'commute_time'}
         As in `distance_field`.
+    unknowns : int
+        Vertices of the triangles on which the heat method solves; those of the surface when left out.
 
     Returns
     -------
@@ -37,10 +40,11 @@ def distance_memory(vertex_count: int, kind: str) -> float:
         base, each = _LINEAR[kind]
         return base + each * vertex_count
     most, at, growth = _FACTORS
-    return 0.05 + most * (vertex_count / at) ** growth
+    base, each = _CARRIED
+    return base + each * vertex_count + most * ((unknowns or vertex_count) / at) ** growth
 
 
-def require_distance_memory(vertex_count: int, kind: str, *, limit: float = 0.0) -> None:
+def require_distance_memory(vertex_count: int, kind: str, *, unknowns: int = 0, limit: float = 0.0) -> None:
     """Raise an error if a surface is too large to measure distances within the memory limit.
 
     Parameters
@@ -48,6 +52,8 @@ def require_distance_memory(vertex_count: int, kind: str, *, limit: float = 0.0)
     vertex_count : int
         As in `distance_memory`.
     kind : str
+        Likewise.
+    unknowns : int
         Likewise.
     limit : float
         Gigabytes that may be taken; 0 for 60 % of the free memory.
@@ -66,7 +72,7 @@ def require_distance_memory(vertex_count: int, kind: str, *, limit: float = 0.0)
     ...     print(error.kind)
     distance_memory
     """
-    needed = distance_memory(vertex_count, kind)
+    needed = distance_memory(vertex_count, kind, unknowns)
     if needed > memory_limit(limit):
         advice = "Fast marching takes far less. Or close" if kind == "heat" else "Close"
         raise TooLargeError("distance_memory", needed=needed, limit=limit_in_words(limit), advice=advice)
