@@ -220,7 +220,8 @@ def _heat_on(
     """
     if len(points) <= _WHOLE:
         return HeatMethod(surface, monitor=monitor, fewest=WHOLE), chosen, lambda field: field
-    coarse = body.working_surface(points, body.faces, _COARSE, fixed=np.unique(chosen), monitor=monitor)
+    fixed = np.unique(chosen)
+    coarse = body.working_surface(points, body.faces, _COARSE + len(fixed), fixed=fixed, monitor=monitor)
     if coarse.stuck:
         count = len(coarse.points)
         require_distance_memory(len(points), "heat", unknowns=_unknowns(count), limit=memory_limit)

@@ -45,11 +45,9 @@ def test_a_large_selection_is_measured_from_without_splitting_triangles(monkeypa
     monkeypatch.setattr("addon.core.distance_fields._COARSE", 1000)
     vertices, faces = shapes.sphere(4)
     sources = np.flatnonzero(vertices[:, 2] < 0.5)
-    said: list[str] = []
-    measured = distance_field(vertices, faces, sources, "heat", warned=said.append)
+    measured = distance_field(vertices, faces, sources, "heat", warned=lambda _: None)
     true = np.maximum(np.arccos(0.5) - np.arccos(np.clip(vertices[:, 2], -1, 1)), 0)
     assert np.abs(measured - true).mean() < 0.2 * true.mean()  # .18 on all vertices, split
-    assert "could only be reduced to" in said[0]
 
 
 def test_many_sources_are_measured_from_together(figure):

@@ -6,6 +6,7 @@ hour. Every time is given as a ratio to a library's time on the same mesh in the
 
 import argparse
 import itertools
+import json
 import subprocess
 import sys
 import time
@@ -27,6 +28,15 @@ from addon.core.surface.triangulation import triangulated  # noqa: E402
 from addon.evaluation.tables import mean_apart  # noqa: E402
 from tests.meshes.shapes import Mesh, poses_of, read_obj, unit  # noqa: E402
 from tools.benchmarks.remeshing import adaptive, noisy, quad_dominant, resized, uniform  # noqa: E402
+
+
+SIZES = (10_000, 40_000, 160_000, 640_000, 1_000_000)
+STAGES = {
+    ("Surface",): "finding the surface, repairing it",
+    ("Coarse mesh",): "coarse mesh",
+    (): "all that works on the coarse mesh",
+    ("Prolongation", "Alignment"): "back to all vertices, laid onto the pose",
+}
 
 
 def shapes_of(data: Path) -> Iterator[tuple[str, list[Mesh]]]:
@@ -269,6 +279,7 @@ def one_size(data, count, keep):
     peak = gigabytes("VmHWM")
     np.savez(keep, form=form.vertices / np.sqrt(surface_area(form.vertices, mesh[1])))
     print(len(mesh[0]), seconds, before, peak, len(form.feature_points), memory_estimate(len(mesh[0]), Settings()))
+    print(json.dumps(form.timings))
 
 
 def gigabytes(name):
@@ -278,14 +289,16 @@ def gigabytes(name):
 
 
 def scale_table(data, work):
-    rows, points = [], []
-    for count in (10_000, 40_000, 160_000, 640_000, 1_000_000):
+    rows, points, stages = [], [], []
+    for count in SIZES:
         keep = work / f"form-{count}.npz"
         done = subprocess.run(
             [sys.executable, __file__, str(data), "--one-size", str(count), str(keep)],
             capture_output=True, text=True, check=True,
         )  # fmt: skip
-        n, seconds, before, peak, features, estimate = (float(word) for word in done.stdout.split())
+        figures, timings = done.stdout.splitlines()
+        n, seconds, before, peak, features, estimate = (float(word) for word in figures.split())
+        stages.append((n, json.loads(timings)))
         points.append((n, seconds))
         rows.append(
             f"| {n:,.0f} | {seconds:.2f} s | {peak:.2f} GB | {peak - before:.2f} GB | {estimate:.2f} GB | "
@@ -306,8 +319,23 @@ def scale_table(data, work):
             "| vertices | time | peak memory | of which the form | estimated | features |\n" + "| --- " * 6 + "|",
             *rows,
             text,
+            stage_table(stages),
         ]
     )
+
+
+def stage_table(stages):
+    """Tell what each stage takes, and how that grows with the mesh."""
+    head = "| stage | " + " | ".join(f"{n:,.0f}" for n, _ in stages) + " | exponent from 160,000 |\n"
+    head += "| --- " * (len(stages) + 2) + "|"
+    rows = []
+    for names, label in STAGES.items():
+        seconds = [sum(each for name, each in timings.items() if (name in names) == bool(names)
+                       and (names or not any(name in other for other in STAGES))) for _, timings in stages]  # fmt: skip
+        log = np.log([(n, second) for (n, _), second in zip(stages, seconds, strict=True) if n > 100_000])
+        growth = f"{np.polyfit(log[:, 0], log[:, 1], 1)[0]:.2f}" if names else ""
+        rows.append(f"| {label} | " + " | ".join(f"{second:.2f} s" for second in seconds) + f" | {growth} |")
+    return "\n".join(["\nThe same runs by stage:\n", head, *rows])
 
 
 def tessellation_table(data):
