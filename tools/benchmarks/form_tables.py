@@ -29,7 +29,6 @@ from addon.evaluation.tables import mean_apart  # noqa: E402
 from tests.meshes.shapes import Mesh, poses_of, read_obj, unit  # noqa: E402
 from tools.benchmarks.remeshing import adaptive, noisy, quad_dominant, resized, uniform  # noqa: E402
 
-
 SIZES = (10_000, 40_000, 160_000, 640_000, 1_000_000)
 STAGES = {
     ("Surface",): "finding the surface, repairing it",
@@ -42,7 +41,9 @@ STAGES = {
 def shapes_of(data: Path) -> Iterator[tuple[str, list[Mesh]]]:
     """Read every pose of every shape, the rest pose first, scaled to unit area."""
     for folder in sorted(path for path in data.iterdir() if path.is_dir()):
-        yield folder.name, [(unit(vertices, faces), faces) for _, vertices, faces in poses_of(folder)]
+        poses = [(unit(vertices, faces), faces) for _, vertices, faces in poses_of(folder)]
+        if poses:
+            yield folder.name, poses
 
 
 def nearest_apart(one, two):

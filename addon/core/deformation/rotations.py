@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..numerics.arrays import FloatArray
+from ..numerics.blocks import AT_ONCE
 
 _CLEAR = 1e-3  # times the cube of a covariance's size: below, its nearest rotation is not clear enough for this way
 _NEWTON_STEPS = 20  # of the largest root of a quartic, from above
@@ -34,6 +35,15 @@ def nearest_rotations(covariances: FloatArray) -> FloatArray:
     Markley, "Attitude determination using vector observations: a fast optimal matrix algorithm", 1993. Where two
     rotations fit almost as well, singular values decide.
     """
+    rotations = np.empty_like(covariances)
+    for start in range(0, len(covariances), AT_ONCE):
+        some = slice(start, start + AT_ONCE)
+        rotations[some] = _nearest_at_once(covariances[some])
+    return rotations
+
+
+def _nearest_at_once(covariances: FloatArray) -> FloatArray:
+    """Find the rotations of so many covariances that they stay in the cache."""
     tiny = np.finfo(float).tiny
     scaled = covariances / np.maximum(np.abs(covariances).max(axis=(1, 2)), tiny)[:, None, None]
     scaled /= np.maximum(np.sqrt(np.einsum("ijk,ijk->i", scaled, scaled)), tiny)[:, None, None]

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
 
 _EVENNESS = 0.05  # weight of evenly spread vertices against the fit to the surface: fingers keep a few more
-_FAR = 20  # times the target: while more vertices are left, as many as can go at once
-_SHARE = 0.6  # of the vertices, the cheapest, may go in one round, nearer to it
+_FAR = 20  # times the target: while more vertices are left, as many as can go at once do
+_SHARE = 0.6  # of the vertices, the cheapest, may go in one round
 _FEW = 0.05  # of the vertices that may go in a round; fewer do not thin the mesh out
 _TURN = 0.2  # least cosine between the normals of a triangle before and after
 _THINNEST = 0.02  # least area of a triangle that a removal makes, in squares of its longest edge
@@ -134,7 +134,7 @@ def coarsened(
         links = _Links(faces, count)
         monitor.check()
         far = left > _FAR * target
-        leaving, onto, rank = _wishes(points, links, quadrics, areas, patience, 1.0 if far else _SHARE)
+        leaving, onto, rank = _wishes(points, links, quadrics, areas, patience)
         monitor.check()
         chosen = _independent(leaving, rank, links, count, most=far)
         monitor.check()
@@ -211,7 +211,7 @@ def _quadrics(points: FloatArray, faces: IntArray) -> FloatArray:
 
 
 def _wishes(
-    points: FloatArray, links: _Links, quadrics: FloatArray, areas: FloatArray, patience: FloatArray, share: float
+    points: FloatArray, links: _Links, quadrics: FloatArray, areas: FloatArray, patience: FloatArray
 ) -> tuple[IntArray, IntArray, IntArray]:
     """Find for every vertex that may go the neighbour where it harms least; the cheaper share, and their rank."""
     u, v = links.tail, links.head
@@ -236,7 +236,7 @@ def _wishes(
     start = np.searchsorted(owner, np.arange(len(again) + 1))
     pick[again] = edge[order[start[:-1] + turn[again] % np.diff(start)]]
     cost = cost[pick] * 2.0**turn
-    cheap = cost <= (1 + _TIE) * np.quantile(cost, share) if len(cost) else np.zeros(0, bool)
+    cheap = cost <= (1 + _TIE) * np.quantile(cost, _SHARE) if len(cost) else np.zeros(0, bool)
     return u[pick[cheap]], v[pick[cheap]], _ranks(cost[cheap])
 
 
