@@ -6,8 +6,6 @@ hour. Every time is given as a ratio to a library's time on the same mesh in the
 
 import argparse
 import itertools
-import json
-import subprocess
 import sys
 import time
 from collections.abc import Iterator
@@ -23,19 +21,11 @@ from addon.core.deformation.struts import struts_through  # noqa: E402
 from addon.core.distances.heat import HeatMethod  # noqa: E402
 from addon.core.measures.form_measures import compactness_error, edge_stretch  # noqa: E402
 from addon.core.mesh.geometry import surface_area  # noqa: E402
-from addon.core.method_api.costs import memory_estimate  # noqa: E402
 from addon.core.surface.triangulation import triangulated  # noqa: E402
 from addon.evaluation.tables import mean_apart  # noqa: E402
-from tests.meshes.shapes import Mesh, poses_of, read_obj, unit  # noqa: E402
+from tests.meshes.shapes import Mesh, poses_of, unit  # noqa: E402
 from tools.benchmarks.remeshing import adaptive, noisy, quad_dominant, resized, uniform  # noqa: E402
-
-SIZES = (10_000, 40_000, 160_000, 640_000, 1_000_000)
-STAGES = {
-    ("Surface",): "finding the surface, repairing it",
-    ("Coarse mesh",): "coarse mesh",
-    (): "all that works on the coarse mesh",
-    ("Prolongation", "Alignment"): "back to all vertices, laid onto the pose",
-}
+from tools.benchmarks.scale_tables import nearest_apart, scale_table  # noqa: E402
 
 
 def shapes_of(data: Path) -> Iterator[tuple[str, list[Mesh]]]:
@@ -44,17 +34,6 @@ def shapes_of(data: Path) -> Iterator[tuple[str, list[Mesh]]]:
         poses = [(unit(vertices, faces), faces) for _, vertices, faces in poses_of(folder)]
         if poses:
             yield folder.name, poses
-
-
-def nearest_apart(one, two):
-    from scipy.spatial import KDTree
-
-    from addon.core.measures.alignment import closest_point_fit
-
-    turn, shift = closest_point_fit(one, two)
-    one = one @ turn + shift
-    there, back = KDTree(two).query(one)[0], KDTree(one).query(two)[0]
-    return float(np.sqrt((there**2).mean() / 2 + (back**2).mean() / 2))
 
 
 def crossings(vertices, faces):
@@ -268,77 +247,6 @@ def longest_wait(vertices, faces):
     return float(np.diff(asked).max())
 
 
-def one_size(data, count, keep):
-    """Run in a process of its own, so that its peak memory is its own."""
-    vertices, faces = read_obj(data / "man" / "rest.obj")
-    mesh = noisy(*resized(unit(vertices, faces), faces, count), 0.0002)
-    Path("/proc/self/clear_refs").write_text("5")  # forget the peak so far
-    before = gigabytes("VmRSS")
-    began = time.perf_counter()
-    form = canonical_form(*mesh)
-    seconds = time.perf_counter() - began
-    peak = gigabytes("VmHWM")
-    np.savez(keep, form=form.vertices / np.sqrt(surface_area(form.vertices, mesh[1])))
-    print(len(mesh[0]), seconds, before, peak, len(form.feature_points), memory_estimate(len(mesh[0]), Settings()))
-    print(json.dumps(form.timings))
-
-
-def gigabytes(name):
-    """Read a figure of this process from Linux."""
-    line = next(line for line in Path("/proc/self/status").read_text().splitlines() if line.startswith(name + ":"))
-    return int(line.split()[1]) / 1e6
-
-
-def scale_table(data, work):
-    rows, points, stages = [], [], []
-    for count in SIZES:
-        keep = work / f"form-{count}.npz"
-        done = subprocess.run(
-            [sys.executable, __file__, str(data), "--one-size", str(count), str(keep)],
-            capture_output=True, text=True, check=True,
-        )  # fmt: skip
-        figures, timings = done.stdout.splitlines()
-        n, seconds, before, peak, features, estimate = (float(word) for word in figures.split())
-        stages.append((n, json.loads(timings)))
-        points.append((n, seconds))
-        rows.append(
-            f"| {n:,.0f} | {seconds:.2f} s | {peak:.2f} GB | {peak - before:.2f} GB | {estimate:.2f} GB | "
-            f"{features:.0f} |"
-        )
-        print(rows[-1], flush=True)
-    log = np.log(np.array(points)[1:])
-    exponent = np.polyfit(log[:, 0], log[:, 1], 1)[0]
-    small, large = (np.load(work / f"form-{count}.npz")["form"] for count in (10_000, 160_000))
-    text = (
-        f"\nExponent of time against n from 40,000: **{exponent:.2f}**. Each time is the first run of a new "
-        "process, hence longer than under *Speed*. Distance between the forms at 160,000 and 10,000 vertices: "
-        f"{nearest_apart(large[::8], small):.2%} of sqrt(area), RMS of nearest points."
-    )
-    print(text, flush=True)
-    return "\n".join(
-        [
-            "| vertices | time | peak memory | of which the form | estimated | features |\n" + "| --- " * 6 + "|",
-            *rows,
-            text,
-            stage_table(stages),
-        ]
-    )
-
-
-def stage_table(stages):
-    """Tell what each stage takes, and how that grows with the mesh."""
-    head = "| stage | " + " | ".join(f"{n:,.0f}" for n, _ in stages) + " | exponent from 160,000 |\n"
-    head += "| --- " * (len(stages) + 2) + "|"
-    rows = []
-    for names, label in STAGES.items():
-        seconds = [sum(each for name, each in timings.items() if (name in names) == bool(names)
-                       and (names or not any(name in other for other in STAGES))) for _, timings in stages]  # fmt: skip
-        log = np.log([(n, second) for (n, _), second in zip(stages, seconds, strict=True) if n > 100_000])
-        growth = f"{np.polyfit(log[:, 0], log[:, 1], 1)[0]:.2f}" if names else ""
-        rows.append(f"| {label} | " + " | ".join(f"{second:.2f} s" for second in seconds) + f" | {growth} |")
-    return "\n".join(["\nThe same runs by stage:\n", head, *rows])
-
-
 def tessellation_table(data):
     rows = []
     for shape, meshes in shapes_of(data):
@@ -387,13 +295,9 @@ def convergence_table(data):
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("data", type=Path)
-    parser.add_argument("--one-size", nargs=2)
     parser.add_argument("--output", type=Path, default=ROOT / "docs" / "benchmarks.md")
     parser.add_argument("--only", nargs="*")
     options = parser.parse_args()
-    if options.one_size:
-        one_size(options.data, int(options.one_size[0]), options.one_size[1])
-        return
     work = ROOT / "build" / "benchmarks"
     work.mkdir(parents=True, exist_ok=True)
     parts = {
