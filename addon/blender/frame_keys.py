@@ -10,7 +10,7 @@ from .form_key import form_key
 
 
 def keep_for_frame(obj: bpy.types.Object, frame: int, frames: Sequence[int]) -> None:
-    """Name the shape key of a form after its frame, and key its value: 1 there, 0 at the frames before and after it.
+    """Name the shape key of a form after its frame, and key its value there, and 0 at the frames before and after.
 
     A key of another name stays when the next form is written.
 
@@ -27,8 +27,8 @@ def keep_for_frame(obj: bpy.types.Object, frame: int, frames: Sequence[int]) -> 
     if key is None:
         return
     key.name = f"{key.name} {frame}"
-    number = list(frames).index(frame)
+    number, value = list(frames).index(frame), key.value
     for other in frames[max(number - 1, 0) : number + 2]:
-        key.value = float(other == frame)
+        key.value = value if other == frame else 0.0
         key.keyframe_insert("value", frame=other)
-    key.value = 1.0
+    key.value = value

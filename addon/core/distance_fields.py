@@ -214,10 +214,7 @@ def _heat_on(
     memory_limit: float,
     monitor: Monitor,
 ) -> tuple[HeatMethod, IntArray, Callable[[FloatArray], FloatArray]]:
-    """Prepare the heat method on a surface, or on a coarse mesh of it: the method, the sources there, and the way back.
-
-    Split triangles of a coarse mesh measure more accurately than those of a fine one as they are.
-    """
+    """Prepare the heat method on a surface, or on a coarse mesh of it: the method, the sources there, the way back."""
     if len(points) <= _WHOLE:
         return HeatMethod(surface, monitor=monitor, fewest=WHOLE), chosen, lambda field: field
     fixed = np.unique(chosen)
@@ -226,6 +223,7 @@ def _heat_on(
         count = len(coarse.points)
         require_distance_memory(len(points), "heat", unknowns=_unknowns(count), limit=memory_limit)
         monitor.warn("coarse_mesh_stuck", count=count)
+    # split triangles of a coarse mesh measure more accurately than those of the fine one as they are
     refine = len(coarse.points) <= _WHOLE
     heat = HeatMethod(coarse.triangulation, refine=refine, monitor=monitor, fewest=WHOLE)
     return heat, coarse.numbers_of(chosen), coarse.prolong

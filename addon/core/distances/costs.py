@@ -74,5 +74,6 @@ def require_distance_memory(vertex_count: int, kind: str, *, unknowns: int = 0, 
     """
     needed = distance_memory(vertex_count, kind, unknowns)
     if needed > memory_limit(limit):
-        advice = "Fast marching takes far less. Or close" if kind == "heat" else "Close"
+        less = kind == "heat" and distance_memory(vertex_count, "fast_marching") < needed / 2
+        advice = "Fast marching takes far less. Or close" if less else "Close"
         raise TooLargeError("distance_memory", needed=needed, limit=limit_in_words(limit), advice=advice)

@@ -266,10 +266,7 @@ def _ranks(cost: FloatArray) -> IntArray:
 
 
 def _independent(leaving: IntArray, rank: IntArray, links: _Links, count: int, *, most: bool) -> IntArray:
-    """Choose vertices of which no two share an edge, cheap ones first, and none onto which another goes.
-
-    As many as there can be if `most`; else only those that are cheapest around.
-    """
+    """Choose vertices of which no two share an edge: those that are cheapest around, or as many as can be if `most`."""
     place = np.full(count, count + 1, dtype=np.int64)  # in the order of going, the lower vertex first in a tie
     place[np.sort(rank * count + leaving) % count] = np.arange(len(leaving))
     free = place <= count
@@ -279,9 +276,8 @@ def _independent(leaving: IntArray, rank: IntArray, links: _Links, count: int, *
         enough = np.count_nonzero(chosen) >= _FEW * len(leaving)
         if turn == 2 and enough and not most:
             break
-        if (
-            turn == 2 and not enough
-        ):  # costs rise steadily along the surface, and few are cheaper than all around: draw lots
+        if turn == 2 and not enough:
+            # costs rise steadily along the surface, and few are cheaper than all around: draw lots
             place[place <= count] = np.random.default_rng(0).permutation(len(leaving))[place[place <= count]]
         between = np.flatnonzero(free[tail] & free[head])
         tail, head = tail[between], head[between]
