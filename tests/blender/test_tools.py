@@ -271,6 +271,6 @@ def test_too_little_memory_is_reported(figure_object, monkeypatch):
 
 def test_the_memory_limit_holds_for_distances_too(figure_object):
     select(figure_object, {10})
-    bpy.context.scene.canonical_form.memory_limit = 0.05
-    with pytest.raises(RuntimeError, match=r"more than the limit of 0\.05 GB. Fast marching"):
+    bpy.context.scene.canonical_form.memory_limit = 0.051
+    with pytest.raises(RuntimeError, match=r"more than the limit of 0\.051 GB. Fast marching"):
         bpy.ops.object.canonical_form_distance(kind="heat")

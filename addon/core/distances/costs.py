@@ -72,8 +72,8 @@ def require_distance_memory(vertex_count: int, kind: str, *, unknowns: int = 0, 
     ...     print(error.kind)
     distance_memory
     """
-    needed = distance_memory(vertex_count, kind, unknowns)
-    if needed > memory_limit(limit):
-        less = kind == "heat" and distance_memory(vertex_count, "fast_marching") < needed / 2
-        advice = "Fast marching takes far less. Or close" if less else "Close"
+    needed, most = distance_memory(vertex_count, kind, unknowns), memory_limit(limit)
+    if needed > most:
+        other = kind == "heat" and distance_memory(vertex_count, "fast_marching") <= most
+        advice = "Fast marching takes less and fits. Or close" if other else "Close"
         raise TooLargeError("distance_memory", needed=needed, limit=limit_in_words(limit), advice=advice)
