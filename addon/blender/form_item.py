@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import bpy
 import numpy as np
@@ -293,16 +293,16 @@ class FormItem:
 
         alone = len(self.readings) == 1
         turn = world_rotation(self.readings[0].placement) if alone else np.eye(3)
+        told: dict[str, Any] = {"progress": progress, "cancelled": cancelled}
+        told["keep"] = None if request.keep is None else request.keep.part(self.name)
         if settings.orientation == "posed" and request.reference is None:
-            found = canonical_form(whole.vertices, whole.faces, settings, progress=progress, cancelled=cancelled)
+            found = canonical_form(whole.vertices, whole.faces, settings, **told)
             self.whole_form = replace(found, vertices=found.vertices @ turn.T)
             return found
         self._require_no_mirror("its form has to stay on the mirror", "or Orientation to As Posed and no Reference")
         posed = whole.vertices @ turn.T
         reference = None if request.reference is None else request.reference(cancelled)
-        found = canonical_form(
-            posed, whole.faces, settings, reference=reference, progress=progress, cancelled=cancelled
-        )
+        found = canonical_form(posed, whole.faces, settings, reference=reference, **told)
         self.whole_form = found
         form = found.vertices if alone else found.vertices + (posed.mean(axis=0) - found.vertices.mean(axis=0))
         return replace(found, vertices=form @ turn)

@@ -14,7 +14,7 @@ from .in_betweens import animated, has_in_betweens
 from .record import require_record
 
 if TYPE_CHECKING:
-    from ..core import CanonicalForm
+    from ..core import CanonicalForm, KeptStages
     from ..core.run.monitor import Cancelled
     from .likeness import Likeness
 
@@ -46,6 +46,8 @@ class Request:
         `cancelled`, as in `canonical_form`, and touches no data of Blender's.
     likeness : Likeness, optional
         The pose that the objects are put into, in place of their form.
+    keep : KeptStages, optional
+        What earlier runs on the objects found: what has not changed is not computed again.
     """
 
     settings: Settings = field(default_factory=Settings)
@@ -59,6 +61,7 @@ class Request:
     objects: str = "EACH"
     reference: Callable[[Cancelled | None], CanonicalForm] | None = None
     likeness: Likeness | None = None
+    keep: KeptStages | None = None
 
     def settings_for(self, obj: bpy.types.Object) -> Settings:
         """Return the settings for an object, with the feature points of the vertex group, if one is named.

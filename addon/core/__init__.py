@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from .method_api.settings import Settings
     from .poses import pose_like
     from .results import CanonicalForm, FeaturePatches, Match, PosedLike
+    from .run.kept_stages import KeptStages
     from .transfers import transferred, transferred_corners, transferred_shape
 
 __all__ = [
@@ -31,6 +32,7 @@ __all__ = [
     "FeaturePatches",
     "InvalidMeshError",
     "InvalidSettingsError",
+    "KeptStages",
     "Match",
     "PosedLike",
     "Settings",
@@ -53,6 +55,7 @@ _DOORS = {
     "Settings": "method_api.settings",
     "CanonicalForm": "results",
     "FeaturePatches": "results",
+    "KeptStages": "run.kept_stages",
     "Match": "results",
     "PosedLike": "results",
     "canonical_form": "canonical",

@@ -15,6 +15,7 @@ from .numerics.arrays import FloatArray
 from .opening import OPENING, Found, body_limbs, features_of, opened
 from .placing import ReferenceBody, in_place, reference_bodies
 from .results import CanonicalForm
+from .run.kept_stages import KeptStages
 from .run.monitor import Cancelled, Monitor, Progress
 from .symmetry.limbs import Limbs
 
@@ -27,6 +28,7 @@ def canonical_form(
     reference: CanonicalForm | None = None,
     progress: Progress | None = None,
     cancelled: Cancelled | None = None,
+    keep: KeptStages | None = None,
 ) -> CanonicalForm:
     """Compute the canonical form of a posed mesh: its shape with the pose taken out.
 
@@ -45,6 +47,8 @@ def canonical_form(
         Called with the fraction done (0 to 1) and the name of the stage.
     cancelled : callable, optional
         Polled at least twice a second; the computation stops when it returns True.
+    keep : KeptStages, optional
+        Hand the same object to several runs on one mesh, one after the other: each computes what changed only.
 
     Returns
     -------
@@ -79,7 +83,7 @@ def canonical_form(
     settings = settings or Settings()
     method = method_named(settings.method)
     settings = method.settings(settings)
-    monitor = Monitor(progress, cancelled, OPENING)
+    monitor = Monitor(progress, cancelled, OPENING, keep)
     bodies = opened(vertices, faces, settings, monitor)
 
     others: list[ReferenceBody | None] = [None] * len(bodies.bodies)
@@ -93,7 +97,8 @@ def canonical_form(
         embedded = method.unfold(found, settings, own)
         with own.stage("Alignment"):
             form, order = in_place(embedded, found, settings, other, own)
-            return found.prolonged(own, order), found.limbs.sorted_by(order), form, embedded
+            shown = own.kept("shown", [found, order], lambda: found.prolonged(own, order))
+            return shown, found.limbs.sorted_by(order), form, embedded
 
     plan = {**DETECTION, **method.stages, "Alignment": 1}
     results = bodies.map(work, monitor, plan, bodies.chosen, others)

@@ -57,12 +57,22 @@ def opened(vertices: ArrayLike, faces: ArrayLike, settings: Settings, monitor: M
     1
     """
     with monitor.stage("Surface"):
-        bodies = bodies_of(vertices, faces, monitor, together=settings.together, features=settings.feature_points)
+        bodies = _bodies(vertices, faces, settings, monitor)
         require_memory(bodies.largest, settings)
     monitor.extend(bodies.pieces.repairs + bodies.apart)
     if bodies.detected_elsewhere:
         monitor.warn("features_detected_elsewhere", count=bodies.detected_elsewhere)
     return bodies
+
+
+def _bodies(vertices: ArrayLike, faces: ArrayLike, settings: Settings, monitor: Monitor) -> Bodies:
+    """Find the bodies in a mesh, unless they are known from an earlier run."""
+    together, given = settings.together, settings.feature_points
+    return monitor.kept(
+        "bodies",
+        [vertices, faces, together, given],
+        lambda: bodies_of(vertices, faces, monitor, together=together, features=given),
+    )
 
 
 def features_of(body: Body, chosen: Chosen | None, settings: Settings, monitor: Monitor) -> SurfaceFeatures:

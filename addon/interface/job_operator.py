@@ -160,7 +160,7 @@ class JobOperator:
             self._stopped_at = self._stopped_at or perf_counter()
             if self._job.running and perf_counter() - self._stopped_at < _CANCEL_TIMEOUT:
                 return {"PASS_THROUGH"}
-        elif self._job.running or _user_is_busy(context):
+        elif self._job.running or user_is_busy(context):
             show_progress(context, self._job)
             return {"PASS_THROUGH"}
         end_job(context)
@@ -230,8 +230,19 @@ def redraw_sidebars(context: bpy.types.Context) -> None:
                     region.tag_redraw()
 
 
-def _user_is_busy(context: bpy.types.Context) -> bool:
-    """Return whether a stroke or transform is running: the mesh must not change under it."""
+def user_is_busy(context: bpy.types.Context) -> bool:
+    """Tell whether a stroke or transform is running: the mesh must not change under it.
+
+    Parameters
+    ----------
+    context : bpy.types.Context
+        A context with a window.
+
+    Returns
+    -------
+    bool
+        Whether one is running.
+    """
     return any(running.bl_idname.startswith(_HOLDING_MESH) for running in context.window.modal_operators)
 
 

@@ -2,7 +2,7 @@
 
 # no `from __future__ import annotations`: Blender reads the annotations below as properties
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import bpy
 from bpy.props import EnumProperty
@@ -19,6 +19,7 @@ from .viewport import any_result, restore_shading, show_colours
 
 if TYPE_CHECKING:
     from ..blender.form_task import FormTask
+    from ..blender.request import Request
 
 
 class OBJECT_OT_canonical_form(JobOperator, MethodProperties, FormerProperties, RequestProperties, bpy.types.Operator):
@@ -55,21 +56,9 @@ class OBJECT_OT_canonical_form(JobOperator, MethodProperties, FormerProperties, 
     def task(self, context: bpy.types.Context) -> "FormTask":
         """Read the active and the other selected meshes."""
         from ..blender.form_task import FormTask
-        from ..blender.reference import Reference
-        from ..blender.request import Request
 
         objects, self._refused = chosen_objects(context)
-        request = Request(
-            settings=settings_of(self),
-            value=self.value,
-            step=self.step,
-            feature_group=self.feature_group,
-            deformed=self.mesh == "SHOWN",
-            new_object=self.result == "OBJECT",
-            objects=self.objects,
-            reference=Reference(self.reference).computed if self.reference and self.step == "FORM" else None,
-        )
-        return FormTask(objects, request)
+        return FormTask(objects, request_of(self, self.step))
 
     def written(self, context: bpy.types.Context, task: "FormTask", outcome: list[str], interactive: bool) -> None:
         """Report the warnings, then the results in one line."""
@@ -112,6 +101,41 @@ class OBJECT_OT_canonical_form_clear(bpy.types.Operator):
         if not any_result():
             restore_shading(context)
         return {"FINISHED"}
+
+
+def request_of(owner: Any, step: str = "FORM") -> "Request":
+    """Turn properties into what is computed and where the result goes.
+
+    Parameters
+    ----------
+    owner : MethodProperties and RequestProperties
+        An operator, or what `hand_over` has filled.
+    step : str
+        How far to go.
+
+    Returns
+    -------
+    Request
+        The request.
+
+    Raises
+    ------
+    CanonicalFormError
+        If the options are not allowed, or the reference cannot be used; the message says why.
+    """
+    from ..blender.reference import Reference
+    from ..blender.request import Request
+
+    return Request(
+        settings=settings_of(owner),
+        value=owner.value,
+        step=step,
+        feature_group=owner.feature_group,
+        deformed=owner.mesh == "SHOWN",
+        new_object=owner.result == "OBJECT",
+        objects=owner.objects,
+        reference=Reference(owner.reference).computed if owner.reference and step == "FORM" else None,
+    )
 
 
 def chosen_objects(context: bpy.types.Context) -> tuple[list[bpy.types.Object], list[str]]:

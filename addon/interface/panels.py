@@ -21,6 +21,7 @@ from .limb_operators import (
     OBJECT_OT_canonical_form_remove_in_betweens,
     OBJECT_OT_canonical_form_select_patch,
 )
+from .live_update import OBJECT_OT_canonical_form_live
 from .operators import OBJECT_OT_canonical_form, OBJECT_OT_canonical_form_clear
 from .pose_panel import VIEW3D_PT_canonical_form_pose_like
 from .properties import METHOD_NAMES, hand_over
@@ -62,11 +63,15 @@ class VIEW3D_PT_canonical_form(Tab, bpy.types.Panel):
             row.progress(factor=job.fraction, text=f"{job.fraction:.0%}  {job.stage}", type="BAR")
             row.operator(OBJECT_OT_canonical_form_cancel.bl_idname, text="", icon="X")
         else:
-            row = layout.row()
+            row = layout.row(align=True)
             row.scale_y = _BUTTON_SCALE
             label = f"Compute {len(objects)} Objects" if len(objects) > 1 else "Compute"
             button = row.operator(OBJECT_OT_canonical_form.bl_idname, text=label, icon="ARMATURE_DATA")
             hand_over(chosen, button)
+            live = OBJECT_OT_canonical_form_live.running()
+            row.operator(OBJECT_OT_canonical_form_live.bl_idname, text="", icon="PLAY", depress=live is not None)
+            if live is not None:
+                _draw_sentence(layout.column(align=True), live.state, _line_length(context), "TIME")
         if chosen.method != OURS:
             layout.prop(chosen, "method")
         for name in (*_MAIN, "mesh", "result"):
@@ -315,10 +320,13 @@ def _draw_warnings(layout: bpy.types.UILayout, warnings: list[str], length: int)
         return
     column = layout.column(align=True)
     for warning in warnings:
-        first, *rest = textwrap.wrap(warning, length)
-        column.label(text=first, icon="ERROR")
-        for line in rest:
-            column.label(text=line, icon="BLANK1")
+        _draw_sentence(column, warning, length, "ERROR")
+
+
+def _draw_sentence(layout: bpy.types.UILayout, sentence: str, length: int, icon: str) -> None:
+    """Draw a sentence over as many lines as it takes."""
+    for number, line in enumerate(textwrap.wrap(sentence, length)):
+        layout.label(text=line, icon="BLANK1" if number else icon)
 
 
 def _line_length(context: bpy.types.Context) -> int:

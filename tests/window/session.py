@@ -21,6 +21,7 @@ sys.path[:0] = [str(Path(__file__).resolve().parent), str(Path(__file__).resolve
 
 from tests.window.character import character, several_objects, state  # noqa: E402
 from tests.window.hand import UNIT, Hand  # noqa: E402
+from tests.window.live import live  # noqa: E402
 from tests.window.poses import poses  # noqa: E402
 
 ROWS = {"compute": 50, "slider": 304, "clear": 471, "toggle": 539, "cancel": 50}  # below the top, at version 4.3
@@ -211,6 +212,8 @@ def session():
     assert hand.area().spaces.active.shading.color_type == shading, "the shading was not switched back"
     yield from hand.picture("9-cleared")
 
+    step("live update")
+    told("times that the form followed a drag", (yield from live(hand, figure, state)))
     step("another's pose")
     yield from poses(hand, figure, state, running, wait_for_the_end)
     step("what happens to the object meanwhile")

@@ -182,26 +182,52 @@ def detected(
     """
     monitor.check()
     whole_points, centre, unit = of_unit_area(points, faces)
-    surface = reduced(whole_points, faces, settings.coarse_vertices, fixed=chosen, monitor=monitor)
-    if surface.stuck:
-        monitor.warn("coarse_mesh_stuck", count=len(surface.points))
-    with monitor.stage("Spectrum"):
-        surface, L, M, spectrum = _spectrum(surface, settings.eigenpairs, monitor)
+    surface, L, M, spectrum = monitor.kept(
+        "surface",
+        [points, faces, chosen, settings.coarse_vertices, settings.eigenpairs],
+        lambda: _analysed(reduced, whole_points, faces, chosen, settings, monitor),
+    )
     with monitor.stage("Feature points"):
-        adf = auto_diffusion(spectrum, settings.diffusion_time)
-        heat = HeatMethod(surface.triangulation, refine=settings.whole, monitor=monitor)
+        adf = monitor.kept(
+            "adf", [spectrum, settings.diffusion_time], lambda: auto_diffusion(spectrum, settings.diffusion_time)
+        )
+        heat = monitor.kept(
+            "heat", [surface], lambda: HeatMethod(surface.triangulation, refine=settings.whole, monitor=monitor)
+        )
         if chosen is not None:
             features = surface.numbers_of(chosen)
             to_features, prominence = heat.distances(features), None
         else:
             features, to_features, prominence = _feature_points(adf, surface.faces, heat, settings, monitor)
         monitor.check()
-        features, to_features, limbs = _in_lasting_order(features, to_features, prominence, adf, surface, monitor)
-    with monitor.stage("Patches"):
-        cells = voronoi_cells(to_features, features, surface.faces)
-    return SurfaceFeatures(
-        whole_points, faces, centre, unit, surface, L, M, spectrum, adf, features, to_features, cells, limbs
-    )
+
+    def numbered() -> SurfaceFeatures:
+        """Put the feature points in their order and let the patches grow around them."""
+        with monitor.stage("Feature points"):
+            order, distances, limbs = _in_lasting_order(features, to_features, prominence, adf, surface, monitor)
+        with monitor.stage("Patches"):
+            cells = voronoi_cells(distances, order, surface.faces)
+        return SurfaceFeatures(
+            whole_points, faces, centre, unit, surface, L, M, spectrum, adf, order, distances, cells, limbs
+        )
+
+    return monitor.kept("features", [surface, adf, features, prominence], numbered)
+
+
+def _analysed(
+    reduced: Reduced,
+    points: FloatArray,
+    faces: IntArray,
+    chosen: IntArray | None,
+    settings: Settings,
+    monitor: Monitor,
+) -> tuple[WorkingSurface, csr_matrix, FloatArray, Spectrum]:
+    """Reduce a surface and find its spectrum."""
+    surface = reduced(points, faces, settings.coarse_vertices, fixed=chosen, monitor=monitor)
+    if surface.stuck:
+        monitor.warn("coarse_mesh_stuck", count=len(surface.points))
+    with monitor.stage("Spectrum"):
+        return _spectrum(surface, settings.eigenpairs, monitor)
 
 
 def _spectrum(

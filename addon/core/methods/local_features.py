@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from ..deformation.detail import detailed, mended
 from ..deformation.elastic_body import ElasticBody
 from ..deformation.struts import struts_through
@@ -10,7 +12,7 @@ from ..embedding.pairs import balanced, braced, patch_pairs
 from ..embedding.smacof import minimise_stress
 from ..embedding.start import Start, input_start, intrinsic_start
 from ..embedding.straightening import straightened
-from ..embedding.stress import Stress
+from ..embedding.stress import PairSet, Stress
 from ..embedding.weight_inverse import WeightInverse
 from ..measures.alignment import outside_out
 from ..mesh.geometry import moved_by_frames
@@ -68,6 +70,67 @@ def local_feature_form(found: SurfaceFeatures, settings: Settings, monitor: Moni
     ----------
     The paper, section 3.4 and equation 10; docs/method.md says where this departs from it.
     """
+    inside = monitor.kept(
+        "inside", [found, settings.heat_time, settings.memory_limit], lambda: _inside(found, settings, monitor)
+    )
+    body, green, _ = inside
+    start = monitor.kept(
+        "start",
+        [
+            inside,
+            settings.start,
+            settings.landmark_count,
+            settings.smoothing,
+            settings.arrangement_share,
+            settings.straight,
+        ],
+        lambda: _start(found, body, green, settings, monitor),
+    )
+    embedded = monitor.kept(
+        "embedded",
+        [inside, start, *settings.minimisation.values()],
+        lambda: _embedded(found, inside, start, settings, monitor),
+    )
+    form, mirror = monitor.kept(
+        "arranged",
+        [embedded, settings.straight, settings.symmetry],
+        lambda: _arranged(found, body, embedded.form, start, settings, monitor),
+    )
+    if settings.preserve_detail > 0:
+        with monitor.stage("Detail"):
+            form = detailed(body, form, settings.preserve_detail, monitor)
+            if mirror is not None:
+                firm = mirror.sure * min(1.0, 2 * (1 - settings.preserve_detail))
+                form = held_symmetric(body, form, mirror._replace(sure=firm))
+                form = mended(body, form, _MENDING_STEPS, monitor, pressure=True)
+    partner = None if mirror is None else mirror.partner
+    apart = float("nan") if partner is None else asymmetry(form, partner, body.mass)
+    with monitor.stage("Prolongation"):
+        if found.surface.coarse:
+            rotation, shift = found.surface.prolong_frames(*body.frames(form))
+            form = moved_by_frames(found.whole_points, rotation, shift)
+            monitor.check()
+    return MethodResult(form, embedded.history, embedded.pair_count, apart, partner)
+
+
+class _Inside(NamedTuple):
+    """The surface as an elastic body, and the pairs inside its patches."""
+
+    body: ElasticBody
+    green: GreensFunction
+    sets: list[PairSet]
+
+
+class _Embedded(NamedTuple):
+    """Where SMACOF ends."""
+
+    form: FloatArray
+    history: FloatArray
+    pair_count: int
+
+
+def _inside(found: SurfaceFeatures, settings: Settings, monitor: Monitor) -> _Inside:
+    """Measure geodesics and commute times inside the patches, and struts through the interior."""
     surface = found.surface
     patches = patches_of(found.cells, surface.faces, len(found.features))
     sizes = [len(patch.vertices) for patch in patches]
@@ -88,41 +151,39 @@ def local_feature_form(found: SurfaceFeatures, settings: Settings, monitor: Moni
         )
         if struts is not None:
             sets = [braced(pairs, surface.points, struts, monitor) for pairs in sets]
-    start = _start(found, body, green, settings, monitor)
+    return _Inside(body, green, sets)
+
+
+def _embedded(found: SurfaceFeatures, inside: _Inside, start: Start, settings: Settings, monitor: Monitor) -> _Embedded:
+    """Minimise the stress of the pairs inside the patches and between them."""
+    body, _, sets = inside
+    count = len(found.surface.points)
     with monitor.stage("Factorisation"):
         if start.between is not None:
-            sets = [*sets, balanced(start.between, sets, len(surface.points), start.share)]
-        inverse = WeightInverse(len(surface.points), sets, monitor)
+            sets = [*sets, balanced(start.between, sets, count, start.share)]
+        inverse = WeightInverse(count, sets, monitor)
     with monitor.stage("Embedding"):
-        stress = Stress(len(surface.points), sets, monitor)
+        stress = Stress(count, sets, monitor)
         form, history = minimise_stress(stress, inverse, start.points, **settings.minimisation, monitor=monitor)
         warn_if_still_falling(history, settings, monitor)
-        form = outside_out(body, form)
-    mirror = None
-    if settings.straight:
-        with monitor.stage("Straightening"):
-            form = straightened(
-                body, surface.faces, form, start.landmarks, start.depth, **settings.minimisation, monitor=monitor
-            )
-        if settings.symmetry == "hold":
-            with monitor.stage("Symmetry"):
-                mirror = _mirror(found, body, form, start.landmarks, monitor)
-                form = form if mirror is None else held_symmetric(body, form, mirror)
-    if settings.preserve_detail > 0:
-        with monitor.stage("Detail"):
-            form = detailed(body, form, settings.preserve_detail, monitor)
-            if mirror is not None:
-                firm = mirror.sure * min(1.0, 2 * (1 - settings.preserve_detail))
-                form = held_symmetric(body, form, mirror._replace(sure=firm))
-                form = mended(body, form, _MENDING_STEPS, monitor, pressure=True)
-    partner = None if mirror is None else mirror.partner
-    apart = float("nan") if partner is None else asymmetry(form, partner, body.mass)
-    with monitor.stage("Prolongation"):
-        if surface.coarse:
-            rotation, shift = surface.prolong_frames(*body.frames(form))
-            form = moved_by_frames(found.whole_points, rotation, shift)
-            monitor.check()
-    return MethodResult(form, history, sum(len(pairs.vertices) ** 2 for pairs in sets), apart, partner)
+        return _Embedded(outside_out(body, form), history, sum(len(pairs.vertices) ** 2 for pairs in sets))
+
+
+def _arranged(
+    found: SurfaceFeatures, body: ElasticBody, form: FloatArray, start: Start, settings: Settings, monitor: Monitor
+) -> tuple[FloatArray, MirrorMap | None]:
+    """Make limbs straight, and left like right."""
+    if not settings.straight:
+        return form, None
+    with monitor.stage("Straightening"):
+        form = straightened(
+            body, found.surface.faces, form, start.landmarks, start.depth, **settings.minimisation, monitor=monitor
+        )
+    if settings.symmetry != "hold":
+        return form, None
+    with monitor.stage("Symmetry"):
+        mirror = _mirror(found, body, form, start.landmarks, monitor)
+        return (form if mirror is None else held_symmetric(body, form, mirror)), mirror
 
 
 def _start(

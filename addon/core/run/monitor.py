@@ -7,14 +7,16 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from itertools import accumulate, pairwise
 from time import perf_counter
-from typing import Any
+from typing import Any, TypeVar
 
 from .errors import CancelledError
+from .kept_stages import KeptStages
 from .messages import Message, message
 
 Progress = Callable[[float, str], object]
 Cancelled = Callable[[], bool]
 Warned = Callable[[str], object]
+Found = TypeVar("Found")
 Plan = Mapping[str, float]  # stages in their order, with weights: the share of the time that each takes
 
 
@@ -30,6 +32,8 @@ class Monitor:
     plan : mapping of str to float, optional
         The stages to come, in order, with weights. A stage that is skipped counts as done when the next begins; a
         stage that is not in the plan counts as part of the one around it.
+    keep : KeptStages, optional
+        What earlier runs found; without it nothing is kept.
 
     Attributes
     ----------
@@ -49,9 +53,13 @@ class Monitor:
     """
 
     def __init__(
-        self, progress: Progress | None = None, cancelled: Cancelled | None = None, plan: Plan | None = None
+        self,
+        progress: Progress | None = None,
+        cancelled: Cancelled | None = None,
+        plan: Plan | None = None,
+        keep: KeptStages | None = None,
     ) -> None:
-        self._progress, self._cancelled = progress, cancelled
+        self._progress, self._cancelled, self._keep = progress, cancelled, keep
         plan = plan or {}
         ends = [end / (sum(plan.values()) or 1.0) for end in accumulate(plan.values(), initial=0.0)]
         self._spans = dict(zip(plan, pairwise(ends), strict=True))
@@ -110,9 +118,28 @@ class Monitor:
             self._name = stage or self._name
             self._report(first + (1 - first) * (begin + (end - begin) * done))
 
-        own = Monitor(report, self._cancelled, plan)
+        own = Monitor(report, self._cancelled, plan, None if self._keep is None else self._keep.part(begin))
         own.timings = self.timings
         return own
+
+    def kept(self, name: str, sources: list[Any], compute: Callable[[], Found]) -> Found:
+        """Take what an earlier run found, where its sources are the same, or compute it.
+
+        Parameters
+        ----------
+        name : str
+            Name of what is found.
+        sources : list
+            All that it depends on, as in `KeptStages.take`.
+        compute : callable
+            Computes it.
+
+        Returns
+        -------
+        object
+            What `compute` returned, now or then.
+        """
+        return compute() if self._keep is None else self._keep.take(name, sources, compute, self.warnings)
 
     def tick(self, fraction: float) -> None:
         """Report the fraction of the present stage that is done; stop if the run is cancelled.

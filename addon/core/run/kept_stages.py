@@ -1,0 +1,111 @@
+"""What the stages of a run found, kept for the next run on the same mesh: it computes what changed only."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable
+from hashlib import blake2b
+from typing import Any, NamedTuple, TypeVar, cast
+
+import numpy as np
+
+from .messages import Message
+
+Found = TypeVar("Found")
+
+_MOST = 3  # results of one stage that are kept: dragged to and fro, an option comes back to where it was
+_PLAIN = (str, bool, int, float, tuple, type(None))  # by type: named tuples hold results
+
+
+class _Stage(NamedTuple):
+    """What a stage found, what it came from, and what it warned of."""
+
+    sources: list[Any]
+    found: Any
+    warnings: list[Message]
+
+
+class KeptStages:
+    """What the stages of earlier runs found, for as long as what it came from stays the same.
+
+    Hand one object to several runs, one after the other. A stage is computed again where the mesh, its options or what
+    an earlier stage found have changed. Of each stage the last few results are kept.
+
+    Examples
+    --------
+    >>> kept = KeptStages()
+    >>> def squared():
+    ...     print("computed")
+    ...     return [9.0]
+    >>> kept.take("Square", [3.0], squared, [])
+    computed
+    [9.0]
+    >>> kept.take("Square", [3.0], squared, [])
+    [9.0]
+    """
+
+    def __init__(self) -> None:
+        self._stages: dict[str, list[_Stage]] = {}  # the latest first
+        self._parts: dict[Hashable, KeptStages] = {}
+
+    def part(self, name: Hashable) -> KeptStages:
+        """Find what is kept for a part of the work, such as a body.
+
+        Parameters
+        ----------
+        name : hashable
+            What tells the part from others.
+
+        Returns
+        -------
+        KeptStages
+            Of the part.
+        """
+        return self._parts.setdefault(name, KeptStages())
+
+    def take(self, name: str, sources: list[Any], compute: Callable[[], Found], warnings: list[Message]) -> Found:
+        """Return what a stage found before, or compute it.
+
+        Parameters
+        ----------
+        name : str
+            Name of the stage.
+        sources : list
+            All that its result depends on: arrays, numbers and words, compared by value, and results of earlier stages,
+            compared by identity.
+        compute : callable
+            Computes it.
+        warnings : list of Message
+            Warnings so far. Those that came with what is kept join them.
+
+        Returns
+        -------
+        object
+            What `compute` returned.
+        """
+        told = [_told(source) for source in sources]
+        known = self._stages.setdefault(name, [])
+        kept = next((stage for stage in known if _alike(stage.sources, told)), None)
+        if kept is None:
+            before = len(warnings)
+            found = compute()
+            kept = _Stage(told, found, warnings[before:])
+        self._stages[name] = [kept, *(stage for stage in known if stage is not kept)][:_MOST]
+        warnings += [each for each in kept.warnings if each not in warnings]
+        return cast("Found", kept.found)
+
+
+def _told(source: Any) -> Any:
+    """Tell arrays and lists by their content: they may be changed in place between two runs."""
+    if isinstance(source, list):
+        return repr(source)
+    if not isinstance(source, np.ndarray):
+        return source
+    return (source.shape, source.dtype.str, blake2b(np.ascontiguousarray(source).data, digest_size=16).digest())
+
+
+def _alike(sources: list[Any], others: list[Any]) -> bool:
+    """Compare plain values by value, others by identity."""
+    return all(
+        one is other or (type(one) is type(other) and type(one) in _PLAIN and one == other)
+        for one, other in zip(sources, others, strict=True)
+    )

@@ -1,0 +1,248 @@
+"""The form follows the options: computed again, in a thread, as soon as one of them has changed."""
+
+from __future__ import annotations
+
+from time import perf_counter
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import bpy
+
+from ..blender.advice import explained
+from ..blender.form_key import form_key
+from ..blender.jobs import Job
+from ..blender.meant_objects import meant_object
+from ..blender.mesh_reading import refusal
+from ..blender.record import read_record
+from ..core import CanonicalFormError, KeptStages
+from .job_operator import OBJECT_OT_canonical_form_cancel, redraw_sidebars, user_is_busy
+from .operators import allowed, chosen_objects, request_of
+from .properties import hand_over, list_patches
+from .viewport import show_colours
+
+if TYPE_CHECKING:
+    from ..blender.form_task import FormTask
+
+_TICK, _IDLE = 0.01, 0.1  # seconds between two looks, during a computation and otherwise
+_SETTLED = 0.04  # seconds for which nothing was read or written, so that a slider that is dragged stays fluent
+
+
+class LiveUpdate:
+    """Watches the options in the panel, and computes the form of the object again when they change.
+
+    What the options were is compared, not heard: so undo, scripts and drivers count too. The constructor takes what is
+    there as shown, unless the object has no form yet. Computing touches no data of Blender's; a change of the options
+    meanwhile stops it. Results are written without an undo step of their own: undoing the change of an option brings
+    the form back with it, since that is a change too.
+
+    Parameters
+    ----------
+    context : bpy.types.Context
+        A context with a window.
+
+    Attributes
+    ----------
+    state : str
+        What it does, in a line for the panel.
+    """
+
+    def __init__(self, context: bpy.types.Context) -> None:
+        self.state = "Live: change an option"
+        self._keep = KeptStages()
+        self._job: Job | None = None
+        self._task: FormTask | None = None
+        self._began = 0.0
+        self._name: str | None = None  # of the object that the choices are about
+        self._shown: dict[str, Any] | None = None  # the choices whose result is there or on its way
+        obj = meant_object(context)
+        if obj is not None and _has_form(obj):
+            self._name, self._shown = obj.name, _choices(context)
+
+    def stop(self) -> None:
+        """Stop what is being computed."""
+        if self._job is not None:
+            self._job.stop()
+            self._shown = None
+
+    def look(self) -> float:
+        """Look whether the options have changed, or a computation has ended.
+
+        Returns
+        -------
+        float
+            Seconds until it wants to look again.
+        """
+        context = bpy.context
+        windows = context.window_manager.windows
+        if not windows:
+            return _IDLE
+        state = self.state
+        with context.temp_override(window=windows[0]):
+            try:
+                wait = self._step(context)
+            except (CanonicalFormError, MemoryError) as error:
+                self.state, wait = f"Live: {explained(error)}", _IDLE
+            if state != self.state:
+                redraw_sidebars(context)
+        return wait
+
+    def _step(self, context: bpy.types.Context) -> float:
+        """Write what is computed, and begin what is not."""
+        if OBJECT_OT_canonical_form_cancel.job is not None:  # another computation: one at a time
+            self.stop()
+            return _IDLE
+        if self._job is not None and self._job.running:
+            if _choices(context) != self._shown:
+                self.stop()
+            return _TICK
+        if user_is_busy(context):
+            return _IDLE
+        choices = _choices(context)
+        job, self._job = self._job, None
+        if job is not None and choices == self._shown and not job.stopped:
+            self._write(context, job)
+            return _SETTLED
+        obj = meant_object(context)
+        name = None if obj is None else obj.name
+        if name != self._name and self._name is not None:  # the form of another object stays until an option changes
+            self._shown = choices
+        self._name = name
+        if choices == self._shown:
+            return _IDLE
+        reason = _waits_for(context)
+        if reason is not None:
+            self.state = f"Live waits: {reason}"
+            return _IDLE
+        self._shown = choices
+        self._begin(context, choices)
+        return _TICK
+
+    def _begin(self, context: bpy.types.Context, choices: dict[str, Any]) -> None:
+        """Read the objects and begin to compute."""
+        from dataclasses import replace
+
+        from ..blender.form_task import FormTask
+
+        self._began = perf_counter()
+        objects, _ = chosen_objects(context)
+        key = form_key(objects[0].data)
+        value = context.scene.canonical_form.value if key is None else key.value
+        request = request_of(SimpleNamespace(**choices, value=value))
+        self._task = FormTask(objects, replace(request, keep=self._keep))
+        self._job = Job(self._task.compute)
+
+    def _write(self, context: bpy.types.Context, job: Job) -> None:
+        """Write what was computed."""
+        job.result()
+        task, self._task = self._task, None
+        if task is None:
+            return
+        first = not any(obj.name in task.taken and _has_form(obj) for obj in bpy.data.objects)
+        for name in task.write():
+            list_patches(bpy.data.objects[name].data)
+        if first:
+            show_colours(context)
+        problems = task.errors
+        self.state = f"Live: {problems[0]}" if problems else f"Live: {perf_counter() - self._began:.2f} s"
+
+
+class OBJECT_OT_canonical_form_live(bpy.types.Operator):
+    """Live update: compute the form again as soon as an option changes. Press again to stop"""  # noqa: D400 (tooltip)
+
+    bl_idname = "object.canonical_form_live"
+    bl_label = "Canonical Form Live Update"
+    bl_options = {"UNDO"}
+
+    update: ClassVar[LiveUpdate | None] = None
+    timer: ClassVar[Any] = None  # what Blender calls again and again; it forgets it when another file is opened
+
+    @classmethod
+    def running(cls) -> LiveUpdate | None:
+        """Return the live update that is under way.
+
+        Returns
+        -------
+        LiveUpdate or None
+            The update; None where there is none, or it ended with an earlier file.
+        """
+        return cls.update if cls.timer is not None and bpy.app.timers.is_registered(cls.timer) else None
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Disable the button, with a reason, where there is nothing to compute."""
+        return allowed(cls, None if cls.running() else refusal(meant_object(context)))
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Start it, or stop it."""
+        kind = OBJECT_OT_canonical_form_live
+        if kind.running():
+            kind.end()
+            return {"FINISHED"}
+        if bpy.app.background or context.window is None:
+            self.report({"ERROR"}, "Live update needs a window. In a script, call the operator Canonical Form again.")
+            return {"CANCELLED"}
+        if context.scene.canonical_form.result == "OBJECT":
+            self.report({"ERROR"}, "Live update changes a shape key. Set Result to Shape Key.")
+            return {"CANCELLED"}
+        kind.end()
+        kind.update = LiveUpdate(context)
+        kind.timer = kind.update.look
+        bpy.app.timers.register(kind.timer, first_interval=_IDLE)
+        return {"FINISHED"}
+
+    @classmethod
+    def end(cls) -> None:
+        """Stop the live update."""
+        if cls.update is not None:
+            cls.update.stop()
+        if cls.timer is not None and bpy.app.timers.is_registered(cls.timer):
+            bpy.app.timers.unregister(cls.timer)
+        cls.update = cls.timer = None
+
+
+def _choices(context: bpy.types.Context) -> dict[str, Any]:
+    """List the choices in the panel that a form depends on."""
+    chosen = SimpleNamespace()
+    hand_over(context.scene.canonical_form, chosen)  # type: ignore[arg-type]
+    choices = vars(chosen)
+    del choices["value"]  # the slider is the user's
+    choices["result"] = "KEY"
+    if chosen.mesh == "SHOWN":
+        choices["frame"] = context.scene.frame_current
+    return choices
+
+
+def _has_form(obj: bpy.types.Object) -> bool:
+    """Tell whether a mesh has a form."""
+    record = read_record(obj.data) if obj.type == "MESH" else None
+    return record is not None and record.report.has_form
+
+
+def _waits_for(context: bpy.types.Context) -> str | None:
+    """Tell why nothing can be computed at present."""
+    obj = meant_object(context)
+    reason = refusal(obj)
+    if reason is not None or obj is None:
+        return reason
+    if obj.mode != "OBJECT":
+        return "it works in Object Mode."
+    record = read_record(obj.data)
+    if record is not None and record.report.like is not None:
+        return f"{obj.name} shows another's pose."
+    return None
+
+
+CLASSES = (OBJECT_OT_canonical_form_live,)
+
+
+def register() -> None:
+    """Register the operator."""
+    for each in CLASSES:
+        bpy.utils.register_class(each)
+
+
+def unregister() -> None:
+    """Stop the live update and unregister the operator."""
+    OBJECT_OT_canonical_form_live.end()
+    for each in reversed(CLASSES):
+        bpy.utils.unregister_class(each)

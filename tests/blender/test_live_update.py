@@ -1,0 +1,149 @@
+"""Live update: the form follows the options. (With a mouse: `make test-window`.)"""
+
+from time import sleep
+from types import SimpleNamespace
+from typing import Any
+
+import bpy
+import numpy as np
+import pytest
+
+from addon.interface import panels
+from addon.interface.job_operator import OBJECT_OT_canonical_form_cancel
+from addon.interface.live_update import LiveUpdate, OBJECT_OT_canonical_form_live
+from tests.blender.conftest import QUICK, add_object, drawn, snapshot
+from tests.meshes import shapes
+
+
+@pytest.fixture
+def chosen(figure_object):
+    """The choices in the panel, quick ones."""
+    properties = bpy.context.scene.canonical_form
+    for name, value in QUICK.items():
+        setattr(properties, name, value)
+    return properties
+
+
+def settle(live, seconds=60):
+    """Look until nothing is under way any more."""
+    for _ in range(int(seconds / 0.01)):
+        live.look()
+        if live._job is None:
+            return live.state
+        sleep(0.01)
+    raise AssertionError("it does not settle")
+
+
+def positions(obj):
+    return np.array([point.co for point in obj.data.shape_keys.key_blocks["Canonical Form"].data])
+
+
+def of_the_button(obj, **options):
+    """The form that the operator computes on a copy."""
+    other = obj.copy()
+    other.data = obj.data.copy()
+    bpy.context.collection.objects.link(other)
+    with bpy.context.temp_override(object=other, active_object=other, selected_objects=[other]):
+        bpy.ops.object.canonical_form(**QUICK, **options)
+    form = positions(other)
+    bpy.data.objects.remove(other)
+    return form
+
+
+def test_the_form_follows_the_options(figure_object, chosen):
+    live = LiveUpdate(bpy.context)
+    assert settle(live).startswith("Live: 0") or live.state.startswith("Live: ")
+    first = positions(figure_object)
+    assert np.array_equal(first, of_the_button(figure_object))
+    key = figure_object.data.shape_keys.key_blocks["Canonical Form"]
+    key.value = 0.25
+    for options in ({"preserve_detail": 0.125}, {"preserve_detail": 0.125, "prominence": 0.0625}, {}):
+        for name in ("preserve_detail", "prominence"):
+            chosen.property_unset(name)
+        for name, value in options.items():
+            setattr(chosen, name, value)
+        settle(live)
+        assert np.array_equal(positions(figure_object), of_the_button(figure_object, **options)), options
+        assert key.value == 0.25
+    assert np.array_equal(positions(figure_object), first)
+
+
+def test_a_form_that_is_there_stays_until_an_option_changes(figure_object, chosen):
+    bpy.ops.object.canonical_form(**{**QUICK, "preserve_detail": 0.25})
+    before = snapshot(figure_object)
+    live = LiveUpdate(bpy.context)
+    settle(live)
+    assert snapshot(figure_object) == before
+    other = add_object("Other", *shapes.figure(15))
+    settle(live)
+    bpy.context.view_layer.objects.active = other
+    settle(live)
+    assert other.data.shape_keys is None
+    chosen.preserve_detail = 0.75
+    settle(live)
+    assert snapshot(figure_object) == before
+    assert other.data.shape_keys is not None
+
+
+def test_a_change_stops_what_is_computed(figure_object, chosen):
+    live = LiveUpdate(bpy.context)
+    live.look()
+    job = live._job
+    assert job is not None
+    chosen.preserve_detail = 0.25
+    live.look()
+    assert job.stopped or not job.running
+    chosen.property_unset("preserve_detail")  # back where it was: computed all the same
+    settle(live)
+    assert np.array_equal(positions(figure_object), of_the_button(figure_object))
+
+
+def test_it_waits_and_says_why(figure_object, chosen, monkeypatch):
+    bpy.ops.object.mode_set(mode="EDIT")
+    live = LiveUpdate(bpy.context)
+    assert "Object Mode" in settle(live)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    chosen.feature_points = "one, two"
+    assert "vertex indices" in settle(live)
+    assert figure_object.data.shape_keys is None
+    chosen.feature_points = ""
+    with monkeypatch.context() as other:
+        other.setattr(OBJECT_OT_canonical_form_cancel, "job", SimpleNamespace(stop=lambda: None))
+        settle(live)
+        assert figure_object.data.shape_keys is None
+    settle(live)
+    assert figure_object.data.shape_keys is not None
+
+
+def test_a_mesh_that_changes_meanwhile_is_not_written_to(figure_object, chosen):
+    live = LiveUpdate(bpy.context)
+    live.look()
+    figure_object.data.vertices[0].co.x += 0.5
+    assert "was edited" in settle(live)
+    assert figure_object.data.shape_keys is None
+    chosen.preserve_detail = 0.25
+    settle(live)
+    assert figure_object.data.shape_keys is not None
+
+
+def test_the_button_starts_and_stops_it(figure_object, chosen, monkeypatch):
+    with pytest.raises(RuntimeError, match="needs a window"):
+        bpy.ops.object.canonical_form_live()
+    kind = OBJECT_OT_canonical_form_live
+    told: list[str] = []
+    button: Any = SimpleNamespace(report=lambda kinds, sentence: told.append(sentence))
+    window = SimpleNamespace(app=SimpleNamespace(background=False, timers=bpy.app.timers))
+    monkeypatch.setattr("addon.interface.live_update.bpy", SimpleNamespace(**{**vars(bpy), **vars(window)}))
+    chosen.result = "OBJECT"
+    assert kind.execute(button, bpy.context) == {"CANCELLED"}
+    assert "Set Result to Shape Key" in told[0]
+    chosen.result = "KEY"
+    assert kind.execute(button, bpy.context) == {"FINISHED"}
+    live = kind.running()
+    assert live is not None
+    assert any("Live" in line for line in drawn(panels.VIEW3D_PT_canonical_form))
+    settle(live)
+    timer = kind.timer
+    assert kind.execute(button, bpy.context) == {"FINISHED"}
+    assert kind.running() is None
+    assert not bpy.app.timers.is_registered(timer)

@@ -1,0 +1,137 @@
+"""What is kept between runs: the same results to the bit, and nothing stale."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from addon.core import CancelledError, KeptStages, Settings, canonical_form
+from addon.core.run.messages import Message, message
+from tests.meshes import pieced, shapes
+
+QUICK = Settings(max_iterations=5, eigenpairs=30, landmark_count=20)
+CHANGES: tuple[dict[str, Any], ...] = (
+    {},
+    {"preserve_detail": 0.2},
+    {"preserve_detail": 0.0},
+    {"prominence": 0.05},
+    {"feature_count": 3},
+    {"feature_points": (5, 40, 200)},
+    {"feature_points": [5, 40, 201]},
+    {"diffusion_time": 0.05},
+    {"eigenpairs": 25},
+    {"quality": "draft"},
+    {"quality": "full"},
+    {"smoothing": 0.0},
+    {"start": "input"},
+    {"landmark_count": 15},
+    {"arrangement_share": 2.0},
+    {"arrangement": "stress"},
+    {"symmetry": "ignore"},
+    {"max_iterations": 2},
+    {"tolerance": 0.1},
+    {"extrapolation": 0},
+    {"pieces": "apart"},
+    {"orientation": "upright"},
+    {"method": "classical"},
+    {"method": "as_published"},
+    {},
+)
+
+
+def assert_same(form, other):
+    assert np.array_equal(form.vertices, other.vertices)
+    assert np.array_equal(form.patches, other.patches)
+    assert np.array_equal(form.feature_points, other.feature_points)
+    assert np.array_equal(form.adf, other.adf)
+    assert np.array_equal(form.stress, other.stress)
+    assert form.pair_count == other.pair_count
+    assert form.warnings == other.warnings
+
+
+@pytest.mark.parametrize(
+    ("mesh", "changes"),
+    [(shapes.figure(13), CHANGES), (pieced.character()[:2], CHANGES[::6])],
+    ids=["figure", "pieces"],
+)
+def test_whatever_changes_the_result_is_that_of_a_run_of_its_own(mesh, changes):
+    vertices, faces = mesh
+    keep = KeptStages()
+    for change in changes:
+        settings = replace(QUICK, **change)
+        assert_same(canonical_form(vertices, faces, settings, keep=keep), canonical_form(vertices, faces, settings))
+
+
+def test_an_array_that_is_changed_in_place_is_another_mesh():
+    vertices, faces = shapes.figure(13)
+    keep = KeptStages()
+    canonical_form(vertices, faces, QUICK, keep=keep)
+    vertices[:, 0] *= 1.1
+    assert_same(canonical_form(vertices, faces, QUICK, keep=keep), canonical_form(vertices, faces, QUICK))
+    faces = faces[:-1]
+    assert_same(canonical_form(vertices, faces, QUICK, keep=keep), canonical_form(vertices, faces, QUICK))
+
+
+def test_what_is_kept_is_not_changed_by_its_users():
+    vertices, faces = shapes.figure(13)
+    keep = KeptStages()
+    first = canonical_form(vertices, faces, QUICK, keep=keep)
+    for array in (first.vertices, first.patches, first.adf, first.feature_points, first.stress):
+        array[:] = 0
+    assert_same(canonical_form(vertices, faces, QUICK, keep=keep), canonical_form(vertices, faces, QUICK))
+
+
+def test_a_cancelled_run_leaves_nothing_half_done():
+    vertices, faces = shapes.figure(13)
+    keep, alone = KeptStages(), canonical_form(vertices, faces, QUICK)
+    for polls in (3, 10, 30, 60, 100):
+        asked: list[None] = []
+
+        def cancelled(asked: list[None] = asked, polls: int = polls) -> bool:
+            asked.append(None)
+            return len(asked) > polls
+
+        with pytest.raises(CancelledError):
+            canonical_form(vertices, faces, QUICK, keep=keep, cancelled=cancelled)
+    assert_same(canonical_form(vertices, faces, QUICK, keep=keep), alone)
+
+
+def test_only_what_depends_on_a_change_is_computed_again():
+    vertices, faces = shapes.figure(13)
+    keep = KeptStages()
+    canonical_form(vertices, faces, QUICK, keep=keep)
+    stages = canonical_form(vertices, faces, replace(QUICK, preserve_detail=0.3), keep=keep).timings
+    assert "Detail" in stages
+    assert not {"Spectrum", "Patches", "Distances", "Landmarks", "Start", "Embedding", "Straightening"} & stages.keys()
+    stages = canonical_form(vertices, faces, replace(QUICK, landmark_count=15), keep=keep).timings
+    assert {"Landmarks", "Start", "Embedding", "Straightening"} <= stages.keys()
+    assert not {"Spectrum", "Patches", "Distances"} & stages.keys()
+
+
+def test_warnings_come_with_what_is_kept():
+    keep = KeptStages()
+    told: list[int] = []
+    for _ in range(2):
+        warnings: list[Message] = []
+
+        def compute(warnings: list[Message] = warnings) -> None:
+            warnings.append(message("few_eigenpairs"))
+            told.append(1)
+
+        keep.take("stage", [1.0], compute, warnings)
+        assert [each.kind for each in warnings] == ["few_eigenpairs"]
+    assert len(told) == 1
+
+
+def test_only_the_last_few_results_are_kept():
+    keep, computed = KeptStages(), []
+
+    def take(number):
+        keep.take("stage", [number], lambda: computed.append(number), [])
+
+    for number in (1, 2, 3, 1, 2, 3, 4, 1):
+        take(number)
+    assert computed == [1, 2, 3, 4, 1]
+    take(True)  # of another type than 1
+    assert computed[-1] is True
