@@ -28,7 +28,7 @@ from .result_writing import key_name, write_results
 from .undeforming import positions_before
 
 if TYPE_CHECKING:
-    from ..core import CanonicalForm
+    from ..core import CanonicalForm, KeptStages
     from ..core.numerics.arrays import FloatArray
     from ..core.results import AnyResult, Shaped
     from ..core.run.monitor import Cancelled, Progress
@@ -164,7 +164,7 @@ class FormItem:
                 found = self._form(whole, settings, request, progress, cancelled)
             else:
                 found = feature_patches(whole.vertices, whole.faces, settings, progress=progress, cancelled=cancelled)
-            shapes = self._shapes_between(whole, found, cancelled)
+            shapes = self._shapes_between(whole, found, request.keep, cancelled)
             self.results = results_of(self.readings, whole, found, shapes, request, carried)
         except MemoryError as error:
             raise TooLargeError(
@@ -294,7 +294,7 @@ class FormItem:
         alone = len(self.readings) == 1
         turn = world_rotation(self.readings[0].placement) if alone else np.eye(3)
         told: dict[str, Any] = {"progress": progress, "cancelled": cancelled}
-        told["keep"] = None if request.keep is None else request.keep.part(self.name)
+        told["keep"] = None if request.keep is None else request.keep.part(len(whole.vertices))
         if settings.orientation == "posed" and request.reference is None:
             found = canonical_form(whole.vertices, whole.faces, settings, **told)
             self.whole_form = replace(found, vertices=found.vertices @ turn.T)
@@ -327,14 +327,16 @@ class FormItem:
         if any(reading.mirrors for reading in self.readings):
             raise CanonicalFormError(f"{self.name} has a Mirror modifier, and {why}. Set Mesh to As Shown, {remedy}.")
 
-    def _shapes_between(self, whole: Combined, found: AnyResult, cancelled: Cancelled | None) -> list[FloatArray]:
+    def _shapes_between(
+        self, whole: Combined, found: AnyResult, keep: KeptStages | None, cancelled: Cancelled | None
+    ) -> list[FloatArray]:
         """Compute the shapes between pose and form; their warnings join those of the form."""
         if not self.in_between_count:
             return []
         from ..core.limbs import limb_shapes
         from ..core.run.monitor import Monitor
 
-        monitor = Monitor(None, cancelled)
+        monitor = Monitor(None, cancelled, keep=None if keep is None else keep.part(len(whole.vertices)))
         shapes = limb_shapes(
             whole.vertices,
             whole.faces,

@@ -32,6 +32,7 @@ from .slider import release
 from .undeforming import positions_before, shown_at
 
 if TYPE_CHECKING:
+    from ..core import KeptStages
     from ..core.numerics.arrays import FloatArray
     from ..core.run.monitor import Cancelled, Progress
 
@@ -47,6 +48,8 @@ class VariantTask:
         For each patch whether to take the pose out of it; unchanged if omitted.
     in_betweens : int, optional
         Number of keys between pose and form; unchanged if omitted.
+    keep : KeptStages, optional
+        What earlier runs on the same objects found: their coarse mesh is taken.
 
     Attributes
     ----------
@@ -63,7 +66,14 @@ class VariantTask:
         If there is no form to vary, or its key is animated; the message names the remedy.
     """
 
-    def __init__(self, obj: bpy.types.Object, limbs: list[bool] | None = None, in_betweens: int | None = None) -> None:
+    def __init__(
+        self,
+        obj: bpy.types.Object,
+        limbs: list[bool] | None = None,
+        in_betweens: int | None = None,
+        *,
+        keep: KeptStages | None = None,
+    ) -> None:
         objects = companions_of(obj)
         for each in objects:
             reason = variant_refusal(each)
@@ -91,6 +101,7 @@ class VariantTask:
                 forms.append(form)
         self._whole = combined(self._readings)
         self._patches, self._form = self._whole.spread(patches), self._whole.put_together(forms)
+        self._keep = None if keep is None else keep.part(len(self._whole.vertices))
         self._shapes = [forms]  # those between and the form, of each object
         self.warnings: list[str] = []
 
@@ -110,7 +121,7 @@ class VariantTask:
         from ..core.limbs import limb_shapes
         from ..core.run.monitor import Monitor
 
-        monitor = Monitor(progress, cancelled)
+        monitor = Monitor(progress, cancelled, keep=self._keep)
         chosen = np.array([*self.limbs, False])[self._patches]  # -1, no patch, is the last
         shapes = limb_shapes(
             self._whole.vertices,

@@ -10,7 +10,7 @@ from .assembly.bodies import bodies_of
 from .assembly.body import Body
 from .mesh.geometry import of_unit_area, vertex_areas
 from .numerics.arrays import FloatArray, IntArray
-from .posing.articulation import Articulation
+from .posing.articulation import WORKED_ON, Articulation
 from .posing.limb_amounts import limb_amounts
 from .run.errors import InvalidMeshError, InvalidSettingsError
 from .run.monitor import Monitor, Plan
@@ -72,7 +72,9 @@ def limb_shapes(
     (True, True)
     """
     monitor = monitor or Monitor()
-    bodies = bodies_of(points, faces, monitor, together=together)
+    bodies = monitor.kept(
+        "bodies", [points, faces, together, None], lambda: bodies_of(points, faces, monitor, together=together)
+    )
     form, chosen, count = np.asarray(form, dtype=np.float64), np.asarray(chosen), len(bodies.vertices)
     if form.shape != (count, 3) or not np.isfinite(form).all():
         raise InvalidMeshError("form_shape", count=count)
@@ -97,13 +99,20 @@ def _shapes_of_body(
         return [points for _ in ways]
     amounts = limb_amounts(points, faces, chosen)
     monitor.check()
-    areas = vertex_areas(of_unit_area(points, faces)[0], faces)
+    scaled = of_unit_area(points, faces)[0]
+    areas = vertex_areas(scaled, faces)
+    surface = monitor.kept(
+        "coarse mesh",
+        [points, faces, None, WORKED_ON],
+        lambda: body.working_surface(scaled, faces, WORKED_ON, monitor=monitor),
+    )
     if not chosen.all() and areas[chosen].sum() > areas.sum() / 2:
-        form = Articulation(form, faces, points, monitor, reduced=body.working_surface).at(1.0 - amounts)
+        unfolded = surface.moved(of_unit_area(form, faces)[0], monitor)
+        form = Articulation(form, faces, points, monitor, surface=unfolded).at(1.0 - amounts)
         amounts = np.ones(len(points))
     if all(way == 1 for way in ways) and (amounts == 1).all():
         return [form for _ in ways]
-    path = Articulation(points, faces, form, monitor, reduced=body.working_surface)
+    path = Articulation(points, faces, form, monitor, surface=surface)
     shapes = []
     with monitor.stage("Limbs"):
         for number, way in enumerate(ways, start=1):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from time import perf_counter
 from typing import Any, ClassVar
 
@@ -9,11 +10,12 @@ import bpy
 
 from ..blender.advice import explained
 from ..blender.jobs import Job
-from ..core import CancelledError, CanonicalFormError
+from ..core import CancelledError, CanonicalFormError, KeptStages
 
 _TICK = 0.1  # seconds between two timer events
 _REDRAW = 0.25  # seconds between two redraws of the progress: a redraw of the sidebar redraws the view too
 _CANCEL_TIMEOUT = 0.4  # seconds to wait for a cancelled job before it is abandoned
+_KEPT_VERTICES = 2_000_000  # of objects up to which stages are kept for the next run: about 0.2 kB each
 _HOLDING_MESH = (
     "TRANSFORM_OT_",
     "SCULPT_OT_",
@@ -33,6 +35,9 @@ class OBJECT_OT_canonical_form_cancel(bpy.types.Operator):
 
     job: ClassVar[Job | None] = None  # the running computation; there is at most one
     timer: ClassVar[bpy.types.Timer | None] = None
+    kept: ClassVar[tuple[list[str], KeptStages] | None] = (
+        None  # of the objects that were last worked on, with their names
+    )
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -230,6 +235,35 @@ def redraw_sidebars(context: bpy.types.Context) -> None:
                     region.tag_redraw()
 
 
+def kept_stages(objects: Sequence[bpy.types.Object]) -> KeptStages | None:
+    """Find what earlier runs on some objects found, so that the next computes what changed only.
+
+    Parameters
+    ----------
+    objects : sequence of bpy.types.Object
+        The objects. What is kept of others is dropped.
+
+    Returns
+    -------
+    KeptStages or None
+        What is kept; None in background, where scripts go from file to file, and for very large meshes.
+    """
+    registry = OBJECT_OT_canonical_form_cancel
+    if bpy.app.background or sum(len(obj.data.vertices) for obj in objects) > _KEPT_VERTICES:
+        registry.kept = None
+        return None
+    names = sorted(obj.name_full for obj in objects)
+    if registry.kept is None or registry.kept[0] != names:
+        registry.kept = names, KeptStages()
+    return registry.kept[1]
+
+
+@bpy.app.handlers.persistent
+def _forget(*_: object) -> None:
+    """Drop what was kept of another file."""
+    OBJECT_OT_canonical_form_cancel.kept = None
+
+
 def user_is_busy(context: bpy.types.Context) -> bool:
     """Tell whether a stroke or transform is running: the mesh must not change under it.
 
@@ -250,9 +284,10 @@ CLASSES = (OBJECT_OT_canonical_form_cancel,)
 
 
 def register() -> None:
-    """Register the operator."""
+    """Register the operator, and forget what is kept when another file is opened."""
     for each in CLASSES:
         bpy.utils.register_class(each)
+    bpy.app.handlers.load_post.append(_forget)
 
 
 def unregister() -> None:
@@ -260,5 +295,7 @@ def unregister() -> None:
     if OBJECT_OT_canonical_form_cancel.job is not None:
         OBJECT_OT_canonical_form_cancel.job.stop()
         end_job(bpy.context)
+    bpy.app.handlers.load_post.remove(_forget)
+    _forget()
     for each in reversed(CLASSES):
         bpy.utils.unregister_class(each)

@@ -18,7 +18,7 @@ from ..blender.mesh_reading import refusal
 from ..blender.object_states import object_mode
 from ..blender.slider import release
 from ..core import InvalidSettingsError
-from .job_operator import JobOperator
+from .job_operator import JobOperator, kept_stages
 from .operators import allowed
 
 if TYPE_CHECKING:
@@ -57,7 +57,8 @@ class OBJECT_OT_canonical_form_limb(JobOperator, bpy.types.Operator):
             limbs = [number == self.patch - 1 for number in range(len(now))]
         else:
             limbs = [flag != (number == self.patch - 1) for number, flag in enumerate(now)]
-        return VariantTask(require_object(context), limbs=limbs)
+        obj = require_object(context)
+        return VariantTask(obj, limbs=limbs, keep=kept_stages(companions_of(obj)))
 
     def written(self, context: bpy.types.Context, task: "VariantTask", outcome: Any, interactive: bool) -> None:
         """Report from how many patches the pose is taken out."""
@@ -85,7 +86,8 @@ class OBJECT_OT_canonical_form_in_betweens(JobOperator, bpy.types.Operator):
         """Read the mesh."""
         from ..blender.variants import VariantTask
 
-        return VariantTask(require_object(context), in_betweens=self.count)
+        obj = require_object(context)
+        return VariantTask(obj, in_betweens=self.count, keep=kept_stages(companions_of(obj)))
 
     def written(self, context: bpy.types.Context, task: "VariantTask", outcome: Any, interactive: bool) -> None:
         """Report how many keys there are now; by now another object may be active."""

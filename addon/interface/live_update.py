@@ -14,8 +14,8 @@ from ..blender.jobs import Job
 from ..blender.meant_objects import meant_object
 from ..blender.mesh_reading import refusal
 from ..blender.record import read_record
-from ..core import CanonicalFormError, KeptStages
-from .job_operator import OBJECT_OT_canonical_form_cancel, redraw_sidebars, user_is_busy
+from ..core import CanonicalFormError
+from .job_operator import OBJECT_OT_canonical_form_cancel, kept_stages, redraw_sidebars, user_is_busy
 from .operators import allowed, chosen_objects, request_of
 from .properties import hand_over, list_patches
 from .viewport import show_colours
@@ -48,7 +48,6 @@ class LiveUpdate:
 
     def __init__(self, context: bpy.types.Context) -> None:
         self.state = "Live: change an option"
-        self._keep = KeptStages()
         self._job: Job | None = None
         self._task: FormTask | None = None
         self._began = 0.0
@@ -119,16 +118,13 @@ class LiveUpdate:
 
     def _begin(self, context: bpy.types.Context, choices: dict[str, Any]) -> None:
         """Read the objects and begin to compute."""
-        from dataclasses import replace
-
         from ..blender.form_task import FormTask
 
         self._began = perf_counter()
         objects, _ = chosen_objects(context)
         key = form_key(objects[0].data)
         value = context.scene.canonical_form.value if key is None else key.value
-        request = request_of(SimpleNamespace(**choices, value=value))
-        self._task = FormTask(objects, replace(request, keep=self._keep))
+        self._task = FormTask(objects, request_of(SimpleNamespace(**choices, value=value), kept=kept_stages(objects)))
         self._job = Job(self._task.compute)
 
     def _write(self, context: bpy.types.Context, job: Job) -> None:

@@ -13,13 +13,14 @@ from ..blender.mesh_reading import refusal
 from ..blender.new_objects import make_active
 from ..blender.record import read_record
 from ..core import CanonicalFormError
-from .job_operator import JobOperator
+from .job_operator import JobOperator, kept_stages
 from .properties import FormerProperties, MethodProperties, RequestProperties, list_patches, settings_of
 from .viewport import any_result, restore_shading, show_colours
 
 if TYPE_CHECKING:
     from ..blender.form_task import FormTask
     from ..blender.request import Request
+    from ..core import KeptStages
 
 
 class OBJECT_OT_canonical_form(JobOperator, MethodProperties, FormerProperties, RequestProperties, bpy.types.Operator):
@@ -58,7 +59,7 @@ class OBJECT_OT_canonical_form(JobOperator, MethodProperties, FormerProperties, 
         from ..blender.form_task import FormTask
 
         objects, self._refused = chosen_objects(context)
-        return FormTask(objects, request_of(self, self.step))
+        return FormTask(objects, request_of(self, self.step, kept=kept_stages(objects)))
 
     def written(self, context: bpy.types.Context, task: "FormTask", outcome: list[str], interactive: bool) -> None:
         """Report the warnings, then the results in one line."""
@@ -103,7 +104,7 @@ class OBJECT_OT_canonical_form_clear(bpy.types.Operator):
         return {"FINISHED"}
 
 
-def request_of(owner: Any, step: str = "FORM") -> "Request":
+def request_of(owner: Any, step: str = "FORM", *, kept: "KeptStages | None" = None) -> "Request":
     """Turn properties into what is computed and where the result goes.
 
     Parameters
@@ -112,6 +113,8 @@ def request_of(owner: Any, step: str = "FORM") -> "Request":
         An operator, or what `hand_over` has filled.
     step : str
         How far to go.
+    kept : KeptStages, optional
+        What earlier runs on the objects found.
 
     Returns
     -------
@@ -135,6 +138,7 @@ def request_of(owner: Any, step: str = "FORM") -> "Request":
         new_object=owner.result == "OBJECT",
         objects=owner.objects,
         reference=Reference(owner.reference).computed if owner.reference and step == "FORM" else None,
+        keep=kept,
     )
 
 

@@ -8,8 +8,13 @@ import bpy
 import numpy as np
 import pytest
 
+from addon.blender.form_task import compute_on
+from addon.blender.request import Request
+from addon.blender.variants import VariantTask
+from addon.core import KeptStages, Settings
+from addon.core.posing.articulation import WORKED_ON
 from addon.interface import panels
-from addon.interface.job_operator import OBJECT_OT_canonical_form_cancel
+from addon.interface.job_operator import OBJECT_OT_canonical_form_cancel, kept_stages
 from addon.interface.live_update import LiveUpdate, OBJECT_OT_canonical_form_live
 from tests.blender.conftest import QUICK, add_object, drawn, snapshot
 from tests.meshes import shapes
@@ -147,3 +152,33 @@ def test_the_button_starts_and_stops_it(figure_object, chosen, monkeypatch):
     assert kind.execute(button, bpy.context) == {"FINISHED"}
     assert kind.running() is None
     assert not bpy.app.timers.is_registered(timer)
+
+
+def test_a_limb_takes_the_coarse_mesh_of_the_form(blender, monkeypatch):
+    vertices, faces = shapes.midpoints(*shapes.midpoints(*shapes.figure(13)))
+    obj = add_object("Figure", vertices, faces)
+    assert len(vertices) > 3 * WORKED_ON
+    results = []
+    for keep in (None, KeptStages()):
+        compute_on(obj, Request(Settings(**QUICK), keep=keep))
+        task = VariantTask(obj, limbs=[True, False, True, True, True], keep=keep)
+        if keep is not None:
+            monkeypatch.setattr("addon.core.surface.working_surface.coarsened", None)
+        task.compute()
+        task.write()
+        results.append(snapshot(obj))
+    assert results[0] == results[1]
+
+
+def test_what_is_kept_is_of_the_objects_last_worked_on(figure_object, monkeypatch):
+    assert kept_stages([figure_object]) is None  # in background
+    monkeypatch.setattr("addon.interface.job_operator.bpy", SimpleNamespace(app=SimpleNamespace(background=False)))
+    first = kept_stages([figure_object])
+    assert kept_stages([figure_object]) is first
+    other = add_object("Other", *shapes.figure(15))
+    assert kept_stages([figure_object, other]) is not first
+    assert kept_stages([other, figure_object]) is kept_stages([figure_object, other])
+    assert OBJECT_OT_canonical_form_cancel.kept is not None
+    monkeypatch.undo()
+    bpy.ops.wm.read_homefile(use_empty=True)
+    assert OBJECT_OT_canonical_form_cancel.kept is None

@@ -347,7 +347,7 @@ def test_properties_mirror_the_settings(blender):
 def test_the_panel_shows_what_was_found(figure_object):
     announced = f"{len(figure_object.data.vertices):,} vertices, about 0.1 GB, 1 s"
     assert drawn(panels.VIEW3D_PT_canonical_form) == [
-        "Compute", "quality", "preserve_detail", "mesh", "result", "orientation", "reference", announced,
+        "Compute", "", "quality", "preserve_detail", "mesh", "result", "orientation", "reference", announced,
     ]  # fmt: skip
     assert drawn(panels.VIEW3D_PT_canonical_form_result) == []
     assert drawn(panels.VIEW3D_PT_canonical_form_patches) == []

@@ -182,10 +182,16 @@ def detected(
     """
     monitor.check()
     whole_points, centre, unit = of_unit_area(points, faces)
+    target = settings.coarse_vertices
+    reduction = monitor.kept(
+        "coarse mesh",
+        [points, faces, chosen, target],
+        lambda: reduced(whole_points, faces, target, fixed=chosen, monitor=monitor),
+    )
+    if reduction.stuck:
+        monitor.warn("coarse_mesh_stuck", count=len(reduction.points))
     surface, L, M, spectrum = monitor.kept(
-        "surface",
-        [points, faces, chosen, settings.coarse_vertices, settings.eigenpairs],
-        lambda: _analysed(reduced, whole_points, faces, chosen, settings, monitor),
+        "spectrum", [reduction, settings.eigenpairs], lambda: _analysed(reduction, settings.eigenpairs, monitor)
     )
     with monitor.stage("Feature points"):
         adf = monitor.kept(
@@ -215,33 +221,18 @@ def detected(
 
 
 def _analysed(
-    reduced: Reduced,
-    points: FloatArray,
-    faces: IntArray,
-    chosen: IntArray | None,
-    settings: Settings,
-    monitor: Monitor,
-) -> tuple[WorkingSurface, csr_matrix, FloatArray, Spectrum]:
-    """Reduce a surface and find its spectrum."""
-    surface = reduced(points, faces, settings.coarse_vertices, fixed=chosen, monitor=monitor)
-    if surface.stuck:
-        monitor.warn("coarse_mesh_stuck", count=len(surface.points))
-    with monitor.stage("Spectrum"):
-        return _spectrum(surface, settings.eigenpairs, monitor)
-
-
-def _spectrum(
     surface: WorkingSurface, eigenpairs: int, monitor: Monitor
 ) -> tuple[WorkingSurface, csr_matrix, FloatArray, Spectrum]:
     """Compute eigenpairs, on slightly longer edges where triangles without width upset the solver."""
-    L, M = stiffness(surface.triangulation), mass(surface.triangulation)
-    try:
-        spectrum = compute_spectrum(L, M, eigenpairs, monitor)
-    except SolverError:
-        monitor.warn("flat_triangles", share=_MORE_SLACK)
-        surface = surface.with_slack(_MORE_SLACK, monitor)
+    with monitor.stage("Spectrum"):
         L, M = stiffness(surface.triangulation), mass(surface.triangulation)
-        spectrum = compute_spectrum(L, M, eigenpairs, monitor)
+        try:
+            spectrum = compute_spectrum(L, M, eigenpairs, monitor)
+        except SolverError:
+            monitor.warn("flat_triangles", share=_MORE_SLACK)
+            surface = surface.with_slack(_MORE_SLACK, monitor)
+            L, M = stiffness(surface.triangulation), mass(surface.triangulation)
+            spectrum = compute_spectrum(L, M, eigenpairs, monitor)
     if len(spectrum.eigenvalues) < eigenpairs:
         monitor.warn("few_eigenpairs")
     return surface, L, M, spectrum

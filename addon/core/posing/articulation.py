@@ -14,12 +14,12 @@ from ..numerics.arrays import FloatArray, IntArray
 from ..numerics.factoring import factored
 from ..run.monitor import Monitor
 from ..surface.laplacian import stiffness
-from ..surface.working_surface import Reduced, working_surface
+from ..surface.working_surface import WorkingSurface, working_surface
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
 
-_WORKED_ON = 1600  # vertices whose rotations are computed; the others follow them
+WORKED_ON = 1600  # vertices whose rotations are computed; the others follow them
 _RELAXATION = 20  # alternations between rotations and positions where part of the surface is held
 
 
@@ -35,13 +35,13 @@ class Articulation:
     points : (n, 3) ndarray of float
         Vertices of the pose.
     faces : (m, 3) ndarray of int
-        Triangles of one connected surface, or of one that `reduced` connects.
+        Triangles of one connected surface, or of one that `surface` connects.
     form : (n, 3) ndarray of float
         Vertices of the form, rigidly aligned to the pose.
     monitor : Monitor, optional
         Polled for cancellation.
-    reduced : callable
-        Reduces the surface, as `working_surface` does; of a body of several parts it makes one surface.
+    surface : WorkingSurface, optional
+        Some of the vertices, whose rotations are computed while the others follow them; made where it is left out.
 
     Raises
     ------
@@ -72,7 +72,7 @@ class Articulation:
         form: FloatArray,
         monitor: Monitor | None = None,
         *,
-        reduced: Reduced = working_surface,
+        surface: WorkingSurface | None = None,
     ) -> None:
         from scipy.sparse import triu
 
@@ -80,7 +80,7 @@ class Articulation:
         self._points, self._centre, self._unit = of_unit_area(points, faces)
         self._form = (form - self._centre) / self._unit
         self._areas = vertex_areas(self._points, faces)
-        self._surface = reduced(self._points, faces, _WORKED_ON, monitor=self._monitor)
+        self._surface = surface or working_surface(self._points, faces, WORKED_ON, monitor=self._monitor)
         self._monitor.check()
         self._kept = self._surface.kept
         before, after = self._surface.points, self._form[self._kept]

@@ -106,6 +106,24 @@ class WorkingSurface:
         motion = self.prolong(np.column_stack([rotation.reshape(-1, 9), shift]))  # (n, 12)
         return motion[:, :9].reshape(-1, 3, 3), motion[:, 9:]
 
+    def moved(self, points: FloatArray, monitor: Monitor) -> WorkingSurface:
+        """Take the same vertices and triangles where another shape of the mesh has them.
+
+        Parameters
+        ----------
+        points : (n, 3) ndarray of float
+            All vertices of that shape.
+        monitor : Monitor
+            Receives warnings; polled for cancellation.
+
+        Returns
+        -------
+        WorkingSurface
+            The same vertices, triangulated as that shape asks for; the way back to all vertices is this surface's.
+        """
+        own = points[self.kept]
+        return replace(self, points=own, triangulation=intrinsic_delaunay(triangulated(own, self.faces), monitor))
+
     def with_slack(self, slack: float, monitor: Monitor) -> WorkingSurface:
         """Lengthen every edge a little further, for solvers that fail on triangles without width.
 
