@@ -111,7 +111,7 @@ def read_mesh(mesh: bpy.types.Mesh) -> tuple[FloatArray, IntArray]:
     faces : (m, 3) ndarray of int
         Triangles.
     """
-    return _basis_positions(mesh).reshape(-1, 3).astype(np.float64), _triangles(mesh)
+    return basis_positions(mesh).reshape(-1, 3).astype(np.float64), _triangles(mesh)
 
 
 def read_object(obj: bpy.types.Object, deformed: bool = False) -> Reading:
@@ -266,20 +266,33 @@ def _read_shown(obj: bpy.types.Object) -> tuple[FloatArray, IntArray]:
     return vertices, faces
 
 
-def _basis_positions(mesh: bpy.types.Mesh) -> np.ndarray:
-    points = mesh.vertices if mesh.shape_keys is None else mesh.shape_keys.reference_key.data
+def basis_positions(mesh: bpy.types.Mesh) -> np.ndarray:
+    """Read the positions of a mesh without its shape keys.
+
+    Parameters
+    ----------
+    mesh : bpy.types.Mesh
+        The mesh, with its objects in Object Mode.
+
+    Returns
+    -------
+    (3 n,) ndarray of float32
+        The positions.
+    """
     vertices = np.empty(3 * len(mesh.vertices), dtype=np.float32)
-    points.foreach_get("co", vertices)
+    if mesh.shape_keys is None:
+        mesh.attributes["position"].data.foreach_get("vector", vertices)  # at once, where `co` goes one by one
+    else:
+        mesh.shape_keys.reference_key.data.foreach_get("co", vertices)
     return vertices
 
 
 def _mesh_fingerprint(mesh: bpy.types.Mesh) -> str:
-    """Hash positions and polygons; triangulating them would take longer."""
-    corners = np.empty(len(mesh.loops), dtype=np.int32)
-    mesh.attributes[".corner_vert"].data.foreach_get("value", corners)
-    starts = np.empty(len(mesh.polygons), dtype=np.int32)
-    mesh.polygons.foreach_get("loop_start", starts)
-    return fingerprint(_basis_positions(mesh), corners, starts)
+    """Hash positions and the vertex and edge of every corner, which tell the polygons; triangles would take longer."""
+    corners = [np.empty(len(mesh.loops), dtype=np.int32) for _ in range(2)]
+    for name, values in zip((".corner_vert", ".corner_edge"), corners, strict=True):
+        mesh.attributes[name].data.foreach_get("value", values)
+    return fingerprint(basis_positions(mesh), *corners)
 
 
 def _triangles(mesh: bpy.types.Mesh) -> IntArray:

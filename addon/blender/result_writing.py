@@ -15,12 +15,15 @@ from .active_items import (
     restore_active_keys,
 )
 from .colour_attributes import add_colours
-from .fingerprints import colour_fingerprint, key_fingerprint, members_fingerprint
+from .fingerprints import colour_fingerprint, fingerprint, key_fingerprint, members_fingerprint
 from .form_key import require_form_key, unchanged_form_key
 from .group_weights import fill_group
 from .hidden_attributes import HIDDEN_FORM, HIDDEN_PATCHES, patches_of
+from .in_betweens import remove_in_betweens
+from .mesh_reading import basis_positions
 from .record import Part, Record, read_record, require_record, write_record
 from .result_clearing import clear_results, remove_results
+from .slider import release
 
 if TYPE_CHECKING:
     from ..core.numerics.arrays import FloatArray
@@ -85,17 +88,32 @@ def write_results(
         if kept_key is not None:
             record.basis, record.basis_fingerprint = old.basis, old.basis_fingerprint
         record.active_before = active.replaced(old.written_items(), by=old.active_before)
+    surface_stays = (
+        old is not None
+        and kept_key is not None
+        and carried is None
+        and patches
+        and _is_same_surface(obj, old, found, colours)
+    )
+    if old is not None and surface_stays:
+        release(mesh.shape_keys)
+        remove_in_betweens(obj)
+        record.groups, record.colours, record.hidden, record.palette = old.groups, old.colours, old.hidden, old.palette
+    elif old is not None:
         remove_results(obj, old, keep_key=kept_key is not None)
     done = False
     try:
         if form is not None:
             _write_key(obj, record, kept_key, form, value)
-        _write_groups(obj, record, found, patches)
-        shown = _write_colours(obj, record, FIELD_COLOURS, colours.field)
-        if patches:
-            record.palette = colours.palette
-            shown = _write_colours(obj, record, PATCH_COLOURS, colours.patches)
-            HIDDEN_PATCHES.write(mesh, record, found.patches)
+        if surface_stays:
+            shown = list(record.colours)[-1]
+        else:
+            _write_groups(obj, record, found, patches)
+            shown = _write_colours(obj, record, FIELD_COLOURS, colours.field)
+            if patches:
+                record.palette = colours.palette
+                shown = _write_colours(obj, record, PATCH_COLOURS, colours.patches)
+                HIDDEN_PATCHES.write(mesh, record, found.patches)
         if carried is not None:
             _write_confidence(obj, record, carried.confidence)
             shown = _write_colours(obj, record, MATCH_COLOURS, carried.colours)
@@ -186,20 +204,38 @@ def recolour_patch(mesh: bpy.types.Mesh, number: int, colour: tuple[float, float
     mesh.update()
 
 
+def _is_same_surface(obj: bpy.types.Object, old: Record, found: AnyResult, colours: Colours) -> bool:
+    """Tell whether groups and colours of the earlier run are those that would be written: then they stay."""
+    mesh = obj.data
+    known = patches_of(mesh)
+    return (
+        old.report.like is None
+        and old.report.feature_points == found.feature_points.tolist()
+        and old.palette == colours.palette
+        and known is not None
+        and np.array_equal(known, found.patches)
+        and old.colours.get(FIELD_COLOURS) == fingerprint(colours.field)
+        and all(name in obj.vertex_groups for name in old.groups)
+        and all(name in mesh.color_attributes for name in old.colours)
+    )
+
+
 def _write_key(
     obj: bpy.types.Object, record: Record, kept_key: bpy.types.ShapeKey | None, form: FloatArray, value: float
 ) -> None:
     mesh = obj.data
     if mesh.shape_keys is None:
+        rest = fingerprint(basis_positions(mesh))
         basis = obj.shape_key_add(name="Basis", from_mix=False)
-        record.basis, record.basis_fingerprint = basis.name, key_fingerprint(basis)
+        record.basis, record.basis_fingerprint = basis.name, rest
     key = kept_key or obj.shape_key_add(name=key_name(record.report), from_mix=False)
     record.keys[key.name] = None
     if kept_key is None:
         key.relative_key = mesh.shape_keys.reference_key
-    key.data.foreach_set("co", form.astype(np.float32).ravel())
+    positions = form.astype(np.float32)
+    key.data.foreach_set("co", positions.ravel())
     key.value = value
-    record.keys[key.name] = key_fingerprint(key)
+    record.keys[key.name] = fingerprint(positions)  # read again it is the same
 
 
 def _write_groups(obj: bpy.types.Object, record: Record, found: AnyResult, patches: bool) -> None:
@@ -224,6 +260,7 @@ def _write_colours(obj: bpy.types.Object, record: Record, name: str, colours: np
     """Write colours and return the attribute's name: the attribute may move in memory later."""
     attribute = add_colours(obj, name)
     record.colours[attribute.name] = None
-    attribute.data.foreach_set("color", colours.astype(np.float32).ravel())
-    record.colours[attribute.name] = colour_fingerprint(attribute)
+    values = colours.astype(np.float32)
+    attribute.data.foreach_set("color", values.ravel())
+    record.colours[attribute.name] = fingerprint(values)  # read again they are the same
     return str(attribute.name)
