@@ -14,6 +14,7 @@ from ..blender.record import Record, require_record
 from ..core import Settings
 from ..core.method_api.catalogue import FEATURE_OPTIONS, OURS, methods
 from ..core.method_api.costs import PIECE_SECONDS, memory_estimate, time_estimate
+from ..core.run.load import slowdown
 from .job_operator import OBJECT_OT_canonical_form_cancel
 from .limb_operators import (
     OBJECT_OT_canonical_form_in_betweens,
@@ -258,9 +259,11 @@ def _estimate(chosen: bpy.types.PropertyGroup, objects: list[bpy.types.Object]) 
     counts = [len(obj.data.vertices) for obj in objects]
     runs = counts if chosen.objects == "EACH" else [sum(counts)]
     memory = max(memory_estimate(count, settings) for count in runs)
-    seconds = max(sum(time_estimate(count, settings) for count in runs), 1.0)
+    busy = slowdown()
+    seconds = max(busy * sum(time_estimate(count, settings) for count in runs), 1.0)
     more = "" if settings.together else f" and {PIECE_SECONDS:g} s a loose part"
-    return f"{sum(counts):,} vertices, about {memory:.1f} GB, {seconds:,.0f} s{more}"
+    load = " (busy)" if busy > 1 else ""
+    return f"{sum(counts):,} vertices, about {memory:.1f} GB, {seconds:,.0f} s{more}{load}"
 
 
 def _slider(record: Record) -> str:

@@ -8,6 +8,7 @@ from ..blender.meant_objects import meant_objects
 from ..core import Settings
 from ..core.mannequins import VERTEX_COUNT
 from ..core.method_api.costs import match_memory_estimate, match_time_estimate
+from ..core.run.load import slowdown
 from .pose_operators import (
     OBJECT_OT_canonical_form_match_colours,
     OBJECT_OT_canonical_form_pose_like,
@@ -68,6 +69,7 @@ def _estimate(chosen: bpy.types.PropertyGroup, objects: list[bpy.types.Object]) 
     like = bpy.data.objects.get(chosen.like)
     other = len(like.data.vertices) if like is not None and like.type == "MESH" else VERTEX_COUNT
     memory, seconds = (each(count, other, settings) for each in (match_memory_estimate, match_time_estimate))
+    seconds *= slowdown()
     return f"A match: about {memory:.1f} GB, {seconds:,.0f} s"
 
 

@@ -23,6 +23,12 @@ PLACES = {  # of each object: turned, scaled, mirrored
 QUICK: dict[str, Any] = {"max_iterations": 3, "eigenpairs": 30, "landmark_count": 20}
 
 
+@pytest.fixture(autouse=True)
+def free_processors(monkeypatch):
+    """Let estimates of time not depend on what else the machine does."""
+    monkeypatch.setattr("addon.core.run.load._others", lambda: 0.0)
+
+
 @pytest.fixture
 def blender():
     """An empty file in which the add-on is registered."""

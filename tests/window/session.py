@@ -138,6 +138,7 @@ def session():
     # a second click too early would compute again: a job may be left to itself half a second after its cancel
     yield from hand.click_until(lambda: not running(), [ROWS["cancel"]] * 3, 0.905, seconds=4)
     bpy.context.scene.canonical_form.quality = "normal"
+    hand.region("UI").tag_redraw()  # the button has the choices of when it was drawn
     yield 0.3
     assert state(figure()) == before, "the button did not cancel the run"
 
