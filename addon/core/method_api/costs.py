@@ -66,11 +66,11 @@ def time_estimate(vertex_count: int, settings: Settings) -> float:
     Examples
     --------
     >>> f"{time_estimate(100_000, Settings()):.1f} s"
-    '1.9 s'
+    '1.7 s'
     """
     if _grows_squared(settings):
         return 1.0 + 2e-7 * vertex_count**2
-    return (0.4 if settings.quality == "draft" else 0.8) + 1.1e-5 * vertex_count
+    return (0.3 if settings.quality == "draft" else 0.7) + 1e-5 * vertex_count
 
 
 def require_memory(vertex_count: int, settings: Settings) -> None:
@@ -144,7 +144,7 @@ def match_time_estimate(count: int, other_count: int, settings: Settings) -> flo
     Examples
     --------
     >>> f"{match_time_estimate(10_000, 10_000, Settings()):.1f} s"
-    '3.2 s'
+    '3.0 s'
     """
     base, each = _MATCH_SECONDS
     return time_estimate(count, settings) + time_estimate(other_count, settings) + base + each * count
