@@ -194,7 +194,8 @@ def _measurable(
                 raise InvalidSettingsError("too_many_sources", most=_MOST_SOURCES, count=len(here.vertices))
             count = len(body.vertices)
             if len(here.vertices):
-                worked_on = count if count <= _WHOLE else min(count, _COARSE + len(here.vertices))
+                held = len(_border(here.vertices, body.faces, count))
+                worked_on = count if count <= _WHOLE else min(count, _COARSE + held)
                 require_distance_memory(count, kind, unknowns=_unknowns(worked_on), limit=memory_limit)
     return bodies, chosen
 
@@ -248,12 +249,23 @@ def _field_of_body(body: Body, chosen: IntArray, kind: str, memory_limit: float,
     if kind == "fast_marching":
         with monitor.stage("Distances"):
             return unit * fast_marching(surface, chosen, monitor)
-    heat, numbers, prolong = _heat_on(body, surface, points, chosen, memory_limit, monitor)
+    border = _border(chosen, body.faces, len(points))
+    heat, numbers, prolong = _heat_on(body, surface, points, border, memory_limit, monitor)
     with monitor.stage("Distances"):
-        one_by_one = len(chosen) <= _ONE_BY_ONE
+        one_by_one = len(border) <= _ONE_BY_ONE
         field = prolong(heat.distances(numbers).min(axis=1) if one_by_one else heat.distance_to_set(numbers))
+        field[chosen] = 0.0
         longest = dijkstra(edge_graph(surface), directed=False, indices=chosen, min_only=True)
         return unit * _possible(field, cKDTree(points[chosen]).query(points)[0], longest, monitor)
+
+
+def _border(chosen: IntArray, faces: IntArray, count: int) -> IntArray:
+    """Find those of the chosen vertices from which others are reached; what lies inside is at no distance."""
+    inside = np.zeros(count, dtype=bool)
+    inside[chosen] = True
+    mixed = faces[inside[faces].any(axis=1) & ~inside[faces].all(axis=1)]
+    border = np.unique(mixed[inside[mixed]])
+    return border if len(border) else chosen
 
 
 def _possible(field: FloatArray, straight: FloatArray, longest: FloatArray, monitor: Monitor) -> FloatArray:

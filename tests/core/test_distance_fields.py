@@ -1,6 +1,7 @@
 import numpy as np
 import pygeodesic.geodesic
 import pytest
+from scipy.spatial import cKDTree
 
 from addon.core import CancelledError, InvalidSettingsError, TooLargeError
 from addon.core.distance_fields import KINDS, distance_field, heat_geodesics
@@ -40,14 +41,23 @@ def test_a_large_mesh_is_measured_on_a_coarse_one_and_as_accurately(size, figure
     np.testing.assert_allclose(one, distance_field(vertices, faces, [100]), atol=1e-9 * one.max())
 
 
-def test_a_large_selection_is_measured_from_without_splitting_triangles(monkeypatch):
-    monkeypatch.setattr("addon.core.distance_fields._WHOLE", 1500)
-    monkeypatch.setattr("addon.core.distance_fields._COARSE", 1000)
-    vertices, faces = shapes.sphere(4)
-    sources = np.flatnonzero(vertices[:, 2] < 0.5)
-    measured = distance_field(vertices, faces, sources, "heat", warned=lambda _: None)
-    true = np.maximum(np.arccos(0.5) - np.arccos(np.clip(vertices[:, 2], -1, 1)), 0)
-    assert np.abs(measured - true).mean() < 0.2 * true.mean()  # .18 on all vertices, split
+@pytest.mark.parametrize("whole", [30_000, 1500])
+@pytest.mark.parametrize("angle", [0.2, 0.8, 1.6, 2.5])
+def test_a_selection_is_measured_from_its_border(whole, angle, monkeypatch):
+    monkeypatch.setattr("addon.core.distance_fields._WHOLE", whole)
+    monkeypatch.setattr("addon.core.distance_fields._COARSE", min(whole, 1400))
+    vertices, faces = shapes.sphere(5)
+    polar = np.arccos(np.clip(vertices[:, 2], -1, 1))
+    sources = np.flatnonzero(polar <= angle)
+    measured = distance_field(vertices, faces, sources, "heat")
+    true = 2 * np.arcsin(np.clip(cKDTree(vertices[sources]).query(vertices)[0] / 2, 0, 1))
+    assert (measured[sources] == 0).all()
+    assert np.abs(measured - true).mean() < 0.0075  # edges are .035 long; with those inside as sources .008 to .013
+
+
+def test_a_selection_of_everything_is_at_no_distance():
+    vertices, faces = shapes.sphere(3)
+    assert (distance_field(vertices, faces, np.arange(len(vertices)), "heat") == 0).all()
 
 
 def test_many_sources_are_measured_from_together(figure):
