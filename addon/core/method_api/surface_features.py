@@ -197,14 +197,11 @@ def detected(
         adf = monitor.kept(
             "adf", [spectrum, settings.diffusion_time], lambda: auto_diffusion(spectrum, settings.diffusion_time)
         )
-        heat = monitor.kept(
-            "heat", [surface], lambda: HeatMethod(surface.triangulation, refine=settings.whole, monitor=monitor)
+        features, to_features, prominence = monitor.kept(
+            "maxima",
+            [surface, adf, chosen, settings.prominence, settings.feature_count, settings.merge_distance],
+            lambda: _feature_points(adf, surface, chosen, settings, monitor),
         )
-        if chosen is not None:
-            features = surface.numbers_of(chosen)
-            to_features, prominence = heat.distances(features), None
-        else:
-            features, to_features, prominence = _feature_points(adf, surface.faces, heat, settings, monitor)
         monitor.check()
 
     def numbered() -> SurfaceFeatures:
@@ -239,10 +236,14 @@ def _analysed(
 
 
 def _feature_points(
-    adf: FloatArray, faces: IntArray, heat: HeatMethod, settings: Settings, monitor: Monitor
-) -> tuple[IntArray, FloatArray, FloatArray]:
+    adf: FloatArray, surface: WorkingSurface, chosen: IntArray | None, settings: Settings, monitor: Monitor
+) -> tuple[IntArray, FloatArray, FloatArray | None]:
     """Take the prominent maxima of the Auto Diffusion Function, and of those close to each other the first."""
-    features, prominence = prominent_maxima(adf, faces, 0.0 if settings.feature_count else settings.prominence)
+    heat = HeatMethod(surface.triangulation, refine=settings.whole, monitor=monitor)
+    if chosen is not None:
+        features = surface.numbers_of(chosen)
+        return features, heat.distances(features), None
+    features, prominence = prominent_maxima(adf, surface.faces, 0.0 if settings.feature_count else settings.prominence)
     if settings.feature_count:
         features = features[: _SPARE * settings.feature_count]
     monitor.check()

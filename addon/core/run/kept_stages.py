@@ -28,7 +28,8 @@ class KeptStages:
     """What the stages of earlier runs found, for as long as what it came from stays the same.
 
     Hand one object to several runs, one after the other. A stage is computed again where the mesh, its options or what
-    an earlier stage found have changed. Of each stage the last few results are kept.
+    an earlier stage found have changed. Of each stage the last few results are kept. What is kept must not hold the
+    monitor of its run, which may have been cancelled since.
 
     Examples
     --------

@@ -97,6 +97,17 @@ def test_a_cancelled_run_leaves_nothing_half_done():
     assert_same(canonical_form(vertices, faces, QUICK, keep=keep), alone)
 
 
+def test_what_a_later_cancelled_run_found_can_be_used(monkeypatch):
+    monkeypatch.setattr("addon.core.distances.heat._AT_ONCE", 1)  # looks at the monitor for every source
+    vertices, faces = shapes.figure(13)
+    keep = KeptStages()
+    stop: list[bool] = []
+    canonical_form(vertices, faces, QUICK, keep=keep, cancelled=lambda: bool(stop))
+    stop.append(True)
+    for change in CHANGES:
+        canonical_form(vertices, faces, replace(QUICK, **change), keep=keep)
+
+
 def test_only_what_depends_on_a_change_is_computed_again():
     vertices, faces = shapes.figure(13)
     keep = KeptStages()
