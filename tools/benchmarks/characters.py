@@ -6,6 +6,7 @@ Files with animation are posed by their clips instead.
 """
 
 import sys
+from collections.abc import Iterator
 from itertools import combinations
 from pathlib import Path
 from time import perf_counter
@@ -63,19 +64,25 @@ def posed(file: Path) -> tuple[list[np.ndarray], np.ndarray]:
     objects = sorted(
         (obj for obj in bpy.data.objects if obj.parent is rig and obj.type == "MESH"), key=lambda o: o.name
     )
-    rng = np.random.default_rng(1)
     poses = []
-    for number in range(POSES):
+    for number in turned_at_random(rig, POSES):
         if bpy.data.actions:
             take_clip(rig, number)
-        else:
-            for bone in rig.pose.bones:
-                bone.rotation_mode, name = "XYZ", bone.name.lower()
-                most = 45 if any(part in name for part in ARMS) else 35 if name.startswith(LEGS) else 0
-                bone.rotation_euler = np.radians(rng.uniform(-most, most, 3)) * bool(number)
         vertices, faces = evaluated(objects)
         poses.append(vertices)
     return poses, faces
+
+
+def turned_at_random(rig: bpy.types.Object, count: int) -> Iterator[int]:
+    """Turn arms and legs of a rig, always alike, where it has no clips; the first is the rest pose."""
+    rng = np.random.default_rng(1)
+    for number in range(count):
+        for bone in rig.pose.bones if not bpy.data.actions else ():
+            bone.rotation_mode, name = "XYZ", bone.name.lower()
+            most = 45 if any(part in name for part in ARMS) else 35 if name.startswith(LEGS) else 0
+            bone.rotation_euler = np.radians(rng.uniform(-most, most, 3)) * bool(number)
+        bpy.context.view_layer.update()
+        yield number
 
 
 def take_clip(rig: bpy.types.Object, number: int) -> None:
