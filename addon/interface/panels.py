@@ -259,11 +259,9 @@ def _estimate(chosen: bpy.types.PropertyGroup, objects: list[bpy.types.Object]) 
     counts = [len(obj.data.vertices) for obj in objects]
     runs = counts if chosen.objects == "EACH" else [sum(counts)]
     memory = max(memory_estimate(count, settings) for count in runs)
-    busy = slowdown()
-    seconds = max(busy * sum(time_estimate(count, settings) for count in runs), 1.0)
+    seconds = max(slowdown() * sum(time_estimate(count, settings) for count in runs), 1.0)
     more = "" if settings.together else f" and {PIECE_SECONDS:g} s a loose part"
-    load = " (busy)" if busy > 1 else ""
-    return f"{sum(counts):,} vertices, about {memory:.1f} GB, {seconds:,.0f} s{more}{load}"
+    return f"{sum(counts):,} vertices, about {memory:.1f} GB, {seconds:,.0f} s{more}"
 
 
 def _slider(record: Record) -> str:
