@@ -294,7 +294,8 @@ class FormItem:
         alone = len(self.readings) == 1
         turn = world_rotation(self.readings[0].placement) if alone else np.eye(3)
         told: dict[str, Any] = {"progress": progress, "cancelled": cancelled}
-        told["keep"] = None if request.keep is None else request.keep.part(len(whole.vertices))
+        if request.keep is not None and not settings.whole:  # all pairs would be gigabytes
+            told["keep"] = request.keep.part(len(whole.vertices))
         if settings.orientation == "posed" and request.reference is None:
             found = canonical_form(whole.vertices, whole.faces, settings, **told)
             self.whole_form = replace(found, vertices=found.vertices @ turn.T)

@@ -48,6 +48,7 @@ class LiveUpdate:
 
     def __init__(self, context: bpy.types.Context) -> None:
         self.state = "Live: change an option"
+        self._window = context.window.as_pointer()  # whose scene and active object count
         self._job: Job | None = None
         self._task: FormTask | None = None
         self._began = 0.0
@@ -76,7 +77,8 @@ class LiveUpdate:
         if not windows:
             return _IDLE
         state = self.state
-        with context.temp_override(window=windows[0]):
+        window = next((each for each in windows if each.as_pointer() == self._window), windows[0])
+        with context.temp_override(window=window):
             try:
                 wait = self._step(context)
             except (CanonicalFormError, MemoryError) as error:
