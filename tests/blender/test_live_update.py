@@ -182,3 +182,18 @@ def test_what_is_kept_is_of_the_objects_last_worked_on(figure_object, monkeypatc
     monkeypatch.undo()
     bpy.ops.wm.read_homefile(use_empty=True)
     assert OBJECT_OT_canonical_form_cancel.kept is None
+
+
+def test_several_objects_follow_as_one_body(character):
+    properties = bpy.context.scene.canonical_form
+    for name, value in QUICK.items():
+        setattr(properties, name, value)
+    bpy.ops.object.canonical_form(objects="TOUCHING", **QUICK)
+    live = LiveUpdate(bpy.context)
+    before = {name: positions(obj) for name, obj in character.items()}
+    properties.preserve_detail = 0.25
+    settle(live)
+    followed = {name: positions(obj) for name, obj in character.items()}
+    assert all(not np.array_equal(followed[name], before[name]) for name in ("trunk", "shirt"))
+    bpy.ops.object.canonical_form(objects="TOUCHING", **{**QUICK, "preserve_detail": 0.25})
+    assert all(np.array_equal(followed[name], positions(obj)) for name, obj in character.items())
