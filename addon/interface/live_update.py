@@ -230,17 +230,25 @@ def _waits_for(context: bpy.types.Context) -> str | None:
     return None
 
 
+@bpy.app.handlers.persistent
+def _end(*_: object) -> None:
+    """Stop the live update before another file is opened."""
+    OBJECT_OT_canonical_form_live.end()
+
+
 CLASSES = (OBJECT_OT_canonical_form_live,)
 
 
 def register() -> None:
-    """Register the operator."""
+    """Register the operator, and stop it before another file is opened."""
     for each in CLASSES:
         bpy.utils.register_class(each)
+    bpy.app.handlers.load_pre.append(_end)
 
 
 def unregister() -> None:
     """Stop the live update and unregister the operator."""
-    OBJECT_OT_canonical_form_live.end()
+    bpy.app.handlers.load_pre.remove(_end)
+    _end()
     for each in reversed(CLASSES):
         bpy.utils.unregister_class(each)

@@ -152,6 +152,14 @@ def test_the_button_starts_and_stops_it(figure_object, chosen, monkeypatch):
     assert kind.execute(button, bpy.context) == {"FINISHED"}
     assert kind.running() is None
     assert not bpy.app.timers.is_registered(timer)
+    assert kind.execute(button, bpy.context) == {"FINISHED"}
+    again = kind.running()
+    assert again is not None
+    again.look()
+    monkeypatch.undo()
+    bpy.ops.wm.read_homefile(use_empty=True)
+    assert kind.running() is None
+    assert kind.update is None
 
 
 def test_a_limb_takes_the_coarse_mesh_of_the_form(blender, monkeypatch):
