@@ -28,7 +28,8 @@ def require_readable(path: Path) -> None:
         with path.open("rb"):
             pass
     except OSError as error:
-        raise InvalidMeshError(f"{path} cannot be read: {_reason(error)}. Change its permissions.") from error
+        advice = " Change its permissions." if isinstance(error, PermissionError) else ""
+        raise InvalidMeshError(f"{path} cannot be read: {_reason(error)}.{advice}") from error
 
 
 def require_folder(folder: Path) -> None:
@@ -81,7 +82,8 @@ def sentence(error: OSError) -> str:
     """
     if error.strerror is None:
         return str(error)
-    return f"{os.fspath(error.filename)}: {_reason(error)}." if error.filename else f"{error.strerror}."
+    named = isinstance(error.filename, str | bytes | os.PathLike)
+    return f"{os.fsdecode(error.filename)}: {_reason(error)}." if named else f"{error.strerror}."
 
 
 def _reason(error: OSError) -> str:

@@ -16,7 +16,7 @@ from .companions import companions_of, lead, own_sliders, set_free, with_compani
 from .fingerprints import fingerprint
 from .form_result import FormResult, results_of
 from .in_betweens import animated, animated_slider, fractions_between, write_in_betweens
-from .mesh_reading import Reading, find_object, read_object, require_unchanged
+from .mesh_reading import Reading, find_object, names_of, read_object, require_unchanged
 from .new_objects import add_result_object
 from .object_states import object_mode
 from .object_warnings import object_warnings
@@ -276,6 +276,7 @@ class FormItem:
             patches=patches,
             part=part,
             carried=result.carried,
+            live=request.live,
         )
         if shapes:
             write_in_betweens(target, shapes)
@@ -295,7 +296,7 @@ class FormItem:
         turn = world_rotation(self.readings[0].placement) if alone else np.eye(3)
         told: dict[str, Any] = {"progress": progress, "cancelled": cancelled}
         if request.keep is not None and not settings.whole:  # all pairs would be gigabytes
-            told["keep"] = request.keep.part(len(whole.vertices))
+            told["keep"] = request.keep.part(names_of(self.readings))
         if settings.orientation == "posed" and request.reference is None:
             found = canonical_form(whole.vertices, whole.faces, settings, **told)
             self.whole_form = replace(found, vertices=found.vertices @ turn.T)
@@ -337,7 +338,7 @@ class FormItem:
         from ..core.limbs import limb_shapes
         from ..core.run.monitor import Monitor
 
-        monitor = Monitor(None, cancelled, keep=None if keep is None else keep.part(len(whole.vertices)))
+        monitor = Monitor(None, cancelled, keep=None if keep is None else keep.part(names_of(self.readings)))
         shapes = limb_shapes(
             whole.vertices,
             whole.faces,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import bpy
 import numpy as np
 
@@ -12,6 +14,7 @@ from .object_states import object_mode
 from .palette import places
 
 SOURCE_COLOURS = "Match Source"
+_OURS = re.compile(rf"{SOURCE_COLOURS}( Colours)*(\.\d{{3,}})?")  # as Blender may number it
 
 
 def has_source_colours(obj: bpy.types.Object) -> bool:
@@ -68,4 +71,4 @@ def toggle_source_colours(obj: bpy.types.Object | None) -> bool:
 def _name(obj: bpy.types.Object) -> str | None:
     """Find the name of the colours, which is longer where a vertex group has it."""
     names = [each.name for each in obj.data.color_attributes]
-    return next((name for name in names if name.startswith(SOURCE_COLOURS)), None)
+    return next((name for name in names if _OURS.fullmatch(name)), None)

@@ -15,7 +15,7 @@ from .object_states import muted_results
 from .placement import placement_of
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
     from ..core.mesh.mirroring import Mirror
     from ..core.numerics.arrays import FloatArray, IntArray
@@ -195,6 +195,22 @@ def selected_vertices(mesh: bpy.types.Mesh) -> IntArray:
     chosen = np.empty(len(mesh.vertices), dtype=bool)
     mesh.vertices.foreach_get("select", chosen)
     return np.flatnonzero(chosen)
+
+
+def names_of(readings: Iterable[Reading]) -> frozenset[str]:
+    """Name the objects of some readings, in no order.
+
+    Parameters
+    ----------
+    readings : iterable of Reading
+        The readings.
+
+    Returns
+    -------
+    frozenset of str
+        The names.
+    """
+    return frozenset(reading.name for reading in readings)
 
 
 def find_object(reading: Reading) -> bpy.types.Object:

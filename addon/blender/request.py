@@ -46,6 +46,9 @@ class Request:
         `cancelled`, as in `canonical_form`, and touches no data of Blender's.
     likeness : Likeness, optional
         The pose that the objects are put into, in place of their form.
+    live : bool
+        Whether a form is only brought up to date: sliders stay where they are, groups and colours too where the patches
+        are the same.
     keep : KeptStages, optional
         What earlier runs on the objects found: what has not changed is not computed again.
     """
@@ -61,6 +64,7 @@ class Request:
     objects: str = "EACH"
     reference: Callable[[Cancelled | None], CanonicalForm] | None = None
     likeness: Likeness | None = None
+    live: bool = False
     keep: KeptStages | None = None
 
     def settings_for(self, obj: bpy.types.Object) -> Settings:

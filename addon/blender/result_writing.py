@@ -51,6 +51,7 @@ def write_results(
     patches: bool = True,
     part: Part | None = None,
     carried: Carried | None = None,
+    live: bool = False,
 ) -> None:
     """Write results to a mesh as shape key, vertex groups and colours, in place of those of an earlier run.
 
@@ -75,6 +76,9 @@ def write_results(
         Which part of a body of several objects the object is.
     carried : Carried or None
         What shows the match with whose pose it was put into.
+    live : bool
+        Whether the form is only brought up to date: the value of its key stays, and groups and colours stay as they are
+        where the patches are the same.
     """
     from ..core import FeaturePatches
 
@@ -89,7 +93,8 @@ def write_results(
             record.basis, record.basis_fingerprint = old.basis, old.basis_fingerprint
         record.active_before = active.replaced(old.written_items(), by=old.active_before)
     surface_stays = (
-        old is not None
+        live
+        and old is not None
         and kept_key is not None
         and carried is None
         and patches
@@ -104,7 +109,7 @@ def write_results(
     done = False
     try:
         if form is not None:
-            _write_key(obj, record, kept_key, form, value)
+            _write_key(obj, record, kept_key, form, kept_key.value if live and kept_key is not None else value)
         if surface_stays:
             shown = list(record.colours)[-1]
         else:

@@ -24,7 +24,7 @@ from .in_betweens import (
     write_in_betweens,
 )
 from .limb_states import variant_refusal
-from .mesh_reading import Reading, find_object, read_object, require_unchanged
+from .mesh_reading import Reading, find_object, names_of, read_object, require_unchanged
 from .object_states import muted_results, object_mode
 from .record import require_record, write_record
 from .result_writing import refill_key
@@ -101,7 +101,7 @@ class VariantTask:
                 forms.append(form)
         self._whole = combined(self._readings)
         self._patches, self._form = self._whole.spread(patches), self._whole.put_together(forms)
-        self._keep = None if keep is None else keep.part(len(self._whole.vertices))
+        self._keep = None if keep is None else keep.part(names_of(self._readings))
         self._shapes = [forms]  # those between and the form, of each object
         self.warnings: list[str] = []
 

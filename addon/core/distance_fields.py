@@ -194,7 +194,7 @@ def _measurable(
                 raise InvalidSettingsError("too_many_sources", most=_MOST_SOURCES, count=len(here.vertices))
             count = len(body.vertices)
             if len(here.vertices):
-                held = len(_border(here.vertices, body.faces, count))
+                held = len(_border(body, here.vertices))
                 worked_on = count if count <= _WHOLE else min(count, _COARSE + held)
                 require_distance_memory(count, kind, unknowns=_unknowns(worked_on), limit=memory_limit)
     return bodies, chosen
@@ -249,7 +249,7 @@ def _field_of_body(body: Body, chosen: IntArray, kind: str, memory_limit: float,
     if kind == "fast_marching":
         with monitor.stage("Distances"):
             return unit * fast_marching(surface, chosen, monitor)
-    border = _border(chosen, body.faces, len(points))
+    border = _border(body, chosen)
     heat, numbers, prolong = _heat_on(body, surface, points, border, memory_limit, monitor)
     with monitor.stage("Distances"):
         one_by_one = len(border) <= _ONE_BY_ONE
@@ -259,11 +259,13 @@ def _field_of_body(body: Body, chosen: IntArray, kind: str, memory_limit: float,
         return unit * _possible(field, cKDTree(points[chosen]).query(points)[0], longest, monitor)
 
 
-def _border(chosen: IntArray, faces: IntArray, count: int) -> IntArray:
+def _border(body: Body, chosen: IntArray) -> IntArray:
     """Find those of the chosen vertices from which others are reached; what lies inside is at no distance."""
-    inside = np.zeros(count, dtype=bool)
+    if len(body.parts) > 1:  # others may be reached over a bridge
+        return chosen
+    inside = np.zeros(len(body.vertices), dtype=bool)
     inside[chosen] = True
-    mixed = faces[inside[faces].any(axis=1) & ~inside[faces].all(axis=1)]
+    mixed = body.faces[inside[body.faces].any(axis=1) & ~inside[body.faces].all(axis=1)]
     border = np.unique(mixed[inside[mixed]])
     return border if len(border) else chosen
 

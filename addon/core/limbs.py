@@ -6,10 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .assembly.bodies import bodies_of
 from .assembly.body import Body
 from .mesh.geometry import of_unit_area, vertex_areas
 from .numerics.arrays import FloatArray, IntArray
+from .opening import known_bodies
 from .posing.articulation import WORKED_ON, Articulation
 from .posing.limb_amounts import limb_amounts
 from .run.errors import InvalidMeshError, InvalidSettingsError
@@ -72,9 +72,7 @@ def limb_shapes(
     (True, True)
     """
     monitor = monitor or Monitor()
-    bodies = monitor.kept(
-        "bodies", [points, faces, together, None], lambda: bodies_of(points, faces, monitor, together=together)
-    )
+    bodies = known_bodies(points, faces, monitor, together=together)
     form, chosen, count = np.asarray(form, dtype=np.float64), np.asarray(chosen), len(bodies.vertices)
     if form.shape != (count, 3) or not np.isfinite(form).all():
         raise InvalidMeshError("form_shape", count=count)
@@ -103,7 +101,7 @@ def _shapes_of_body(
     areas = vertex_areas(scaled, faces)
     surface = monitor.kept(
         "coarse mesh",
-        [points, faces, None, WORKED_ON],
+        [points, faces, None, WORKED_ON, body.working_surface],
         lambda: body.working_surface(scaled, faces, WORKED_ON, monitor=monitor),
     )
     if not chosen.all() and areas[chosen].sum() > areas.sum() / 2:

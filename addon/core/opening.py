@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from .assembly.bodies import Bodies, Chosen, bodies_of
@@ -57,7 +58,7 @@ def opened(vertices: ArrayLike, faces: ArrayLike, settings: Settings, monitor: M
     1
     """
     with monitor.stage("Surface"):
-        bodies = _bodies(vertices, faces, settings, monitor)
+        bodies = known_bodies(vertices, faces, monitor, together=settings.together, features=settings.feature_points)
         require_memory(bodies.largest, settings)
     monitor.extend(bodies.pieces.repairs + bodies.apart)
     if bodies.detected_elsewhere:
@@ -65,14 +66,45 @@ def opened(vertices: ArrayLike, faces: ArrayLike, settings: Settings, monitor: M
     return bodies
 
 
-def _bodies(vertices: ArrayLike, faces: ArrayLike, settings: Settings, monitor: Monitor) -> Bodies:
-    """Find the bodies in a mesh, unless they are known from an earlier run."""
-    together, given = settings.together, settings.feature_points
-    return monitor.kept(
-        "bodies",
-        [vertices, faces, together, given],
-        lambda: bodies_of(vertices, faces, monitor, together=together, features=given),
-    )
+def known_bodies(
+    vertices: ArrayLike,
+    faces: ArrayLike,
+    monitor: Monitor,
+    *,
+    together: bool = True,
+    features: Sequence[int] | None = None,
+) -> Bodies:
+    """Find the bodies in a mesh, unless they are known from an earlier run.
+
+    Parameters
+    ----------
+    vertices, faces, together, features
+        As in `bodies_of`.
+    monitor : Monitor
+        Knows what is kept; polled for cancellation.
+
+    Returns
+    -------
+    Bodies
+        The bodies. Those that are kept have arrays of their own, which the caller may not change.
+
+    Raises
+    ------
+    InvalidMeshError, InvalidSettingsError, CancelledError
+        As `bodies_of` does.
+
+    Examples
+    --------
+    >>> len(known_bodies([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], Monitor()).bodies)
+    1
+    """
+
+    def found() -> Bodies:
+        own = np.array(vertices) if monitor.keeps and isinstance(vertices, np.ndarray) else vertices
+        corners = np.array(faces) if monitor.keeps and isinstance(faces, np.ndarray) else faces
+        return bodies_of(own, corners, monitor, together=together, features=features)
+
+    return monitor.kept("bodies", [vertices, faces, together, features], found)
 
 
 def features_of(body: Body, chosen: Chosen | None, settings: Settings, monitor: Monitor) -> SurfaceFeatures:

@@ -15,7 +15,7 @@ from ..core import CancelledError, CanonicalFormError, KeptStages
 _TICK = 0.1  # seconds between two timer events
 _REDRAW = 0.25  # seconds between two redraws of the progress: a redraw of the sidebar redraws the view too
 _CANCEL_TIMEOUT = 0.4  # seconds to wait for a cancelled job before it is abandoned
-_KEPT_VERTICES = 2_000_000  # of objects up to which stages are kept for the next run: about 0.2 kB each
+_KEPT_VERTICES = 1_000_000  # of objects up to which stages are kept for the next run: 0.3 to 0.7 kB each
 _HOLDING_MESH = (
     "TRANSFORM_OT_",
     "SCULPT_OT_",

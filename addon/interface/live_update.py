@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import traceback
 from time import perf_counter
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -9,11 +10,10 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import bpy
 
 from ..blender.advice import explained
-from ..blender.form_key import form_key
 from ..blender.jobs import Job
 from ..blender.meant_objects import meant_object
 from ..blender.mesh_reading import refusal
-from ..blender.record import read_record
+from ..blender.record import RECORD_PROPERTY, read_record
 from ..core import CanonicalFormError
 from .job_operator import OBJECT_OT_canonical_form_cancel, kept_stages, redraw_sidebars, user_is_busy
 from .operators import allowed, chosen_objects, request_of
@@ -32,8 +32,7 @@ class LiveUpdate:
 
     What the options were is compared, not heard: so undo, scripts and drivers count too. The constructor takes what is
     there as shown, unless the object has no form yet. Computing touches no data of Blender's; a change of the options
-    meanwhile stops it. Results are written without an undo step of their own: undoing the change of an option brings
-    the form back with it, since that is a change too.
+    meanwhile stops it. Results are written without an undo step of their own: undo and redo bring the form up to date.
 
     Parameters
     ----------
@@ -54,9 +53,22 @@ class LiveUpdate:
         self._began = 0.0
         self._name: str | None = None  # of the object that the choices are about
         self._shown: dict[str, Any] | None = None  # the choices whose result is there or on its way
+        self._records: dict[str, str | None] = {}  # of the objects that are worked on, when they were read
         obj = meant_object(context)
         if obj is not None and _has_form(obj):
             self._name, self._shown = obj.name, _choices(context)
+
+    def undone(self, context: bpy.types.Context) -> None:
+        """Bring the form up to date after undo or redo, which may lead to before it was; one that is gone stays so.
+
+        Parameters
+        ----------
+        context : bpy.types.Context
+            Any context.
+        """
+        self.stop()
+        obj = bpy.data.objects.get(self._name or "")
+        self._shown = None if obj is not None and _has_form(obj) else _choices(context)
 
     def stop(self) -> None:
         """Stop what is being computed."""
@@ -83,6 +95,9 @@ class LiveUpdate:
                 wait = self._step(context)
             except (CanonicalFormError, MemoryError) as error:
                 self.state, wait = f"Live: {explained(error)}", _IDLE
+            except Exception as error:  # a timer that raises would end without a word
+                traceback.print_exc()
+                self.state, wait = f"Live: an error in the extension, told in the console: {error!r}", _IDLE
             if state != self.state:
                 redraw_sidebars(context)
         return wait
@@ -90,7 +105,9 @@ class LiveUpdate:
     def _step(self, context: bpy.types.Context) -> float:
         """Write what is computed, and begin what is not."""
         if OBJECT_OT_canonical_form_cancel.job is not None:  # another computation: one at a time
-            self.stop()
+            if self._job is not None:
+                self.stop()
+                self._shown = _choices(context)  # what that one writes stays
             return _IDLE
         if self._job is not None and self._job.running:
             if _choices(context) != self._shown:
@@ -104,10 +121,10 @@ class LiveUpdate:
             self._write(context, job)
             return _SETTLED
         obj = meant_object(context)
-        name = None if obj is None else obj.name
-        if name != self._name and self._name is not None:  # the form of another object stays until an option changes
-            self._shown = choices
-        self._name = name
+        if obj is not None and obj.name != self._name:  # the form of another object stays until an option changes
+            if self._name is not None:
+                self._shown = choices
+            self._name = obj.name
         if choices == self._shown:
             return _IDLE
         reason = _waits_for(context)
@@ -124,16 +141,18 @@ class LiveUpdate:
 
         self._began = perf_counter()
         objects, _ = chosen_objects(context)
-        key = form_key(objects[0].data)
-        value = context.scene.canonical_form.value if key is None else key.value
-        self._task = FormTask(objects, request_of(SimpleNamespace(**choices, value=value), kept=kept_stages(objects)))
+        value = context.scene.canonical_form.value  # of keys that are not there yet
+        request = request_of(SimpleNamespace(**choices, value=value), kept=kept_stages(objects), live=True)
+        self._records = {obj.name: obj.data.get(RECORD_PROPERTY) for obj in objects}
+        self._task = FormTask(objects, request)
         self._job = Job(self._task.compute)
 
     def _write(self, context: bpy.types.Context, job: Job) -> None:
         """Write what was computed."""
         job.result()
         task, self._task = self._task, None
-        if task is None:
+        there = {obj.name: obj.data.get(RECORD_PROPERTY) for obj in bpy.data.objects if obj.name in self._records}
+        if task is None or there != self._records:  # cleared, computed or varied meanwhile: that stays
             return
         first = not any(obj.name in task.taken and _has_form(obj) for obj in bpy.data.objects)
         for name in task.write():
@@ -231,6 +250,14 @@ def _waits_for(context: bpy.types.Context) -> str | None:
 
 
 @bpy.app.handlers.persistent
+def _after_undo(*_: object) -> None:
+    """Tell the live update that something was undone or redone."""
+    live = OBJECT_OT_canonical_form_live.running()
+    if live is not None:
+        live.undone(bpy.context)
+
+
+@bpy.app.handlers.persistent
 def _end(*_: object) -> None:
     """Stop the live update before another file is opened."""
     OBJECT_OT_canonical_form_live.end()
@@ -244,10 +271,14 @@ def register() -> None:
     for each in CLASSES:
         bpy.utils.register_class(each)
     bpy.app.handlers.load_pre.append(_end)
+    bpy.app.handlers.undo_post.append(_after_undo)
+    bpy.app.handlers.redo_post.append(_after_undo)
 
 
 def unregister() -> None:
     """Stop the live update and unregister the operator."""
+    bpy.app.handlers.redo_post.remove(_after_undo)
+    bpy.app.handlers.undo_post.remove(_after_undo)
     bpy.app.handlers.load_pre.remove(_end)
     _end()
     for each in reversed(CLASSES):

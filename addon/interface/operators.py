@@ -104,7 +104,7 @@ class OBJECT_OT_canonical_form_clear(bpy.types.Operator):
         return {"FINISHED"}
 
 
-def request_of(owner: Any, step: str = "FORM", *, kept: "KeptStages | None" = None) -> "Request":
+def request_of(owner: Any, step: str = "FORM", *, kept: "KeptStages | None" = None, live: bool = False) -> "Request":
     """Turn properties into what is computed and where the result goes.
 
     Parameters
@@ -115,6 +115,8 @@ def request_of(owner: Any, step: str = "FORM", *, kept: "KeptStages | None" = No
         How far to go.
     kept : KeptStages, optional
         What earlier runs on the objects found.
+    live : bool
+        Whether a form is only brought up to date.
 
     Returns
     -------
@@ -138,6 +140,7 @@ def request_of(owner: Any, step: str = "FORM", *, kept: "KeptStages | None" = No
         new_object=owner.result == "OBJECT",
         objects=owner.objects,
         reference=Reference(owner.reference).computed if owner.reference and step == "FORM" else None,
+        live=live,
         keep=kept,
     )
 

@@ -7,7 +7,7 @@ from addon.core import CancelledError, InvalidSettingsError, TooLargeError
 from addon.core.distance_fields import KINDS, distance_field, heat_geodesics
 from addon.core.distances.heat import HeatMethod
 from addon.core.surface.triangulation import triangulated
-from tests.meshes import shapes
+from tests.meshes import pieced, shapes
 from tests.meshes.shapes import Mesh
 
 
@@ -53,6 +53,18 @@ def test_a_selection_is_measured_from_its_border(whole, angle, monkeypatch):
     true = 2 * np.arcsin(np.clip(cKDTree(vertices[sources]).query(vertices)[0] / 2, 0, 1))
     assert (measured[sources] == 0).all()
     assert np.abs(measured - true).mean() < 0.0075  # edges are .035 long; with those inside as sources .008 to .013
+
+
+def test_a_whole_part_of_a_body_is_a_source():
+    made = pieced.character()[2]
+    vertices, faces = made.vertices, made.faces
+    told: list[str] = []
+    trunk = np.flatnonzero(vertices[:, 2] <= np.sort(vertices[:, 2])[3])
+    sources = np.union1d(made.pieces["hand"], trunk)
+    measured = distance_field(vertices, faces, sources, "heat", warned=told.append)
+    marched = distance_field(vertices, faces, sources, "fast_marching", warned=told.append)
+    assert not any("spikes" in sentence for sentence in told)
+    assert np.abs(measured - marched).max() < 0.03 * np.ptp(vertices, axis=0).max()
 
 
 def test_a_selection_of_everything_is_at_no_distance():

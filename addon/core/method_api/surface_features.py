@@ -185,7 +185,7 @@ def detected(
     target = settings.coarse_vertices
     reduction = monitor.kept(
         "coarse mesh",
-        [points, faces, chosen, target],
+        [points, faces, chosen, target, reduced],
         lambda: reduced(whole_points, faces, target, fixed=chosen, monitor=monitor),
     )
     if reduction.stuck:

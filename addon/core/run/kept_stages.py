@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable
 from hashlib import blake2b
+from types import MethodType
 from typing import Any, NamedTuple, TypeVar, cast
 
 import numpy as np
@@ -13,7 +14,7 @@ from .messages import Message
 Found = TypeVar("Found")
 
 _MOST = 3  # results of one stage that are kept: dragged to and fro, an option comes back to where it was
-_PLAIN = (str, bool, int, float, tuple, type(None))  # by type: named tuples hold results
+_PLAIN = (str, bool, int, float, tuple, type(None), MethodType)  # by type: named tuples hold results
 
 
 class _Stage(NamedTuple):
@@ -71,8 +72,8 @@ class KeptStages:
         name : str
             Name of the stage.
         sources : list
-            All that its result depends on: arrays, numbers and words, compared by value, and results of earlier stages,
-            compared by identity.
+            All that its result depends on: arrays, lists, numbers and words, compared by value; methods, by what they
+            are bound to; and results of earlier stages, compared by identity.
         compute : callable
             Computes it.
         warnings : list of Message
@@ -97,10 +98,11 @@ class KeptStages:
 
 def _told(source: Any) -> Any:
     """Tell arrays and lists by their content: they may be changed in place between two runs."""
-    if isinstance(source, list):
+    if isinstance(source, list) or type(source) is tuple:
         return repr(source)
-    if not isinstance(source, np.ndarray):
+    if not hasattr(source, "__array__"):
         return source
+    source = np.asarray(source)
     return (source.shape, source.dtype.str, blake2b(np.ascontiguousarray(source).data, digest_size=16).digest())
 
 

@@ -64,6 +64,7 @@ class Monitor:
         ends = [end / (sum(plan.values()) or 1.0) for end in accumulate(plan.values(), initial=0.0)]
         self._spans = dict(zip(plan, pairwise(ends), strict=True))
         self._name, self._span, self._done = "", (0.0, 1.0), 0.0
+        self._pieces = 0  # that were handed out
         self.timings: dict[str, float] = {}
         self.warnings: list[Message] = []
 
@@ -118,9 +119,15 @@ class Monitor:
             self._name = stage or self._name
             self._report(first + (1 - first) * (begin + (end - begin) * done))
 
-        own = Monitor(report, self._cancelled, plan, None if self._keep is None else self._keep.part(begin))
+        own = Monitor(report, self._cancelled, plan, None if self._keep is None else self._keep.part(self._pieces))
+        self._pieces += 1
         own.timings = self.timings
         return own
+
+    @property
+    def keeps(self) -> bool:
+        """Whether what is found is kept for other runs."""
+        return self._keep is not None
 
     def kept(self, name: str, sources: list[Any], compute: Callable[[], Found]) -> Found:
         """Take what an earlier run found, where its sources are the same, or compute it.

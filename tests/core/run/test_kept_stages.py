@@ -40,6 +40,12 @@ CHANGES: tuple[dict[str, Any], ...] = (
 )
 
 
+def character():
+    """Several pieces."""
+    made = pieced.character()[2]
+    return made.vertices, made.faces
+
+
 def assert_same(form, other):
     assert np.array_equal(form.vertices, other.vertices)
     assert np.array_equal(form.patches, other.patches)
@@ -52,7 +58,7 @@ def assert_same(form, other):
 
 @pytest.mark.parametrize(
     ("mesh", "changes"),
-    [(shapes.figure(13), CHANGES), (pieced.character()[:2], CHANGES[::6])],
+    [(shapes.figure(13), CHANGES), (character(), CHANGES[::6])],
     ids=["figure", "pieces"],
 )
 def test_whatever_changes_the_result_is_that_of_a_run_of_its_own(mesh, changes):
@@ -71,6 +77,41 @@ def test_an_array_that_is_changed_in_place_is_another_mesh():
     assert_same(canonical_form(vertices, faces, QUICK, keep=keep), canonical_form(vertices, faces, QUICK))
     faces = faces[:-1]
     assert_same(canonical_form(vertices, faces, QUICK, keep=keep), canonical_form(vertices, faces, QUICK))
+
+
+def test_a_change_of_what_rides_on_a_body_counts():
+    made = pieced.character()[2]
+    vertices, faces = made.vertices, made.faces
+    keep = KeptStages()
+    canonical_form(vertices, faces, QUICK, keep=keep)
+    for name in ("shirt", "hand", "eye"):
+        own = made.pieces[name]
+        changed = vertices.copy()
+        changed[own] += 0.05 * (vertices[own] - vertices[own].mean(axis=0))
+        assert_same(canonical_form(changed, faces, QUICK, keep=keep), canonical_form(changed, faces, QUICK))
+
+
+def test_arrays_of_any_kind_are_told_by_content():
+    vertices, faces = shapes.figure(13)
+    keep = KeptStages()
+    given = vertices.copy()
+    canonical_form(given, faces, QUICK, keep=keep)
+    given *= 1.5  # what is kept has arrays of its own
+    assert_same(canonical_form(vertices.copy(), faces, QUICK, keep=keep), canonical_form(vertices, faces, QUICK))
+
+    class Wrapped:
+        def __init__(self) -> None:
+            self.array = vertices.copy()
+
+        def __array__(self, dtype: Any = None, copy: Any = None) -> np.ndarray:
+            return self.array
+
+    wrapped: Any = Wrapped()
+    canonical_form(wrapped, faces, QUICK, keep=keep)
+    wrapped.array[:, 0] *= 1.1
+    assert_same(canonical_form(wrapped, faces, QUICK, keep=keep), canonical_form(wrapped, faces, QUICK))
+    rows = tuple(map(tuple, vertices))
+    assert_same(canonical_form(rows, faces, QUICK, keep=keep), canonical_form(vertices, faces, QUICK))
 
 
 def test_what_is_kept_is_not_changed_by_its_users():
