@@ -198,6 +198,8 @@ def _computed(
             bpy.context.view_layer.objects.active = first
         memory = memory_estimate(sum(len(obj.data.vertices) for obj in group), wanted.settings)
         task = FormTask(group, _request(wanted, reference))
+        if wanted.frame_keys:
+            _require_keys(task)
         with stage_line(f"{path.name} {first.name} (about {memory:.1f} GB)", wanted.stages) as progress:
             task.compute(progress)
         task.write()
@@ -219,6 +221,16 @@ def _computed(
         return {**line, "output": str(target), "memory_estimate": memory, "pieces": report.pieces, **report.as_json()}
     except Exception as error:  # any: the meshes after it are still to be computed
         return failure(line, error, explained(error))
+
+
+def _require_keys(task: FormTask) -> None:
+    """Refuse objects of which modifiers change the number of vertices where shape keys are wanted."""
+    for reading in (each for item in task.items for each in item.readings):
+        if len(reading.vertices) != len(bpy.data.objects[reading.name].data.vertices):
+            raise CanonicalFormError(
+                f"Modifiers change the number of vertices of {reading.name}, so that no shape key can hold its forms. "
+                "Apply or remove them, or choose --frames-as files."
+            )
 
 
 def _in_axes(form: FloatArray, obj: bpy.types.Object, wanted: Wanted) -> FloatArray:

@@ -106,6 +106,8 @@ def write_results(
         record.groups, record.colours, record.hidden, record.palette = old.groups, old.colours, old.hidden, old.palette
     elif old is not None:
         remove_results(obj, old, keep_key=kept_key is not None)
+        if mesh.shape_keys is not None and mesh.shape_keys.reference_key.name == old.basis:  # beside other keys
+            record.basis, record.basis_fingerprint = old.basis, old.basis_fingerprint
     done = False
     try:
         if form is not None:

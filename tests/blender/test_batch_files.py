@@ -10,6 +10,7 @@ import pytest
 
 from addon.batch.command import main
 from addon.blender.reading_files import importer, open_meshes
+from addon.blender.result_clearing import clear_from
 from addon.core.measures.alignment import rigid_fit
 from tests.meshes import shapes
 
@@ -161,6 +162,18 @@ def test_frames_of_a_rig_give_numbered_files_that_agree(tmp_path):
         bpy.context.scene.frame_set(frame)
         shown = bpy.data.objects["Limb"].evaluated_get(bpy.context.evaluated_depsgraph_get()).data
         assert np.abs(np.array([vertex.co for vertex in shown.vertices]) - form).max() < 2e-3
+    limb = bpy.data.objects["Limb"]
+    limb.modifiers.new("Finer", "SUBSURF").levels = 1
+    finer = tmp_path / "finer.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(finer), copy=True)
+    code, found = run(finer, "--output", tmp_path / "finer", *words[:4], "--mesh", "shown")
+    assert code == 1
+    assert all("--frames-as files" in line["error"] for line in found)
+    assert not (tmp_path / "finer" / "finer.blend").exists()
+    bpy.ops.wm.open_mainfile(filepath=lines[0]["output"])
+    limb = bpy.data.objects["Limb"]
+    assert clear_from(limb) == []
+    assert limb.data.shape_keys is None, "the keys of the frames cannot be cleared"
 
 
 def test_objects_together_are_one_result(tmp_path):

@@ -104,6 +104,11 @@ def test_the_reference_can_show_the_colours_too(pair):
     assert "Remove Colours from Other" in drawn(pose_panel.VIEW3D_PT_canonical_form_pose_like)
     assert bpy.ops.object.canonical_form_match_colours(like="Other") == {"FINISHED"}
     assert snapshot(reference) == before
+    own = reference.data.color_attributes.new(name="Match Source by hand", type="FLOAT_COLOR", domain="POINT").name
+    for shown in ([own, "Match Source"], [own]):
+        bpy.ops.object.canonical_form_match_colours(like="Other")
+        assert [each.name for each in reference.data.color_attributes] == shown
+    reference.data.color_attributes.remove(reference.data.color_attributes[own])
     reference.vertex_groups.new(name="Match Source")  # which takes the name away
     for shown in (["Match Source Colours"], []):
         bpy.ops.object.canonical_form_match_colours(like="Other")
