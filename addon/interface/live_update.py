@@ -32,7 +32,7 @@ class LiveUpdate:
 
     What the options were is compared, not heard: so undo, scripts and drivers count too. The constructor takes what is
     there as shown, unless the object has no form yet. Computing touches no data of Blender's; a change of the options
-    meanwhile stops it. Results are written without an undo step of their own: undo and redo bring the form up to date.
+    meanwhile stops it. Only the first result has an undo step of its own: undo and redo bring later ones up to date.
 
     Parameters
     ----------
@@ -157,8 +157,9 @@ class LiveUpdate:
         first = not any(obj.name in task.taken and _has_form(obj) for obj in bpy.data.objects)
         for name in task.write():
             list_patches(bpy.data.objects[name].data)
-        if first:
+        if first:  # a step of its own, to which undoing the first change of an option leads back
             show_colours(context)
+            bpy.ops.ed.undo_push(message="Canonical Form Live Update")
         problems = task.errors
         self.state = f"Live: {problems[0]}" if problems else f"Live: {perf_counter() - self._began:.2f} s"
 
