@@ -53,12 +53,16 @@ def results(folder):
 
 
 def wait_for(condition, evaluation=None):
-    """Wait for a condition; if it is for an evaluation to meet, that must not end before."""
+    """Wait for a condition, and return what made it true; if it is for an evaluation to meet, that must not end before.
+
+    What comes and goes, such as processes, is to be taken from here: asked for again, it may have gone.
+    """
     until = time.monotonic() + PATIENCE
-    while not condition():
+    while not (met := condition()):
         assert evaluation is None or evaluation.poll() is None, f"waited for an evaluation: {evaluation.state()}"
         assert time.monotonic() < until, f"waited in vain{f': {evaluation.state()}' if evaluation else ''}"
         time.sleep(0.01)
+    return met
 
 
 def workers_of(process):
@@ -104,8 +108,7 @@ def test_a_local_worker_is_killed(dataset, undisturbed, tmp_path, tables_of):
         wanted = len(results(tmp_path)) + chance.randrange(1, total // (KILLS + 2))
         wait_for(lambda wanted=wanted: len(results(tmp_path)) >= wanted and workers_of(process), process)
         time.sleep(chance.uniform(0, 0.2))
-        wait_for(lambda: workers_of(process), process)
-        chance.choice(workers_of(process)).kill()
+        chance.choice(wait_for(lambda: workers_of(process), process)).kill()
     finished(process)
     assert tables_of(tmp_path) == tables_of(undisturbed)
 
@@ -165,9 +168,9 @@ def test_a_dask_worker_is_killed(dataset, undisturbed, tmp_path, tables_of, clus
         wanted = len(results(folder)) + chance.randrange(1, total // (KILLS + 2))
         wait_for(lambda wanted=wanted: len(results(folder)) >= wanted, process)
         time.sleep(chance.uniform(0, 0.2))
-        wait_for(lambda: any(map(workers_of, nannies)), process)
+        workers = wait_for(lambda: [worker for nanny in nannies for worker in workers_of(nanny)], process)
         assert len(results(folder)) < total, "the kill came too late"
-        chance.choice([worker for nanny in nannies for worker in workers_of(nanny)]).kill()
+        chance.choice(workers).kill()
     finished(process)
     assert tables_of(folder) == tables_of(undisturbed)
 

@@ -61,6 +61,7 @@ def live(hand, figure, state):
     chosen.property_unset("quality")
     with bpy.context.temp_override(window=hand.window, area=hand.area(), region=hand.region("WINDOW")):
         bpy.ops.object.canonical_form_clear()
+    bpy.ops.ed.undo_push(message="After Live")  # operators that a script calls add no step
     yield 0.5
     assert state(figure()) == before, "clear leaves something behind"
     return len(changes) - 1
