@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..core import CanonicalFormError, Settings, canonical_form
+from ..core.measures.detail_kept import detail_measures
 from ..core.measures.form_measures import hausdorff, summary
 from ..core.mesh.geometry import surface_area
 from ..core.method_api.catalogue import method_named
@@ -73,10 +74,11 @@ def measured(vertices: FloatArray, faces: IntArray, method: Method) -> Outcome:
     form, described = None, None
     try:
         with one_thread():
-            after, faces, row_of_form, seconds = _computed(vertices, faces, method.settings)
+            after, faces, patches, row_of_form, seconds = _computed(vertices, faces, method.settings)
             memory = peak.megabytes()
             row |= row_of_form
-            row |= {name: _plain(value) for name, value in summary(vertices, after, faces).items()}
+            figures = summary(vertices, after, faces) | detail_measures(vertices, after, faces, patches)
+            row |= {name: _plain(value) for name, value in figures.items()}
             described = harmonic_descriptor(after, faces)
             form = (after - after.mean(axis=0)).astype(np.float32)  # its place says nothing and costs digits
     except CanonicalFormError as error:
@@ -88,16 +90,17 @@ def measured(vertices: FloatArray, faces: IntArray, method: Method) -> Outcome:
 
 def _computed(
     vertices: FloatArray, faces: IntArray, settings: Settings | None
-) -> tuple[FloatArray, IntArray, dict[str, Any], float]:
+) -> tuple[FloatArray, IntArray, IntArray | None, dict[str, Any], float]:
+    """Compute a form: vertices, triangles, patches, figures and seconds."""
     if settings is None:
-        return vertices, faces, {"features": None, "pair_count": None, "warnings": 0}, 0.0
+        return vertices, faces, None, {"features": None, "pair_count": None, "warnings": 0}, 0.0
     began = time.perf_counter()
     form = canonical_form(vertices, faces, settings)
     seconds = time.perf_counter() - began
     if method_named(settings.method).pairs != "patches":  # feature points are found for show only
         seconds -= sum(form.timings.get(stage, 0.0) for stage in DETECTION)
     row = {"features": len(form.feature_points), "pair_count": form.pair_count, "warnings": len(form.warnings)}
-    return form.vertices, form.faces, row, seconds
+    return form.vertices, form.faces, form.patches, row, seconds
 
 
 def _plain(value: float) -> float | None:

@@ -204,10 +204,8 @@ def test_a_result_that_is_lost_with_its_worker_may_fail_when_computed_again(tmp_
 @pytest.mark.parametrize("moment", [0.0, 0.1, 0.5, 2.0])
 def test_nothing_lives_on_when_the_run_is_killed(moment, tmp_path):
     vertices, faces = shapes.sphere(2)
-    (tmp_path / "in" / "ball").mkdir(parents=True)
-    lines = [f"v {x} {y} {z}" for x, y, z in vertices] + [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in faces]
-    for name in ("a.obj", "b.obj"):  # which Blender reads, in another process
-        (tmp_path / "in" / "ball" / name).write_text("\n".join(lines))
+    for name in ("a.obj", "b.obj"):
+        shapes.write_obj(tmp_path / "in" / "ball" / name, vertices, faces)
     process = Evaluation(tmp_path / "in", tmp_path / "out", "--workers", "2")
     wait_for(lambda: workers_of(process), process)
     time.sleep(moment)

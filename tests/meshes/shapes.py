@@ -229,6 +229,14 @@ def write_off(path: Path, vertices: np.ndarray, faces: np.ndarray) -> None:
     path.write_text("\n".join(lines) + "\n")
 
 
+def write_obj(path: Path, vertices: np.ndarray, faces: np.ndarray) -> None:
+    """Write an .obj file, and the folders it is in."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    lines = [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in np.asarray(vertices).tolist()]
+    lines += [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in np.asarray(faces).tolist()]
+    path.write_text("\n".join(lines) + "\n")
+
+
 def poses_of(folder: Path) -> list[tuple[str, np.ndarray, np.ndarray]]:
     """Names, positions and triangles of the .obj files of a folder, the rest pose first."""
     paths = sorted(folder.glob("*.obj"), key=lambda path: (path.stem not in ("rest", "bind"), path.stem))

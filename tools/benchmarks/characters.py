@@ -53,8 +53,8 @@ def several(values: list[float], digits: int) -> str:
     return f"{np.median(values):.{digits}f} (most {max(values):.{digits}f})"
 
 
-def posed(file: Path) -> tuple[list[np.ndarray], np.ndarray]:
-    """Read a rigged character in its rest pose and five others, all objects as one mesh."""
+def posed(file: Path, count: int = POSES) -> tuple[list[np.ndarray], np.ndarray]:
+    """Read a rigged character in its rest pose and some others, all objects as one mesh."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     if file.suffix == ".blend":
         bpy.ops.wm.open_mainfile(filepath=str(file))
@@ -65,7 +65,7 @@ def posed(file: Path) -> tuple[list[np.ndarray], np.ndarray]:
         (obj for obj in bpy.data.objects if obj.parent is rig and obj.type == "MESH"), key=lambda o: o.name
     )
     poses = []
-    for number in turned_at_random(rig, POSES):
+    for number in turned_at_random(rig, count):
         if bpy.data.actions:
             take_clip(rig, number)
         vertices, faces = evaluated(objects)

@@ -1,8 +1,10 @@
-"""Makes datasets out of one of posed meshes: ``derived_datasets.py coarse|perturbed FOLDER TARGET COUNT``.
+"""Makes datasets out of one of posed meshes: ``derived_datasets.py coarse|perturbed|creatures FOLDER TARGET COUNT``.
 
 coarse: every pose with about COUNT vertices, the same in all poses of a shape, so that slow methods can run in full.
 perturbed: COUNT meshes, the poses one after the other with other noise, size and place each, in ten classes of the
 same mixture, for long runs: what grows then is not the meshes.
+creatures: a class for each rigged, animated .glb of the folder, its largest piece in COUNT poses: the rest pose, if
+there is one, and the middle of its other clips, as many as there are; .obj files of one vertex order.
 """
 
 import sys
@@ -13,7 +15,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from addon.core.mesh.coarsening import coarsened
-from tests.meshes.shapes import poses_of, write_off
+from tests.meshes.shapes import poses_of, write_obj, write_off
 
 
 def coarse(source, target, count):
@@ -37,6 +39,20 @@ def perturbed(source, target, count):
         write_off(part / f"{number:04d}-{label}-{name}.off", rng.uniform(0.5, 2) * moved, faces)
 
 
+def creatures(source, target, count):
+    from addon.core.assembly.pieces import connected_pieces
+    from tools.benchmarks.characters import posed
+
+    for file in sorted(source.glob("*-animations.glb")):
+        name = file.stem.removesuffix("-animations")
+        poses, faces = posed(file, count)
+        poses = [pose for k, pose in enumerate(poses) if not any(np.array_equal(pose, other) for other in poses[:k])]
+        largest = max(connected_pieces(poses[0], faces).pieces, key=lambda piece: len(piece.vertices))
+        for number, vertices in enumerate(poses):
+            write_obj(target / name / f"{'rest' if number == 0 else f'clip-{number}'}.obj",
+                      vertices[largest.vertices], largest.faces)  # fmt: skip
+
+
 if __name__ == "__main__":
     kind, source, target, count = sys.argv[1:]
-    {"coarse": coarse, "perturbed": perturbed}[kind](Path(source), Path(target), int(count))
+    {"coarse": coarse, "perturbed": perturbed, "creatures": creatures}[kind](Path(source), Path(target), int(count))

@@ -17,8 +17,8 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
 from addon.core import Settings, canonical_form  # noqa: E402
-from addon.core.deformation.struts import struts_through  # noqa: E402
 from addon.core.distances.heat import HeatMethod  # noqa: E402
+from addon.core.measures.detail_kept import detail_measures  # noqa: E402
 from addon.core.measures.form_measures import compactness_error, edge_stretch  # noqa: E402
 from addon.core.mesh.geometry import surface_area  # noqa: E402
 from addon.core.surface.triangulation import triangulated  # noqa: E402
@@ -36,23 +36,9 @@ def shapes_of(data: Path) -> Iterator[tuple[str, list[Mesh]]]:
             yield folder.name, poses
 
 
-def crossings(vertices, faces):
-    """Count pairs of triangles that cross and share no vertex; needs Blender's module."""
-    import bpy  # noqa: F401  it brings mathutils
-    from mathutils.bvhtree import BVHTree
-
-    tree = BVHTree.FromPolygons(vertices.tolist(), faces.tolist(), epsilon=0.0)
-    pairs = np.array(tree.overlap(tree), dtype=np.int64).reshape(-1, 2)
-    pairs = pairs[pairs[:, 0] < pairs[:, 1]]
-    shared = (faces[pairs[:, 0]][:, :, None] == faces[pairs[:, 1]][:, None, :]).any(axis=(1, 2))
-    return int(np.count_nonzero(~shared))
-
-
-def thickness_distortion(before, after, faces):
-    """Relative change of the distance between vertices that face each other through the body."""
-    pairs = struts_through(before, faces, np.zeros((len(before), 1)))
-    one, two = (np.linalg.norm(each[pairs[:, 0]] - each[pairs[:, 1]], axis=1) for each in (before, after))
-    return np.abs(two / one - 1)
+def of(detail, name):
+    """Mean of one measure over the poses."""
+    return float(np.mean([each[name] for each in detail]))
 
 
 def distance_change(meshes):
@@ -74,7 +60,7 @@ def quality_table(data, picture):
     inputs_sum, proper_sum, mirror_sum = 0.0, 0.0, 0.0
     gallery = []
     for shape, meshes in shapes_of(data):
-        forms, errors, median, high, highest, thin, lopsided, extra, counts = [], [], [], [], [], [], [], [], []
+        forms, errors, median, high, detail, lopsided, counts = [], [], [], [], [], [], []
         for vertices, faces in meshes:
             form = canonical_form(vertices, faces)
             forms.append(form.vertices)
@@ -82,19 +68,19 @@ def quality_table(data, picture):
             stretch = np.abs(edge_stretch(vertices, form.vertices, faces) - 1)
             median.append(float(np.median(stretch)))
             high.append(float(np.quantile(stretch, 0.95)))
-            highest.append(float(np.quantile(stretch, 0.999)))
-            thin.append(np.quantile(thickness_distortion(vertices, form.vertices, faces), (0.5, 0.95)))
+            detail.append(detail_measures(vertices, form.vertices, faces, form.patches))
             lopsided.append(form.asymmetry)
-            extra.append((crossings(form.vertices, faces) - crossings(vertices, faces)) / len(faces))
             counts.append(len(form.feature_points))
         given, proper, mirror = mean_apart([v for v, _ in meshes]), mean_apart(forms), mean_apart(forms, mirror=True)
         inputs_sum, proper_sum, mirror_sum = inputs_sum + given, proper_sum + proper, mirror_sum + mirror
         single += errors
         rows.append(
             f"| {shape} | {len(meshes)} | {min(counts)}-{max(counts)} | {np.mean(errors):.3f} | {max(errors):.3f} | "
-            f"{np.mean(median):.1%} | {np.mean(high):.1%} | {np.mean(highest):.0%} | {np.mean(thin, axis=0)[0]:.1%} | "
-            f"{np.mean(thin, axis=0)[1]:.1%} | {np.nanmax(lopsided):.3f} | {proper / given:.3f} | "
-            f"{mirror / given:.3f} | {distance_change(meshes):.1%} | {max(extra):+.2%} |"
+            f"{np.mean(median):.1%} | {np.mean(high):.1%} | {of(detail, 'edge_distortion_999'):.0%} | "
+            f"{of(detail, 'area_distortion_median'):.1%} | {of(detail, 'area_distortion_95'):.1%} | "
+            f"{of(detail, 'thickness_median'):.1%} | {of(detail, 'thickness_95'):.1%} | "
+            f"{of(detail, 'border_jags'):.2%} | {max(each['crossings_added'] for each in detail):.2%} | "
+            f"{np.nanmax(lopsided):.3f} | {proper / given:.3f} | {mirror / given:.3f} | {distance_change(meshes):.1%} |"
         )
         print(rows[-1], flush=True)
         gallery.append((meshes, forms))
@@ -109,18 +95,17 @@ def quality_table(data, picture):
     )
     head = (
         "| shape | poses | features | compactness error (10⁻⁴), mean | worst | edge distortion, median | "
-        "95th percentile | 99.9th | thickness, median | 95th percentile | asymmetry, worst | pose ratio | "
-        "mirror images allowed | change of geodesics | crossings added, worst |\n" + "| --- " * 15 + "|"
+        "95th percentile | 99.9th | areas, median | 95th percentile | thickness, median | 95th percentile | "
+        "jags at patch borders | crossings added, worst | asymmetry, worst | pose ratio | mirror images allowed | "
+        "change of geodesics |\n" + "| --- " * 18 + "|"
     )
     total = (
         f"\nCompactness error overall: {np.mean(single):.3f}·10⁻⁴. Pose ratio overall, sum over sum: "
         f"**{proper_sum / inputs_sum:.3f}** with proper rotations, {mirror_sum / inputs_sum:.3f} with mirror images. "
         "Measures are defined in [evaluation](evaluation.md#what-is-measured). The compactness error is next to "
-        "nothing by construction, since an even pressure restores it: edges and thickness tell what was kept. "
-        "*thickness*: relative change of the distance between vertices that face each other through the body. "
+        "nothing by construction, since an even pressure restores it: all other columns tell what was kept. "
         "*asymmetry*: distance of the form from its own mirror image, root mean square in sqrt(area). *change of "
-        "geodesics*: mean relative change from pose to pose. *crossings*: pairs of triangles that cross, over the "
-        "number of faces."
+        "geodesics*: mean relative change from pose to pose."
     )
     print(total, flush=True)
     return "\n".join([head, *rows, total])
