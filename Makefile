@@ -1,6 +1,6 @@
 python = .venv/bin/python
 .PHONY: help environment run test doctest check package docs bench evaluate figures moving-picture \
-  rooms-picture test-window guide-pictures
+  rooms-picture test-window guide-pictures site
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "make %-15s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -26,8 +26,12 @@ check: environment ## lint, format and types
 package: environment ## one zip of the extension a platform, into build/
 	$(python) tools/package.py
 
-docs: environment ## remake docs/api.md from the docstrings
+docs: environment ## remake docs/api from the docstrings
 	$(python) tools/api_reference.py
+
+site: environment ## build the site: the documents, and a repository that Blender installs and updates from
+	$(python) -m pip install --quiet --disable-pip-version-check -r tools/site/requirements.txt
+	$(python) tools/site/build.py
 
 bench: environment ## remake the benchmarks; DATA=folder of meshes
 	$(python) tools/benchmarks/form_tables.py $(DATA)

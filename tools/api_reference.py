@@ -1,4 +1,7 @@
-"""Writes docs/api.md from the docstrings of the core: `make docs`. With ``--check`` it only says if it is current."""
+"""Writes docs/api from the docstrings of the core, a page a room: `make docs`.
+
+With ``--check`` it only says whether all is current.
+"""
 
 import importlib
 import inspect
@@ -13,7 +16,7 @@ from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
-TARGET = ROOT / "docs" / "api.md"
+TARGET = ROOT / "docs" / "api"
 DOORS = (
     "canonical", "features", "distance_fields", "limbs", "matches", "poses", "mannequins", "transfers", "opening",
     "placing", "results",
@@ -25,25 +28,33 @@ ROOMS = (
 HEAD = """# API of the core
 
 `addon.core` needs numpy and scipy only, and no Blender. Arrays in, arrays out. The doors, what they give back,
-`Settings` and the errors are imported from `addon.core`; everything else from the module it is listed under. This page
-is made from the docstrings by `make docs`; [notation](notation.md) lists symbols, shapes and names of maps.
+`Settings` and the errors are imported from `addon.core`; everything else from the module it is listed under. These
+pages are made from the docstrings by `make docs`; [notation](../notation.md) lists symbols, shapes and names of maps.
+
+| page | what is in it |
+| --- | --- |
+| [doors](doors.md) | What a script calls. |
 """
 
 
-def reference() -> str:
-    """Assemble the page: the doors, then the rooms, each from its first file to its last."""
-    parts = [HEAD, "## Doors\n\nWhat a script calls.\n"]
+def pages() -> dict[str, str]:
+    """All pages by name of file: the list of them, the doors, then a page a room, from its first file to its last."""
     core = importlib.import_module("addon.core")
     require_all(core, DOORS, packages=False)
     require_all(core, ROOMS, packages=True)
+    doors = ["# Doors\n\nWhat a script calls.\n"]
     for door in DOORS:
-        parts += module_reference(importlib.import_module(f"addon.core.{door}"))
+        doors += module_reference(importlib.import_module(f"addon.core.{door}"))
+    found, rows = {"doors.md": "\n".join(doors)}, []
     for room in ROOMS:
         package = importlib.import_module(f"addon.core.{room}")
-        parts.append(f"## Room `{room}`\n\n{(package.__doc__ or '').strip()}\n")
+        purpose = (package.__doc__ or "").strip()
+        parts = [f"# Room `{room}`\n\n{purpose}\n"]
         for name in names_in(package, packages=False):
             parts += module_reference(importlib.import_module(f"{package.__name__}.{name}"))
-    return "\n".join(parts)
+        found[f"{room}.md"] = "\n".join(parts)
+        rows.append(f"| [{room}]({room}.md) | {' '.join(purpose.split())} |\n")
+    return {"README.md": HEAD + "".join(rows), **found}
 
 
 def names_in(package: ModuleType, *, packages: bool) -> list[str]:
@@ -63,7 +74,7 @@ def require_all(package: ModuleType, listed: tuple[str, ...], *, packages: bool)
 
 def module_reference(module: ModuleType) -> Iterator[str]:
     """Heading and docstring of a module, then everything public that is defined in it."""
-    yield f"### `{module.__name__}`\n\n{(module.__doc__ or '').strip()}\n"
+    yield f"## `{module.__name__}`\n\n{(module.__doc__ or '').strip()}\n"
     for each in vars(module).values():
         if not (inspect.isclass(each) or inspect.isfunction(each)):
             continue
@@ -78,7 +89,7 @@ def module_reference(module: ModuleType) -> Iterator[str]:
 
 def described(name: str, thing: Any) -> str:
     """One heading, signature and docstring."""
-    lines = [f"#### `{name}`\n"]
+    lines = [f"### `{name}`\n"]
     if inspect.isfunction(thing):
         lines.append(f"```python\n{name}{signature(thing)}\n```\n")
     return "\n".join(lines) + "\n" + markdown(inspect.getdoc(thing) or "") + "\n"
@@ -121,9 +132,18 @@ def entries(body: str) -> Iterator[str]:
         yield f"- `{first.strip()}`" + (f": {meaning}" if meaning else "")
 
 
+def main(check: bool) -> None:
+    """Write the pages, and remove those of rooms that are gone; or stop where one is not what it would be."""
+    made = pages()
+    old = {path.name: path.read_text(encoding="utf-8") for path in TARGET.glob("*.md")}
+    if check:
+        sys.exit(0 if made == old else "docs/api is out of date: run make docs")
+    TARGET.mkdir(exist_ok=True)
+    for name in old.keys() - made.keys():
+        (TARGET / name).unlink()
+    for name, text in made.items():
+        (TARGET / name).write_text(text, encoding="utf-8")
+
+
 if __name__ == "__main__":
-    page = reference()
-    if "--check" in sys.argv:
-        current = TARGET.exists() and TARGET.read_text(encoding="utf-8") == page
-        sys.exit(0 if current else "docs/api.md is out of date: run make docs")
-    TARGET.write_text(page, encoding="utf-8")
+    main("--check" in sys.argv)

@@ -1,16 +1,25 @@
 """The packed extension, installed by Blender's own installer into an empty home, in a process of its own.
 
+From a zip, and from a repository as the site holds one, served by this machine.
+
 ``CANONICAL_FORM_PYTHONS`` names further interpreters with a bpy of their own, separated by colons.
 """
 
+import functools
+import http.server
 import os
+import re
+import shutil
 import subprocess
 import sys
+import threading
+import zipfile
 from pathlib import Path
 
 import pytest
 
 from tests.conftest import DATA
+from tools.site.repository import make_repository
 
 ROOT = Path(__file__).resolve().parents[2]
 PYTHONS = [sys.executable, *filter(None, os.environ.get("CANONICAL_FORM_PYTHONS", "").split(":"))]
@@ -88,6 +97,31 @@ print("PASSED", f"| {bpy.app.version_string} | {sys.version_info.major}.{sys.ver
       f"| {numpy.__version__} | {scipy.__version__} | {took:.1f} s | {1000 * enabling:.0f} ms |")
 """
 
+FROM_REPOSITORY = """
+import sys, bpy
+url, wanted = sys.argv[1:3]
+preferences = bpy.context.preferences
+preferences.system.use_online_access = True
+repositories = preferences.extensions.repos
+if not any(each.remote_url == url for each in repositories):
+    bpy.ops.preferences.extension_repo_add(name="Served", remote_url=url, type="REMOTE")
+number = next(index for index, each in enumerate(repositories) if each.remote_url == url)
+assert bpy.ops.extensions.repo_sync(repo_index=number) == {"FINISHED"}
+done = bpy.ops.extensions.package_install(repo_index=number, pkg_id="canonical_form", enable_on_install=True)
+assert done == {"FINISHED"}
+name = f"bl_ext.{repositories[number].module}.canonical_form"
+import addon_utils
+version = next(module.bl_info["version"] for module in addon_utils.modules() if module.__name__ == name)
+assert version == tuple(map(int, wanted.split("."))), version
+bpy.ops.mesh.primitive_cube_add()
+bpy.ops.object.modifier_add(type="SUBSURF")
+bpy.context.object.modifiers[0].levels = 3
+bpy.ops.object.modifier_apply(modifier=bpy.context.object.modifiers[0].name)
+assert bpy.ops.object.canonical_form(max_iterations=3, eigenpairs=30) == {"FINISHED"}
+bpy.ops.wm.save_userpref()
+print("INSTALLED", wanted)
+"""
+
 
 @pytest.fixture(scope="module")
 def package():
@@ -110,3 +144,47 @@ def test_it_installs_enables_runs_disables_and_uninstalls(package, tmp_path, pyt
     assert "Traceback" not in done.stderr, done.stderr
     assert "olicy violation" not in done.stdout + done.stderr
     print(*[line for line in done.stdout.splitlines() if "PASSED" in line])
+
+
+def renumbered(path, version):
+    """Copy a packed extension as another version of it."""
+    target = path.with_name(re.sub(r"-\d+\.\d+\.\d+", f"-{version}", path.name))
+    with zipfile.ZipFile(path) as old, zipfile.ZipFile(target, "w") as new:
+        for each in old.infolist():
+            data = old.read(each)
+            if each.filename == "blender_manifest.toml":
+                data = re.sub(rb'^version = ".*"', f'version = "{version}"'.encode(), data, flags=re.MULTILINE)
+            new.writestr(each, data)
+    return target
+
+
+@pytest.fixture
+def served(tmp_path):
+    """A folder, and the address at which a web server of this machine shows it."""
+    folder = tmp_path / "site"
+    folder.mkdir()
+
+    class Quiet(http.server.SimpleHTTPRequestHandler):
+        def log_message(self, *words):
+            pass
+
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Quiet, directory=str(folder)))
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    yield folder, f"http://127.0.0.1:{server.server_port}/repository/index.json"
+    server.shutdown()
+
+
+def test_blender_installs_from_the_repository_of_the_site_and_updates(package, served, tmp_path):
+    folder, url = served
+    for version in ("0.9.0", "1.0.0"):
+        zipped = renumbered(Path(shutil.copy(package, tmp_path)), version)
+        (told,) = make_repository([zipped], folder / "repository")
+        assert told["version"] == version
+        home = tmp_path / "home"
+        home.mkdir(exist_ok=True)
+        done = subprocess.run(
+            [sys.executable, "-c", FROM_REPOSITORY, url, version],
+            env={**os.environ, "BLENDER_USER_RESOURCES": str(home)}, capture_output=True, text=True, check=False,
+        )  # fmt: skip
+        assert f"INSTALLED {version}" in done.stdout, done.stdout + done.stderr
+        assert "Traceback" not in done.stderr, done.stderr

@@ -1,4 +1,4 @@
-"""The examples of the scripting guide, run as they stand."""
+"""The scripts of the scripting guide and of the page of examples, run as they stand."""
 
 import json
 import os
@@ -26,6 +26,22 @@ def test_the_examples_run(figure_object, arrays, capsys):
     for example in re.findall(r"```python\n(.*?)```", outside.split("## The command line")[0], flags=re.DOTALL):
         exec(compile(example, "scripting.md", "exec"), scope)
         assert capsys.readouterr().out
+
+
+def test_the_page_of_examples_runs(figure_object, arrays):
+    vertices, faces = arrays
+    scope: dict[str, object] = {"bpy": bpy, "poses": [vertices, vertices[:, [1, 2, 0]]], "faces": faces}
+    base = bpy.data.objects.new("Base", figure_object.data.copy())
+    bpy.context.collection.objects.link(base)
+    base.vertex_groups.new(name="Bone").add([0], 1.0, "REPLACE")
+    figure_object.data.vertices.foreach_set("select", [True] + [False] * (len(vertices) - 1))
+    page = GUIDE.with_name("examples.md").read_text(encoding="utf-8")
+    examples = re.findall(r"```python\n(.*?)```", page, flags=re.DOTALL)
+    assert len(examples) == page.count("```python")
+    for example in examples:
+        exec(compile(example, "examples.md", "exec"), scope)
+    assert "Bone" in figure_object.vertex_groups
+    assert len(scope["alike"]) == 2  # type: ignore[arg-type]
 
 
 def test_the_pipeline_runs(tmp_path, arrays, capsys, monkeypatch):

@@ -1,1 +1,1 @@
-"""A mesh as pieces; many pieces as one body will live here."""
+"""A mesh as pieces; bodies of several pieces, what rides on them, and bodies shared out and gathered."""

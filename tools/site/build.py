@@ -1,0 +1,33 @@
+"""Builds the site: `make site`. A folder for any web server: the documents, and a repository for Blender.
+
+With ``--pages`` the repository, which needs the wheels of all platforms, is left out.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT))
+
+from tools import package  # noqa: E402
+from tools.site.pages import gather  # noqa: E402
+from tools.site.repository import make_repository  # noqa: E402
+
+
+def main(pages_only: bool) -> None:
+    here = Path(__file__).parent
+    gathered = gather(ROOT, ROOT / "build" / "site-pages")
+    package.tell([sys.executable, "-m", "mkdocs", "build", "--config-file", here / "mkdocs.yml"])
+    site = ROOT / "build" / "site"
+    print(f"{site}: {len(gathered)} pages")
+    if not pages_only:
+        for each in make_repository(package.main(here=False), site / "repository"):
+            print(f"{site / 'repository'}: {each['id']} {each['version']} for {', '.join(each['platforms'])}")
+    subprocess.run(["du", "-sh", site], check=False)
+
+
+if __name__ == "__main__":
+    main("--pages" in sys.argv)
