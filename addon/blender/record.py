@@ -15,6 +15,7 @@ import bpy
 from ..core import CanonicalFormError
 from .active_items import ActiveItems, ItemNames
 from .form_report import FormReport
+from .former_records import FORMER_PROPERTY, brought_up_to_date
 
 RECORD_PROPERTY = "canonical_form_record"
 
@@ -163,6 +164,7 @@ class Record:
             If the data are not those of a record.
         """
         try:
+            data = brought_up_to_date(data)
             record = cls(
                 report=FormReport.from_json(data["report"]),
                 active_before=ActiveItems(**data["before"]),
@@ -229,7 +231,7 @@ def read_record(mesh: bpy.types.Mesh, *, containing: str = "") -> Record | None:
     Record or None
         The record; None if there is no result.
     """
-    text = mesh.get(RECORD_PROPERTY)
+    text = mesh.get(RECORD_PROPERTY) or mesh.get(FORMER_PROPERTY)
     if not isinstance(text, str) or containing not in text:
         return None
     try:
@@ -272,4 +274,18 @@ def write_record(mesh: bpy.types.Mesh, record: Record) -> None:
     record : Record
         The record.
     """
+    remove_record(mesh)
     mesh[RECORD_PROPERTY] = json.dumps(record.as_json())
+
+
+def remove_record(mesh: bpy.types.Mesh) -> None:
+    """Remove the record of a mesh, if it has one, however old.
+
+    Parameters
+    ----------
+    mesh : bpy.types.Mesh
+        The mesh.
+    """
+    for name in (RECORD_PROPERTY, FORMER_PROPERTY):
+        if name == RECORD_PROPERTY or read_record(mesh) is not None:  # a property of that name may be the user's
+            mesh.pop(name, None)

@@ -10,7 +10,7 @@ from .fingerprints import colour_fingerprint, fingerprint, group_fingerprints, k
 from .form_key import remove_all_keys, remove_drivers
 from .in_betweens import remove_in_betweens
 from .object_states import object_mode
-from .record import RECORD_PROPERTY, Record, read_record
+from .record import Record, read_record, remove_record
 from .slider import release
 
 
@@ -98,7 +98,7 @@ def remove_results(obj: bpy.types.Object, record: Record, keep_key: bool = False
     for name in record.hidden:
         if name in mesh.attributes:
             mesh.attributes.remove(mesh.attributes[name])
-    del mesh[RECORD_PROPERTY]
+    remove_record(mesh)
     return left
 
 

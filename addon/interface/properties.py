@@ -243,8 +243,9 @@ def list_patches(mesh: bpy.types.Mesh) -> None:
     mesh : bpy.types.Mesh
         The mesh.
     """
-    mesh.property_unset("canonical_form_patches")
-    mesh.property_unset("canonical_form_patch")
+    for name in ("canonical_form_patches", "canonical_form_patch"):
+        mesh.property_unset(name)
+        mesh.pop(name, None)  # Blender 5 makes a second copy of it, for all to see, of what older files hold
     record = read_record(mesh)
     if record is None or not record.has_patches:
         return

@@ -5,6 +5,7 @@ from __future__ import annotations
 import bpy
 
 from ..blender.distance_record import DISTANCES_PROPERTY
+from ..blender.former_records import FORMER_PROPERTY
 from ..blender.record import RECORD_PROPERTY
 from .preferences import switches_shading
 
@@ -59,7 +60,8 @@ def any_result() -> bool:
     bool
         True for the result of a run and for distances.
     """
-    return any(RECORD_PROPERTY in mesh or DISTANCES_PROPERTY in mesh for mesh in bpy.data.meshes)
+    ours = {RECORD_PROPERTY, FORMER_PROPERTY, DISTANCES_PROPERTY}
+    return any(not ours.isdisjoint(mesh.keys()) for mesh in bpy.data.meshes)
 
 
 @bpy.app.handlers.persistent
