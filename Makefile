@@ -1,6 +1,6 @@
 python = .venv/bin/python
 .PHONY: help environment run test doctest check package docs bench evaluate figures moving-picture \
-  rooms-picture test-window guide-pictures site
+  rooms-picture test-window guide-pictures site blenders translations
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "make %-15s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -29,6 +29,9 @@ package: environment ## one zip of the extension a platform, into build/
 docs: environment ## remake docs/api from the docstrings
 	$(python) tools/api_reference.py
 
+translations: environment ## gather what the extension says, for translators, and pack what they wrote
+	$(python) tools/translations.py
+
 site: environment ## build the site: the documents, and a repository that Blender installs and updates from
 	$(python) -m pip install --quiet --disable-pip-version-check -r tools/site/requirements.txt
 	$(python) tools/site/build.py
@@ -48,6 +51,9 @@ moving-picture: environment ## remake the moving picture of the README
 
 rooms-picture: environment ## remake the picture of the rooms from the imports of the core
 	$(python) tools/figures/rooms.py
+
+blenders: ## run the whole suite in every Blender that is a Python module; the table in docs/reviewers.md
+	python3 tools/blenders.py $(BLENDERS)
 
 test-window: environment ## a session in a window of Blender; BLENDER=path, MESH=some.obj
 	$(python) tests/window/run.py $(if $(BLENDER),--blender $(BLENDER)) $(if $(MESH),--mesh $(MESH))

@@ -83,9 +83,12 @@ def blender_builder() -> Path:
 
 
 def check_content(path: Path) -> None:
-    """Refuse a zip that holds anything but the code, the manifest, the licence and wheels, or an empty folder."""
+    """Refuse a zip of anything but code, languages, the manifest, the licence and wheels, or of an empty folder."""
     names = zipfile.ZipFile(path).namelist()
-    wanted = re.compile(r"(__init__\.py|blender_manifest\.toml|LICENSE|addon/(?!evaluation/).+\.py|wheels/.+\.whl)$")
+    wanted = re.compile(
+        r"(__init__\.py|blender_manifest\.toml|LICENSE|addon/(?!evaluation/).+\.py|addon/languages/\w+\.json"
+        r"|wheels/.+\.whl)$"
+    )
     odd = [name for name in names if not name.endswith("/") and not wanted.match(name)]
     if odd or "addon/core/canonical.py" not in names or not any(name.startswith("wheels/") for name in names):
         sys.exit(f"{path.name} does not hold what it should: {odd or names}")

@@ -71,6 +71,8 @@ class Wanted:
         the mesh.
     value : float
         Value of the shape key in a .blend.
+    trusted : bool
+        Whether scripts and Python drivers in .blend files run.
     skip_existing : bool
         Leave out what has its result already.
     pose : str
@@ -95,6 +97,7 @@ class Wanted:
     together: bool = False
     axes: FloatArray | None = None
     value: float = 1.0
+    trusted: bool = False
     skip_existing: bool = False
     pose: str = ""
     side: int = -1
@@ -160,6 +163,7 @@ def wanted_of(options: argparse.Namespace, **more: Any) -> Wanted:
         axes=None if options.axes is None else _axes(options.axes, options.format),
         value=options.value,
         skip_existing=options.skip_existing,
+        trusted=options.trust_scripts,
         pose=(options.pose or "").upper(),
         side=options.side,
         **more,
@@ -244,6 +248,7 @@ def _add_files(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     what.add_argument("--objects", "--object", nargs="+", metavar="NAME", help="objects to compute (default: all)")
     what.add_argument("--together", action="store_true", help="all objects of a file are one body, in one result")
+    what.add_argument("--trust-scripts", action="store_true", help="run scripts and Python drivers in .blend files")
 
 
 def _add_axes(group: argparse._ArgumentGroup) -> None:

@@ -15,7 +15,7 @@ from ..blender.kinds_of_files import WRITTEN
 from ..blender.likeness import Likeness
 from ..blender.mesh_reading import refusal
 from ..blender.pose_reading import read_likeness
-from ..blender.reading_files import open_meshes
+from ..blender.reading_files import open_meshes, scripts_left_off
 from ..blender.request import Request
 from ..blender.writing_files import Shown, save_blend, save_forms
 from ..core import CanonicalForm, CanonicalFormError
@@ -24,6 +24,11 @@ from ..core.numerics.arrays import FloatArray
 from .arguments import Wanted
 from .lines import Line, failure, stage_line
 from .targets import Targets
+
+_LEFT_OFF = (
+    "Scripts or Python drivers in this file were left off; what they would move is not moved. "
+    "If you trust the file, add --trust-scripts."
+)
 
 
 def compute_in_blender(
@@ -49,7 +54,7 @@ def compute_in_blender(
     try:
         if wanted.format not in WRITTEN:
             raise CanonicalFormError(f".{wanted.format} is written without Blender only. Choose obj or ply.")
-        objects = open_meshes(path, wanted.objects, shared=not wanted.shown)
+        objects = open_meshes(path, wanted.objects, shared=not wanted.shown, trusted=wanted.trusted)
     except Exception as error:  # any: the files after it are still to be computed
         yield failure({"input": str(path)}, error, explained(error))
         return
@@ -58,7 +63,7 @@ def compute_in_blender(
     for number, frame in enumerate(wanted.frames or (None,)):
         if frame is not None:
             if number and not wanted.frame_keys:  # nothing of an earlier frame may be left
-                objects = open_meshes(path, wanted.objects, shared=not wanted.shown)
+                objects = open_meshes(path, wanted.objects, shared=not wanted.shown, trusted=wanted.trusted)
             bpy.context.scene.frame_set(frame)
         groups = [objects] if wanted.together else [[obj] for obj in objects]
         whole = targets.of_file(None if wanted.frame_keys else frame)
@@ -98,7 +103,7 @@ def reference_in_blender(path: Path, wanted: Wanted) -> CanonicalForm:
     CanonicalFormError
         If it cannot be read or computed.
     """
-    objects = open_meshes(path)
+    objects = open_meshes(path, trusted=wanted.trusted)
     objects = [obj for obj in objects if obj.name in wanted.objects] or objects
     if wanted.frames:
         bpy.context.scene.frame_set(wanted.frames[0])
@@ -218,6 +223,8 @@ def _computed(
             save_forms(target, shown, wanted.mark)
             bpy.data.batch_remove([each.obj for each in shown if each.obj not in group])
         report = item.results[0].report
+        if scripts_left_off():
+            report.warnings.append(_LEFT_OFF)
         return {**line, "output": str(target), "memory_estimate": memory, "pieces": report.pieces, **report.as_json()}
     except Exception as error:  # any: the meshes after it are still to be computed
         return failure(line, error, explained(error))

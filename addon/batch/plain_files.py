@@ -121,7 +121,7 @@ def write_plain(path: Path, vertices: FloatArray, polygons: list[list[int]], mar
             head += [f"property double {axis}" for axis in "xyz"]
             head += [f"element face {len(polygons)}", "property list uint int vertex_indices", "end_header"]
         lines = [*head, *points, *(f"{len(each)} " + " ".join(map(str, each)) for each in polygons)]
-    replaced(path, lambda partial: partial.write_text("\n".join(lines) + "\n"), mark)
+    replaced(path, lambda partial: partial.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="\n"), mark)
 
 
 def _read_obj(path: Path) -> tuple[FloatArray, list[list[int]]]:

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from ..core import CanonicalFormError
 from ..core.run.messages import Message
 from .file_access import sentence
+from .wording import told, told_message
 
 _DISSOLVE = "Mesh > Clean Up > Degenerate Dissolve"
 _MERGE = "Mesh > Merge > By Distance"
@@ -52,7 +53,8 @@ def advised(sentence: str) -> str:
     '1 vertex that belongs to no face stays where it is. Mesh > Clean Up > Delete Loose removes such vertices.'
     """
     advice = ADVICE.get(sentence.kind, "") if isinstance(sentence, Message) else ""
-    return f"{sentence} {advice}" if advice else str(sentence)
+    said = told_message(sentence)
+    return f"{said} {told(advice)}" if advice else said
 
 
 def all_advised(sentences: Iterable[str]) -> list[str]:
@@ -85,7 +87,7 @@ def explained(error: Exception) -> str:
         A sentence or two.
     """
     if isinstance(error, MemoryError):
-        return _NO_MEMORY
+        return told(_NO_MEMORY)
     if isinstance(error, CanonicalFormError) and error.args:
         return advised(error.args[0])
     return sentence(error) if isinstance(error, OSError) else str(error)

@@ -9,6 +9,7 @@ from ..core import CanonicalFormError
 from .mesh_reading import selected_vertices
 from .object_states import object_mode
 from .record import read_record
+from .wording import told
 
 CHOSEN_GROUP = "Chosen Feature Points"
 MOST_FEATURES = 200  # more are a mistake in the selection
@@ -41,7 +42,9 @@ def choose_features(obj: bpy.types.Object, how: str, group_name: str) -> tuple[s
     with object_mode(obj):
         selected = selected_vertices(obj.data)
         if not len(selected):
-            raise CanonicalFormError("No vertex is selected. In Edit Mode, select a vertex at the tip of each limb.")
+            raise CanonicalFormError(
+                told("No vertex is selected. In Edit Mode, select a vertex at the tip of each limb.")
+            )
         group = obj.vertex_groups.get(group_name)
         before = members_of(obj, group.name) if group is not None else []
         now = np.array(before if group is not None else _detected(obj), dtype=np.int64)
@@ -53,11 +56,18 @@ def choose_features(obj: bpy.types.Object, how: str, group_name: str) -> tuple[s
             now = np.setdiff1d(now, selected)
         if len(now) > MOST_FEATURES:
             raise CanonicalFormError(
-                f"That would make {len(now):,} feature points. Select one vertex a limb, {MOST_FEATURES} in all."
+                told(
+                    "That would make {count:,} feature points. Select one vertex a limb, {most} in all.",
+                    count=len(now),
+                    most=MOST_FEATURES,
+                )
             )
         if group is not None and (group.lock_weight or (how == "SET" and _is_painted(group, before))):
             raise CanonicalFormError(
-                f"The vertex group {group.name} is locked or has weights of its own. Choose another group."
+                told(
+                    "The vertex group {name} is locked or has weights of its own. Choose another group.",
+                    name=group.name,
+                )
             )
         active = obj.vertex_groups.active.name if obj.vertex_groups.active else None
         if group is None:

@@ -12,6 +12,7 @@ from ..core import CanonicalFormError, InvalidSettingsError
 from ..core.mesh.mirroring import Mirrored, mirrored
 from ..core.numerics.arrays import FloatArray, IntArray
 from .mesh_reading import Reading
+from .wording import told
 
 if TYPE_CHECKING:
     from ..core.run.monitor import Cancelled
@@ -286,5 +287,7 @@ def require_thick(name: str, placement: FloatArray) -> None:
     axes = placement[:3, :3]
     if not abs(np.linalg.det(axes)) > _FLATTEST * float(np.abs(axes).max()) ** 3:
         raise CanonicalFormError(
-            f"{name} is scaled to nothing along an axis. Give it a scale, or set Several Objects to Each."
+            told(
+                "{name} is scaled to nothing along an axis. Give it a scale, or set Several Objects to Each.", name=name
+            )
         )

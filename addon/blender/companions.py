@@ -10,6 +10,7 @@ import bpy
 from .in_betweens import PROPERTY, animated_slider, slider_path, value_path
 from .record import Part, read_record, write_record
 from .slider import FOLLOWING, is_following, release
+from .wording import told
 
 
 class _Member(NamedTuple):
@@ -77,7 +78,10 @@ def own_sliders(objects: Sequence[bpy.types.Object]) -> list[str]:
         A sentence for each, the first object left out.
     """
     animations = [obj.name for obj in objects[1:] if animated_slider(obj.data)]
-    return [f"The shape key of {name} keeps its animation, and does not follow the slider." for name in animations]
+    return [
+        told("The shape key of {name} keeps its animation, and does not follow the slider.", name=name)
+        for name in animations
+    ]
 
 
 def set_free(obj: bpy.types.Object) -> None:

@@ -20,6 +20,7 @@ from .group_weights import fill_group
 from .mesh_reading import find_object, read_object, require_unchanged, selected_vertices
 from .object_states import object_mode
 from .palette import ramp, with_isolines
+from .wording import told
 
 if TYPE_CHECKING:
     from ..core.numerics.arrays import FloatArray
@@ -62,9 +63,11 @@ class DistanceTask:
             self._readings = [read_object(obj) for obj in reversed(first.values())]
             self._sources = selected_vertices(objects[0].data)
         if not len(self._sources):
-            raise CanonicalFormError("No vertex is selected. In Edit Mode, select the vertices to measure from.")
+            raise CanonicalFormError(told("No vertex is selected. In Edit Mode, select the vertices to measure from."))
         if len(self._sources) == len(self._readings[0].vertices):
-            raise CanonicalFormError("All vertices are selected. In Edit Mode, select only those to measure from.")
+            raise CanonicalFormError(
+                told("All vertices are selected. In Edit Mode, select only those to measure from.")
+            )
         self._field: FloatArray = np.zeros(0)
         self._whole: Combined | None = None
         self.warnings: list[str] = []

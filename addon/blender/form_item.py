@@ -26,6 +26,7 @@ from .request import Request
 from .result_clearing import clear_results
 from .result_writing import key_name, write_results
 from .undeforming import positions_before
+from .wording import told
 
 if TYPE_CHECKING:
     from ..core import CanonicalForm, KeptStages
@@ -125,13 +126,13 @@ class FormItem:
     def name(self) -> str:
         """Name of the object, or of the first and how many more there are."""
         more = len(self.readings) - 1
-        return self.readings[0].name + (f" and {more} more" if more else "")
+        return told("{name} and {more} more", name=self.readings[0].name, more=more) if more else self.readings[0].name
 
     @property
     def _body(self) -> str:
         """Fingerprint of the objects together."""
-        told = str([(each.name, each.fingerprint) for each in self.readings])
-        return fingerprint(np.frombuffer(told.encode(), dtype=np.uint8))
+        parts = str([(each.name, each.fingerprint) for each in self.readings])
+        return fingerprint(np.frombuffer(parts.encode(), dtype=np.uint8))
 
     def compute(self, request: Request, progress: Progress | None = None, cancelled: Cancelled | None = None) -> None:
         """Compute the results; touches no data of Blender's.
@@ -168,7 +169,7 @@ class FormItem:
             self.results = results_of(self.readings, whole, found, shapes, request, carried)
         except MemoryError as error:
             raise TooLargeError(
-                f"Not enough memory for {self.name}. Close other files, or decimate the mesh."
+                told("Not enough memory for {name}. Close other files, or decimate the mesh.", name=self.name)
             ) from error
 
     def require_unchanged(self) -> None:
@@ -223,15 +224,21 @@ class FormItem:
             if reading.deformed and len(reading.vertices) != len(obj.data.vertices)
         ]
         warnings += [
-            f"{obj.name} could not take part: its form is of an earlier run and no longer follows the slider."
+            told(
+                "{name} could not take part: its form is of an earlier run and no longer follows the slider.",
+                name=obj.name,
+            )
             for obj in former
         ]
         for obj, reading in zip(objects, self.readings, strict=True):
             warnings += object_warnings(obj, reading.deformed, scaled=len(objects) > 1)
         if resized and not new:
             warnings.append(
-                f"Modifiers change the number of vertices of {', '.join(resized)}, so that no shape key can hold the "
-                "form: it is on a new object."
+                told(
+                    "Modifiers change the number of vertices of {resized}, so that no shape key can "
+                    "hold the form: it is on a new object.",
+                    resized=", ".join(resized),
+                )
             )
             new = True
         if request.step == "FORM" and not new:
@@ -294,17 +301,23 @@ class FormItem:
 
         alone = len(self.readings) == 1
         turn = world_rotation(self.readings[0].placement) if alone else np.eye(3)
-        told: dict[str, Any] = {"progress": progress, "cancelled": cancelled}
+        how: dict[str, Any] = {"progress": progress, "cancelled": cancelled}
         if request.keep is not None and not settings.whole:  # all pairs would be gigabytes
-            told["keep"] = request.keep.part(names_of(self.readings))
+            how["keep"] = request.keep.part(names_of(self.readings))
         if settings.orientation == "posed" and request.reference is None:
-            found = canonical_form(whole.vertices, whole.faces, settings, **told)
+            found = canonical_form(whole.vertices, whole.faces, settings, **how)
             self.whole_form = replace(found, vertices=found.vertices @ turn.T)
             return found
-        self._require_no_mirror("its form has to stay on the mirror", "or Orientation to As Posed and no Reference")
+        self._require_no_mirror(
+            told(
+                "{name} has a Mirror modifier, and its form has to stay on the mirror. Set Mesh to As Shown, or "
+                "Orientation to As Posed and no Reference.",
+                name=self.name,
+            )
+        )
         posed = whole.vertices @ turn.T
         reference = None if request.reference is None else request.reference(cancelled)
-        found = canonical_form(posed, whole.faces, settings, reference=reference, **told)
+        found = canonical_form(posed, whole.faces, settings, reference=reference, **how)
         self.whole_form = found
         form = found.vertices if alone else found.vertices + (posed.mean(axis=0) - found.vertices.mean(axis=0))
         return replace(found, vertices=form @ turn)
@@ -318,16 +331,22 @@ class FormItem:
         cancelled: Cancelled | None,
     ) -> tuple[Shaped, Carried]:
         """Put the objects into another's pose, turned as that stands in the scene."""
-        self._require_no_mirror("what is posed has to stay on the mirror", "or apply the modifier")
+        self._require_no_mirror(
+            told(
+                "{name} has a Mirror modifier, and what is posed has to stay on the mirror. Set Mesh to As Shown, or "
+                "apply the modifier.",
+                name=self.name,
+            )
+        )
         alone = len(self.readings) == 1
         turn = world_rotation(self.readings[0].placement) if alone else np.eye(3)
         found, carried = likeness.posed(whole.vertices @ turn.T, whole.faces, settings, progress, cancelled)
         return replace(found, vertices=found.vertices @ turn), carried
 
-    def _require_no_mirror(self, why: str, remedy: str) -> None:
+    def _require_no_mirror(self, reason: str) -> None:
         """Refuse base meshes of which a modifier shows the mirror image."""
         if any(reading.mirrors for reading in self.readings):
-            raise CanonicalFormError(f"{self.name} has a Mirror modifier, and {why}. Set Mesh to As Shown, {remedy}.")
+            raise CanonicalFormError(reason)
 
     def _shapes_between(
         self, whole: Combined, found: AnyResult, keep: KeptStages | None, cancelled: Cancelled | None

@@ -7,6 +7,7 @@ import bpy
 from ..core import CanonicalFormError
 from .fingerprints import key_fingerprint
 from .record import read_record
+from .wording import told
 
 
 def form_key(mesh: bpy.types.Mesh) -> bpy.types.ShapeKey | None:
@@ -72,7 +73,7 @@ def require_form_key(mesh: bpy.types.Mesh) -> bpy.types.ShapeKey:
     key = unchanged_form_key(mesh)
     if key is None:
         raise CanonicalFormError(
-            "The shape key of the form was changed, renamed or removed. Compute the form again first."
+            told("The shape key of the form was changed, renamed or removed. Compute the form again first.")
         )
     return key
 

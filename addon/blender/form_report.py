@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
+from .stored_values import listed, maybe, named, real, whole, words
+
 
 class StressReport(NamedTuple):
     """The stress of the embedding over the minimisation.
@@ -140,27 +142,37 @@ class FormReport:
         KeyError, TypeError, ValueError
             If the data are not those of a report.
         """
+        points = listed(whole, data["feature_points"])
         report = cls(
-            vertices=int(data["vertices"]),
-            faces=int(data["faces"]),
-            feature_points=[int(point) for point in data["feature_points"]],
-            patch_sizes=[int(size) for size in data["patch_sizes"]],
-            timings=dict(data["timings"]),
-            warnings=list(data["warnings"]),
+            vertices=whole(data["vertices"]),
+            faces=whole(data["faces"]),
+            feature_points=points,
+            patch_sizes=listed(whole, data["patch_sizes"]),
+            timings=named(real, data["timings"]),
+            warnings=listed(words, data["warnings"]),
         )
         if "stress" in data:
-            report.stress = StressReport(**data["stress"])
-            report.method = str(data.get("method", report.method))
-            report.pieces = str(data.get("pieces", "apart"))  # version 0.1 knew nothing else
-            report.pair_count = int(data["pair_count"])
-            report.pair_reduction = float(data["pair_reduction"])
+            stress = data["stress"]
+            report.stress = StressReport(real(stress["first"]), real(stress["last"]), whole(stress["steps"]))
+            report.method = words(data.get("method", report.method))
+            report.pieces = words(data.get("pieces", "apart"))  # version 0.1 knew nothing else
+            report.pair_count = whole(data["pair_count"])
+            report.pair_reduction = real(data["pair_reduction"])
         if "like" in data:
-            report.like = LikeReport(**data["like"])
-            report.pieces = str(data["pieces"])
+            like = data["like"]
+            report.like = LikeReport(
+                pose=words(like["pose"]),
+                name=words(like["name"]),
+                key=words(like["key"]),
+                side=whole(like["side"]),
+                sides=listed(real, like["sides"]),
+                confidence=real(like["confidence"]),
+            )
+            report.pieces = words(data["pieces"])
         if "measures" in data:
-            report.measures = dict(data["measures"])
-            report.frame = data.get("frame")
-        report.objects = [str(name) for name in data.get("objects", [])]
+            report.measures = named(lambda value: maybe(real, value), data["measures"])
+            report.frame = maybe(whole, data.get("frame"))
+        report.objects = listed(words, data.get("objects", []))
         return report
 
     def as_json(self) -> dict[str, Any]:

@@ -15,6 +15,7 @@ from .likeness import Carried
 from .mesh_reading import Reading
 from .palette import Colours, colours_of
 from .request import Request
+from .wording import told
 
 if TYPE_CHECKING:
     from ..core.numerics.arrays import FloatArray, IntArray
@@ -155,7 +156,11 @@ def _report(whole: Combined, found: AnyResult, request: Request) -> FormReport:
     apart = max(whole.asymmetries(found.vertices))
     if apart > _ASYMMETRIC:
         report.warnings.append(
-            f"The halves of the mirrored mesh unfold differently, by {apart:.0%} of its size; the form is their mean."
+            told(
+                "The halves of the mirrored mesh unfold differently, by {apart:.0%} of its size; the "
+                "form is their mean.",
+                apart=apart,
+            )
         )
     measures = summary(whole.vertices, found.vertices, found.faces, request.hausdorff)
     report.measures = {name: None if np.isnan(value) else value for name, value in measures.items()}

@@ -13,6 +13,7 @@ from .combining import touching
 from .form_item import FormItem
 from .object_states import muted_results, object_mode
 from .request import Request
+from .wording import told
 
 if TYPE_CHECKING:
     from ..core.results import AnyResult
@@ -68,7 +69,11 @@ class FormTask:
                     self.items.append(item)
         for obj in objects if together else ():
             if meshes.get(obj.data, obj.name) != obj.name:
-                self._unread.append(f"{obj.name} has the mesh of {meshes[obj.data]} and shows the same form.")
+                self._unread.append(
+                    told(
+                        "{name} has the mesh of {other} and shows the same form.", name=obj.name, other=meshes[obj.data]
+                    )
+                )
         if len(self.items) == 1:
             request.require_points(self.items[0].name, self.items[0].chosen)
 
@@ -153,7 +158,9 @@ class FormTask:
                 readings = [item.readings[0] for item in sound]
                 groups = touching(readings, together=self.request.settings.together, cancelled=cancelled)
             except InvalidMeshError as error:
-                self._unread.append(f"The objects were computed one by one, since together they cannot be. {error}")
+                self._unread.append(
+                    told("The objects were computed one by one, since together they cannot be. {error}", error=error)
+                )
                 return
         self.items = [FormItem.joined([sound[index] for index in group], self.request) for group in groups] + broken
 

@@ -12,6 +12,7 @@ from .fingerprints import key_fingerprint
 from .form_key import form_key, require_form_key
 from .record import InBetweens, read_record, require_record, write_record
 from .slider import is_following, is_unused
+from .wording import told
 
 if TYPE_CHECKING:
     from ..core.numerics.arrays import FloatArray
@@ -203,11 +204,16 @@ def animated(mesh: bpy.types.Mesh) -> str | None:
     """
     keys, form = mesh.shape_keys, form_key(mesh)
     if keys is not None and PROPERTY in keys and not has_in_betweens(mesh):
-        return f"The shape keys of {mesh.name} have a property {PROPERTY} of your own. Rename it, then add in-betweens."
+        return told(
+            "The shape keys of {name} have a property {property} of your own. Rename it, then add in-betweens.",
+            name=mesh.name,
+            property=PROPERTY,
+        )
     if form is not None and _is_animated(keys, value_path(form)):
-        return (
-            f"The shape key {form.name} of {mesh.name} is animated or driven. Remove its animation first, then add "
-            "in-betweens."
+        return told(
+            "The shape key {name} of {mesh} is animated or driven. Remove its animation first, then add in-betweens.",
+            name=form.name,
+            mesh=mesh.name,
         )
     return None
 

@@ -6,6 +6,7 @@ import bpy
 
 from .form_key import form_key
 from .record import read_record
+from .wording import told
 
 
 def limbs_of(mesh: bpy.types.Mesh) -> list[bool]:
@@ -39,7 +40,7 @@ def variant_refusal(obj: bpy.types.Object | None) -> str | None:
         A sentence that names the remedy; None if the form can be varied.
     """
     if obj is None or obj.type != "MESH" or not limbs_of(obj.data):
-        return "The active object has no canonical form. Compute it first."
+        return told("The active object has no canonical form. Compute it first.")
     if form_key(obj.data) is None:
-        return "The shape key of the form was changed, renamed or removed. Compute the form again first."
+        return told("The shape key of the form was changed, renamed or removed. Compute the form again first.")
     return None

@@ -12,6 +12,7 @@ from .colour_attributes import add_colours
 from .mesh_reading import read_mesh, refusal
 from .object_states import object_mode
 from .palette import places
+from .wording import told
 
 SOURCE_COLOURS = "Match Source"
 _OURS = re.compile(rf"{SOURCE_COLOURS}( Colours)*(\.\d{{3,}})?")  # as Blender may number it
@@ -51,7 +52,7 @@ def toggle_source_colours(obj: bpy.types.Object | None) -> bool:
     CanonicalFormError
         If it is gone or cannot be changed; the message says what to do.
     """
-    reason = "The reference is gone. Choose another." if obj is None else refusal(obj)
+    reason = told("The reference is gone. Choose another.") if obj is None else refusal(obj)
     if obj is None or reason is not None:
         raise CanonicalFormError(reason or "")
     with object_mode(obj):

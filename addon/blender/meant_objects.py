@@ -6,6 +6,7 @@ import bpy
 
 from ..core import CanonicalFormError
 from .companions import with_companions
+from .wording import told
 
 
 def meant_object(context: bpy.types.Context) -> bpy.types.Object | None:
@@ -49,7 +50,7 @@ def require_object(context: bpy.types.Context) -> bpy.types.Object:
     """
     obj = meant_object(context)
     if obj is None:
-        raise CanonicalFormError("Select a mesh object first.")
+        raise CanonicalFormError(told("Select a mesh object first."))
     return obj
 
 

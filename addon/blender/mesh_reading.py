@@ -13,6 +13,7 @@ from .form_key import form_key
 from .mirrors import mirrors_of
 from .object_states import muted_results
 from .placement import placement_of
+from .wording import told
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -71,28 +72,32 @@ def refusal(obj: bpy.types.Object | None) -> str | None:
         A sentence that names the remedy; None if the object can be used.
     """
     if obj is None:
-        return "Select a mesh object first."
+        return told("Select a mesh object first.")
     if obj.type != "MESH":
-        return f"{obj.name} is not a mesh. Convert it first (Object > Convert > Mesh)."
+        return told("{name} is not a mesh. Convert it first (Object > Convert > Mesh).", name=obj.name)
     mesh = obj.data
     if obj.library is not None or mesh.library is not None or mesh.override_library is not None:
-        return f"{mesh.name} is linked from another file. Make it local first (Object > Relations > Make Local)."
+        return told(
+            "{name} is linked from another file. Make it local first (Object > Relations > Make Local).", name=mesh.name
+        )
     if not mesh.is_editable:
-        return f"{mesh.name} cannot be edited. Make it local first (Object > Relations > Make Local)."
+        return told("{name} cannot be edited. Make it local first (Object > Relations > Make Local).", name=mesh.name)
     keys = mesh.shape_keys
     if keys is not None and keys.library is not None:
-        return f"The shape keys of {mesh.name} are linked from another file. Make them local first."
+        return told("The shape keys of {name} are linked from another file. Make them local first.", name=mesh.name)
     if keys is not None and not keys.use_relative:
-        return f"The shape keys of {mesh.name} are absolute. Tick Relative in the Shape Keys panel first."
+        return told(
+            "The shape keys of {name} are absolute. Tick Relative in the Shape Keys panel first.", name=mesh.name
+        )
     key = form_key(mesh) if keys is not None else None
     if key is not None and key.lock_shape:
-        return f"The shape key {key.name} is locked. Unlock it in the Shape Keys panel first."
+        return told("The shape key {name} is locked. Unlock it in the Shape Keys panel first.", name=key.name)
     if obj.mode != "OBJECT" and obj != bpy.context.view_layer.objects.active:
-        return f"{obj.name} is not the active object. Make it active, or leave its mode, and run again."
+        return told("{name} is not the active object. Make it active, or leave its mode, and run again.", name=obj.name)
     if obj.mode != "EDIT" and mesh.is_editmode:
-        return f"{mesh.name} is being edited through another object. Leave Edit Mode there first."
+        return told("{name} is being edited through another object. Leave Edit Mode there first.", name=mesh.name)
     if obj.mode == "OBJECT" and not mesh.polygons:  # in Edit Mode the mesh may not have its faces yet
-        return f"{mesh.name} has no faces. Choose a mesh with a surface."
+        return told("{name} has no faces. Choose a mesh with a surface.", name=mesh.name)
     return None
 
 
@@ -168,7 +173,10 @@ def read_evaluated(obj: bpy.types.Object) -> tuple[FloatArray, IntArray]:
     evaluated = obj.evaluated_get(graph)
     if evaluated.original == evaluated or obj.name not in graph.objects:
         raise CanonicalFormError(
-            f"{obj.name} is switched off in the views, so nothing is shown. Switch it on, or set Mesh to Base Mesh."
+            told(
+                "{name} is switched off in the views, so nothing is shown. Switch it on, or set Mesh to Base Mesh.",
+                name=obj.name,
+            )
         )
     mesh = evaluated.to_mesh()
     try:
@@ -234,11 +242,14 @@ def find_object(reading: Reading) -> bpy.types.Object:
     obj = bpy.data.objects.get(reading.name)
     if obj is None or obj.session_uid != reading.session_uid or not obj.users_scene:
         raise CanonicalFormError(
-            f"{reading.name} was deleted or renamed while its form was computed. Nothing was written; run again."
+            told(
+                "{name} was deleted or renamed while its form was computed. Nothing was written; run again.",
+                name=reading.name,
+            )
         )
     reason = refusal(obj)
     if reason is not None:
-        raise CanonicalFormError(f"{reason} Nothing was written.")
+        raise CanonicalFormError(told("{reason} Nothing was written.", reason=reason))
     return obj
 
 
@@ -263,7 +274,7 @@ def require_unchanged(obj: bpy.types.Object, reading: Reading) -> None:
         same = np.array_equal(vertices, reading.vertices) and np.array_equal(faces, reading.faces)
     if not same:
         raise CanonicalFormError(
-            f"{reading.name} was edited while its form was computed. Nothing was written; run again."
+            told("{name} was edited while its form was computed. Nothing was written; run again.", name=reading.name)
         )
 
 

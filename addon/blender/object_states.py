@@ -9,6 +9,7 @@ import bpy
 
 from ..core import CanonicalFormError
 from .record import read_record
+from .wording import told
 
 
 @contextmanager
@@ -36,7 +37,7 @@ def object_mode(obj: bpy.types.Object) -> Iterator[None]:
         return
     if not obj.visible_get():
         raise CanonicalFormError(
-            f"{obj.name} is hidden and in another mode. Show it, or leave its mode, and run again."
+            told("{name} is hidden and in another mode. Show it, or leave its mode, and run again.", name=obj.name)
         )
     layer = bpy.context.view_layer
     in_mode = [other for other in layer.objects if other.mode == mode]  # several objects may be edited at once
@@ -44,7 +45,9 @@ def object_mode(obj: bpy.types.Object) -> Iterator[None]:
     try:
         bpy.ops.object.mode_set(mode="OBJECT")
     except RuntimeError as error:
-        raise CanonicalFormError(f"{obj.name} cannot leave its mode. Switch to Object Mode and run again.") from error
+        raise CanonicalFormError(
+            told("{name} cannot leave its mode. Switch to Object Mode and run again.", name=obj.name)
+        ) from error
     try:
         yield
     finally:

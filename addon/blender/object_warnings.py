@@ -6,6 +6,7 @@ import bpy
 import numpy as np
 
 from .mirrors import is_followed
+from .wording import told
 
 _ADDING = (
     "ARRAY",
@@ -56,21 +57,32 @@ def object_warnings(obj: bpy.types.Object, deformed: bool, *, scaled: bool = Fal
     scale = np.abs(np.array(obj.matrix_world.to_scale()))
     if not scaled and scale.max() > 1.001 * scale.min():
         warnings.append(
-            f"The scale of {obj.name} is not uniform, and the form was computed on the mesh without it. Apply the "
-            "scale (Ctrl+A > Scale) and run again for the form of what you see."
+            told(
+                "The scale of {name} is not uniform, and the form was computed on the mesh without "
+                "it. Apply the scale (Ctrl+A > Scale) and run again for the form of what you see.",
+                name=obj.name,
+            )
         )
     modifiers = [] if deformed else [each for each in obj.modifiers if each.show_viewport]
     bending = [each.name for each in modifiers if each.type in _BENDING or (each.type == "ARMATURE" and _in_pose(each))]
     if bending:
         warnings.append(
-            f"Some modifiers of {obj.name} bend the form as they bend the mesh: {', '.join(bending)}. Set Mesh to As "
-            "Shown to take out the pose that you see."
+            told(
+                "Some modifiers of {name} bend the form as they bend the mesh: {bending}. Set Mesh "
+                "to As Shown to take out the pose that you see.",
+                name=obj.name,
+                bending=", ".join(bending),
+            )
         )
     adding = [each.name for each in modifiers if each.type in _ADDING and not is_followed(each)]
     if adding:
         warnings.append(
-            f"Some modifiers of {obj.name} add to the mesh, and the form is of it without them: {', '.join(adding)}. "
-            "Apply them, or set Mesh to As Shown."
+            told(
+                "Some modifiers of {name} add to the mesh, and the form is of it without them: "
+                "{adding}. Apply them, or set Mesh to As Shown.",
+                name=obj.name,
+                adding=", ".join(adding),
+            )
         )
     return warnings
 

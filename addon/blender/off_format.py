@@ -33,7 +33,7 @@ def read_off(path: Path) -> tuple[FloatArray, list[list[int]]]:
     InvalidMeshError
         If the file is not in that format; the message names the fault.
     """
-    lines = [line.split("#", 1)[0].split() for line in path.read_text(errors="replace").splitlines()]
+    lines = [line.split("#", 1)[0].split() for line in path.read_text(encoding="utf-8", errors="replace").splitlines()]
     lines = [words for words in lines if words]
     if not lines or not lines[0][0].endswith("OFF"):
         raise InvalidMeshError(f"{path.name} does not start with OFF.")

@@ -1,7 +1,8 @@
 """Colours of fields and patches: a perceptual colour map for values, a palette for patches.
 
 Both are defined in OKLab, where equal distances look equally different (Ottosson, "A perceptual color space for image
-processing", 2020).
+processing", 2020). The palette is chosen for eyes that tell fewer colours apart, too (Machado, Oliveira and Fernandes,
+"A Physiologically-based Model for Simulation of Color Vision Deficiency", 2009, doi:10.1109/TVCG.2009.113).
 """
 
 from __future__ import annotations
@@ -23,6 +24,17 @@ _TO_RGB = np.array(
         [-0.0041960863, -0.7034186147, 1.7076147010],
     ]
 )
+_FROM_RGB = np.linalg.inv(_TO_RGB)
+_FROM_CONE = np.linalg.inv(_TO_CONE)
+_VISIONS = np.array(  # linear colours as seen: by most, and without the first, second or third kind of cone
+    [
+        [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
+        [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]],
+        [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602], [0.004733, 0.691367, 0.303900]],
+    ]
+)
+_LIGHTNESS = np.array([0.70, 0.48, 0.92, 0.59, 0.81])
 _GREY = np.array([0.2, 0.2, 0.2, 1.0])
 _GOLDEN_TURN = 0.618033988749895
 
@@ -151,10 +163,11 @@ def patch_colours(patches: IntArray, faces: IntArray) -> FloatArray:
         Linear red, green, blue and alpha 1, one row for each patch.
     """
     count = int(patches.max()) + 1
-    turns = np.arange(max(3 * count, 12))
+    turns = np.arange(max(5 * count, 60))
     hue = 2 * np.pi * (0.08 + turns * _GOLDEN_TURN)
-    lightness = np.array([0.70, 0.58, 0.82])[turns % 3]
-    choices = np.column_stack([lightness, 0.13 * np.cos(hue), 0.13 * np.sin(hue)])
+    chroma = np.column_stack([np.cos(hue), np.sin(hue)]) * 0.13
+    choices = _linear(np.column_stack([_LIGHTNESS[turns % len(_LIGHTNESS)], chroma]))
+    looks = as_seen(choices[:, :3])
     ends = patches[vertex_pairs(faces)]
     neighbours = np.unique(ends[ends[:, 0] != ends[:, 1]], axis=0)
     neighbours = neighbours[neighbours.min(axis=1) >= 0]
@@ -162,12 +175,31 @@ def patch_colours(patches: IntArray, faces: IntArray) -> FloatArray:
     distance = np.full(len(choices), 1.0)  # of every choice from the nearest taken one
     for patch in range(count):
         beside = np.unique(neighbours[(neighbours == patch).any(axis=1)])
-        near = choices[[taken[other] for other in beside[beside < patch]]]
-        gaps = np.linalg.norm(choices[:, None] - near, axis=2).min(axis=1, initial=1.0)
+        near = [taken[other] for other in beside[beside < patch]]
+        gaps = np.linalg.norm(looks[:, :, None] - looks[:, None, near], axis=-1).min(axis=(0, 2), initial=1.0)
         taken.append(int(np.argmax(np.minimum(distance, gaps))))
         # patches that do not touch may be more alike
-        distance = np.minimum(distance, 2 * np.linalg.norm(choices - choices[taken[-1]], axis=1))
-    return _linear(choices[taken])
+        apart = np.linalg.norm(looks - looks[:, taken[-1:]], axis=-1).min(axis=0)
+        distance = np.minimum(distance, 2 * apart)
+    return choices[taken]
+
+
+def as_seen(colours: FloatArray) -> FloatArray:
+    """Simulate how colours look to most people, and to those without one of the three kinds of cones.
+
+    Parameters
+    ----------
+    colours : (n, 3) ndarray of float
+        Linear red, green and blue.
+
+    Returns
+    -------
+    (4, n, 3) ndarray of float
+        In OKLab: all cones; without those for long, for middle, and for short waves.
+    """
+    seen = np.clip(colours @ _VISIONS.transpose(0, 2, 1), 0.0, 1.0)
+    lab: FloatArray = np.cbrt(seen @ _FROM_RGB.T) @ _FROM_CONE.T
+    return lab
 
 
 def _share_of_range(values: FloatArray) -> FloatArray:

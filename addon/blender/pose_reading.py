@@ -9,6 +9,7 @@ from ..core import CanonicalFormError
 from .likeness import Likeness, PoseArrays
 from .mesh_reading import read_evaluated, read_mesh
 from .object_states import object_mode
+from .wording import told
 
 
 def read_likeness(obj: bpy.types.Object | None, side: int = -1) -> Likeness:
@@ -51,13 +52,13 @@ def reference_refusal(obj: bpy.types.Object | None) -> str | None:
         A sentence that names the remedy; None if it can.
     """
     if obj is None:
-        return "Choose an object in the pose that is wanted as the reference first."
+        return told("Choose an object in the pose that is wanted as the reference first.")
     if obj.type != "MESH":
-        return f"{obj.name} is not a mesh. Choose the mesh that shows the pose as the reference."
+        return told("{name} is not a mesh. Choose the mesh that shows the pose as the reference.", name=obj.name)
     if not obj.data.polygons and obj.mode != "EDIT":
-        return f"{obj.name} has no faces. Choose another reference."
+        return told("{name} has no faces. Choose another reference.", name=obj.name)
     if obj.data.is_editmode and obj != bpy.context.view_layer.objects.active:
-        return f"{obj.name} is being edited. Leave Edit Mode there first."
+        return told("{name} is being edited. Leave Edit Mode there first.", name=obj.name)
     return None
 
 

@@ -52,7 +52,9 @@ _KINDS = [  # collections of bpy.data that a file may fill
 ]
 
 
-def open_meshes(path: Path, names: Sequence[str] = (), *, shared: bool = True) -> list[bpy.types.Object]:
+def open_meshes(
+    path: Path, names: Sequence[str] = (), *, shared: bool = True, trusted: bool = False
+) -> list[bpy.types.Object]:
     """Open a file in place of the current one and list its mesh objects.
 
     Parameters
@@ -63,6 +65,8 @@ def open_meshes(path: Path, names: Sequence[str] = (), *, shared: bool = True) -
         Names of the objects wanted; all where there are none.
     shared : bool
         Whether objects that share a mesh count as one: the first of them is listed.
+    trusted : bool
+        Whether scripts and Python drivers in a .blend file run. A stranger's could do anything.
 
     Returns
     -------
@@ -80,7 +84,7 @@ def open_meshes(path: Path, names: Sequence[str] = (), *, shared: bool = True) -
     try:
         with quiet():
             if path.suffix.lower() == ".blend":
-                bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False)
+                bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False, use_scripts=trusted)
             else:
                 _empty()
                 _import(path)
@@ -99,6 +103,17 @@ def open_meshes(path: Path, names: Sequence[str] = (), *, shared: bool = True) -
     if not found:
         raise InvalidMeshError(f"{path.name} holds no mesh with faces.")
     return list(found.values())
+
+
+def scripts_left_off() -> bool:
+    """Tell whether the open file has scripts or drivers that would have run in a trusted one.
+
+    Returns
+    -------
+    bool
+        Whether Blender left something off.
+    """
+    return bool(bpy.app.autoexec_fail)
 
 
 def last_line(error: Exception) -> str:

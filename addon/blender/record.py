@@ -16,6 +16,8 @@ from ..core import CanonicalFormError
 from .active_items import ActiveItems, ItemNames
 from .form_report import FormReport
 from .former_records import FORMER_PROPERTY, brought_up_to_date
+from .stored_values import flag, listed, maybe, named, real, whole, words
+from .wording import told
 
 RECORD_PROPERTY = "canonical_form_record"
 
@@ -167,23 +169,35 @@ class Record:
             data = brought_up_to_date(data)
             record = cls(
                 report=FormReport.from_json(data["report"]),
-                active_before=ActiveItems(**data["before"]),
-                basis=data["basis"],
-                basis_fingerprint=data.get("basis_print"),
-                keys=dict(data["key"]),
-                groups=dict(data["groups"]),
-                colours=dict(data["colours"]),
-                hidden=dict(data.get("hidden", {})),
-                palette=[list(colour) for colour in data.get("palette", [])],
-                limbs=list(data.get("limbs", [])),
+                active_before=ActiveItems(**named(lambda value: maybe(words, value), data["before"])),
+                basis=maybe(words, data["basis"]),
+                basis_fingerprint=maybe(words, data.get("basis_print")),
+                keys=_fingerprints(data["key"]),
+                groups=_fingerprints(data["groups"]),
+                colours=_fingerprints(data["colours"]),
+                hidden=_fingerprints(data.get("hidden", {})),
+                palette=listed(lambda colour: listed(real, colour, 3), data.get("palette", [])),
+                limbs=listed(flag, data.get("limbs", [])),
             )
             if "between" in data:
-                record.in_betweens = InBetweens(dict(data["between"]), data["animated_before"], float(data["value"]))
+                animated, value = flag(data["animated_before"]), real(data["value"])
+                record.in_betweens = InBetweens(_fingerprints(data["between"]), animated, value)
             if "part" in data:
-                record.part = Part(**data["part"])
+                part = data["part"]
+                placement = listed(lambda row: listed(real, row, 4), part["placement"], 4)
+                record.part = Part(whole(part["number"]), placement, words(part["body"]))
+            record._require_agreement()
         except (AttributeError, KeyError, TypeError) as error:
             raise ValueError("These are not the data of a record.") from error
         return record
+
+    def _require_agreement(self) -> None:
+        """Refuse a record whose lists are not of the same patches."""
+        count = self.patch_count
+        if count and not len(self.report.feature_points) == len(self.report.patch_sizes) == count < len(self.groups):
+            raise ValueError("There is not one of each for every patch.")
+        if self.limbs and len(self.limbs) != count:
+            raise ValueError("There is not one limb for every patch.")
 
     def as_json(self) -> dict[str, Any]:
         """Convert the record to a JSON object.
@@ -216,6 +230,11 @@ class Record:
         return data
 
 
+def _fingerprints(value: Any) -> Fingerprints:
+    """Take fingerprints by name from what is stored."""
+    return named(lambda fingerprint: maybe(words, fingerprint), value)
+
+
 def read_record(mesh: bpy.types.Mesh, *, containing: str = "") -> Record | None:
     """Read what the last run wrote to a mesh.
 
@@ -236,7 +255,7 @@ def read_record(mesh: bpy.types.Mesh, *, containing: str = "") -> Record | None:
         return None
     try:
         return Record.from_json(json.loads(text))
-    except ValueError:  # the user's own property of that name
+    except (ValueError, RecursionError):  # the user's own property of that name, or a stranger's
         return None
 
 
@@ -260,7 +279,7 @@ def require_record(mesh: bpy.types.Mesh) -> Record:
     """
     record = read_record(mesh)
     if record is None:
-        raise CanonicalFormError(f"{mesh.name} has no canonical form. Compute it first.")
+        raise CanonicalFormError(told("{name} has no canonical form. Compute it first.", name=mesh.name))
     return record
 
 

@@ -14,6 +14,7 @@ from .form_key import require_form_key
 from .mesh_reading import read_object, refusal
 from .placement import world_rotation
 from .record import read_record
+from .wording import told
 
 if TYPE_CHECKING:
     from ..core import CanonicalForm
@@ -38,17 +39,24 @@ class Reference:
     def __init__(self, name: str) -> None:
         obj = bpy.data.objects.get(name)
         if obj is None:
-            raise CanonicalFormError(f"There is no object {name} to refer to. Choose another reference, or none.")
+            raise CanonicalFormError(
+                told("There is no object {name} to refer to. Choose another reference, or none.", name=name)
+            )
         reason = refusal(obj)
         if reason is not None:
-            raise CanonicalFormError(f"{name} cannot be a reference. {reason}")
+            raise CanonicalFormError(told("{name} cannot be a reference. {reason}", name=name, reason=reason))
         record = read_record(obj.data)
         if record is None or not record.report.has_form:
-            raise CanonicalFormError(f"{name} has no form to refer to. Compute its form first, or choose another one.")
+            raise CanonicalFormError(
+                told("{name} has no form to refer to. Compute its form first, or choose another one.", name=name)
+            )
         if record.report.frame is not None and obj.modifiers:
             raise CanonicalFormError(
-                f"The form of {name} is that of the mesh as shown, under modifiers. Compute it with Result set to New "
-                "Object, and choose that one as the reference."
+                told(
+                    "The form of {name} is that of the mesh as shown, under modifiers. Compute it "
+                    "with Result set to New Object, and choose that one as the reference.",
+                    name=name,
+                )
             )
         objects = companions_of(obj)
         readings = [read_object(each, False) for each in objects]

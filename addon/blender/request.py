@@ -12,6 +12,7 @@ from ..core import CanonicalFormError, Settings
 from .chosen_features import MOST_FEATURES, members_of
 from .in_betweens import animated, has_in_betweens
 from .record import require_record
+from .wording import told
 
 if TYPE_CHECKING:
     from ..core import CanonicalForm, KeptStages
@@ -88,13 +89,18 @@ class Request:
         if not self.feature_group:
             return self.settings
         if self.deformed:
-            raise CanonicalFormError("Feature points from a group need the mesh itself. Set Mesh to Base Mesh.")
+            raise CanonicalFormError(told("Feature points from a group need the mesh itself. Set Mesh to Base Mesh."))
         group = obj.vertex_groups.get(self.feature_group)
         members = [] if group is None else members_of(obj, group.name)
         if len(members) > MOST_FEATURES:
             raise CanonicalFormError(
-                f"The vertex group {self.feature_group} of {obj.name} has {len(members):,} vertices. Choose one of "
-                f"{MOST_FEATURES} at most."
+                told(
+                    "The vertex group {group} of {name} has {count:,} vertices. Choose one of {most} at most.",
+                    group=self.feature_group,
+                    name=obj.name,
+                    count=len(members),
+                    most=MOST_FEATURES,
+                )
             )
         return replace(self.settings, feature_points=members or None)
 
@@ -115,8 +121,12 @@ class Request:
         """
         if self.feature_group and not any(chosen):
             raise CanonicalFormError(
-                f"{name} has no vertex group {self.feature_group} with vertices in it. Choose another one, add feature "
-                "points to it, or set Feature Points to Detected."
+                told(
+                    "{name} has no vertex group {group} with vertices in it. Choose another "
+                    "one, add feature points to it, or set Feature Points to Detected.",
+                    name=name,
+                    group=self.feature_group,
+                )
             )
 
     def in_between_count(self, obj: bpy.types.Object) -> int:
@@ -140,7 +150,10 @@ class Request:
         mesh = obj.data
         if self.step != "FORM" and not self.new_object and (animated(mesh) is not None or has_in_betweens(mesh)):
             raise CanonicalFormError(
-                f"This step would take the form of {obj.name} away, and it is animated or has in-betweens. Clear first."
+                told(
+                    "This step would take the form of {name} away, and it is animated or has in-betweens. Clear first.",
+                    name=obj.name,
+                )
             )
         if self.new_object or self.step != "FORM" or not has_in_betweens(mesh):
             return 0

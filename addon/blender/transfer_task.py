@@ -25,6 +25,7 @@ from .pose_reading import reference_refusal
 from .record import read_record
 from .transfer_reading import Source, read_source
 from .transfer_record import Written, make_room, read_transfers, write_transfers
+from .wording import told
 
 if TYPE_CHECKING:
     from ..core import Match, Settings
@@ -86,13 +87,15 @@ class TransferTask:
         if source is None or reason is not None:
             raise CanonicalFormError(reason or "")
         if source == obj:
-            raise CanonicalFormError(f"{obj.name} is the reference itself. Select the mesh that is to take over.")
+            raise CanonicalFormError(
+                told("{name} is the reference itself. Select the mesh that is to take over.", name=obj.name)
+            )
         if not kinds:
-            raise CanonicalFormError("Nothing is chosen to be transferred.")
+            raise CanonicalFormError(told("Nothing is chosen to be transferred."))
         with object_mode(obj):
             self._reading = read_object(obj)
             if self._reading.mirrors:
-                raise CanonicalFormError(f"{obj.name} has a Mirror modifier. Apply it first.")
+                raise CanonicalFormError(told("{name} has a Mirror modifier. Apply it first.", name=obj.name))
             mesh = obj.data
             vertex_of = np.empty(len(mesh.loops), dtype=np.int32)
             mesh.loops.foreach_get("vertex_index", vertex_of)
@@ -144,7 +147,7 @@ class TransferTask:
                 )
         except MemoryError as error:
             raise TooLargeError(
-                f"Not enough memory for {self._reading.name}. Close other files, or decimate the mesh."
+                told("Not enough memory for {name}. Close other files, or decimate the mesh.", name=self._reading.name)
             ) from error
         self.warnings += all_advised([*found.warnings, *found.other_warnings])
         self._carried = self._carry(found, rest)
@@ -188,8 +191,12 @@ class TransferTask:
         times = float(np.sqrt(surface_area(placed, faces) / surface_area(there, there_faces)))
         if not 1 / _LIKE_SIZED < times < _LIKE_SIZED:
             self.warnings.append(
-                f"{self._reading.name} is {times:.2g} times as large as {self._source.name}. Scale it first, for the "
-                "rig to fit."
+                told(
+                    "{name} is {times:.2g} times as large as {source}. Scale it first, for the rig to fit.",
+                    name=self._reading.name,
+                    times=times,
+                    source=self._source.name,
+                )
             )
 
     def _carry(self, found: Match, rest: FloatArray | None) -> _Carried:
@@ -247,12 +254,18 @@ class TransferTask:
         left = make_room(obj, kind, names, written)
         if left:
             self.warnings.append(
-                f"{obj.name} has {_CALLED[kind]} of its own called {', '.join(left)}. They were kept; rename them to "
-                f"take over those of {self._source.name}."
+                told(
+                    "{name} has {kind} of its own called {left}. They were kept; rename them to "
+                    "take over those of {source}.",
+                    name=obj.name,
+                    kind=told(_CALLED[kind]),
+                    left=", ".join(left),
+                    source=self._source.name,
+                )
             )
         kept = [name for name in names if name not in left]
         if kept:
-            self.told.append(f"{_CALLED[kind]}: {len(kept)}")
+            self.told.append(f"{told(_CALLED[kind])}: {len(kept)}")
         return kept
 
     def _write_groups(self, obj: bpy.types.Object, carried: _Carried, written: Written) -> None:
@@ -268,14 +281,16 @@ class TransferTask:
             modifier = obj.modifiers.new("Armature", "ARMATURE")
             modifier.object = armature
             obj.modifiers.move(len(obj.modifiers) - 1, 0)
-        self.told.append(f"the rig {armature.name}")
+        self.told.append(told("the rig {name}", name=armature.name))
 
     def _write_uvs(self, obj: bpy.types.Object, carried: _Carried, written: Written) -> None:
         """Write UV maps."""
         for name in self._room(obj, "uvs", list(carried.uvs), written):
             layer = obj.data.uv_layers.new(name=name, do_init=False)
             if layer is None:
-                self.warnings.append(f"{obj.name} has no room for another UV map: {name} was left out.")
+                self.warnings.append(
+                    told("{name} has no room for another UV map: {map} was left out.", name=obj.name, map=name)
+                )
                 continue
             layer.uv.foreach_set("vector", carried.uvs[name].astype(np.float32).ravel())
             written["uvs"][layer.name] = uv_fingerprint(layer)
@@ -325,7 +340,7 @@ class TransferTask:
                 mine.append(material)
             slot[number] = mine.index(material)
         obj.data.polygons.foreach_set("material_index", slot[material_of])
-        self.told.append("materials")
+        self.told.append(told("materials"))
 
 
 def _placed(points: FloatArray, faces: IntArray, placement: FloatArray) -> tuple[FloatArray, IntArray]:

@@ -13,6 +13,7 @@ from ..core import CanonicalFormError
 from .active_items import active_keys_elsewhere, restore_active_keys
 from .mesh_reading import read_evaluated, read_mesh
 from .object_states import muted_results
+from .wording import told
 
 if TYPE_CHECKING:
     from ..core.numerics.arrays import FloatArray
@@ -124,8 +125,11 @@ def _solved(obj: bpy.types.Object, evaluated: Evaluate, positions: FloatArray, w
             return positions
         positions = positions + np.einsum("ij,ijk->ik", error, _inverse_jacobian(evaluated, positions, here, size))
     raise CanonicalFormError(
-        f"The modifiers of {obj.name} do not follow its vertices closely enough for a shape key of what is shown. "
-        "Choose Result: New Object."
+        told(
+            "The modifiers of {name} do not follow its vertices closely enough for a shape key of "
+            "what is shown. Choose Result: New Object.",
+            name=obj.name,
+        )
     )
 
 

@@ -30,6 +30,7 @@ from .record import require_record, write_record
 from .result_writing import refill_key
 from .slider import release
 from .undeforming import positions_before, shown_at
+from .wording import told
 
 if TYPE_CHECKING:
     from ..core import KeptStages
@@ -93,7 +94,10 @@ class VariantTask:
                 own, form = patches_of(each.data), whole_form_of(each.data)
                 if own is None or form is None:
                     raise CanonicalFormError(
-                        f"The mesh of {each.name} was changed since the run. Compute the form again first."
+                        told(
+                            "The mesh of {name} was changed since the run. Compute the form again first.",
+                            name=each.name,
+                        )
                     )
                 reading, form = _as_at_the_run(each, form)
                 self._readings.append(reading)
@@ -155,8 +159,10 @@ class VariantTask:
                 left = changed_in_betweens(obj.data)
                 if left:
                     raise CanonicalFormError(
-                        f"Changed since they were made: {', '.join(left)}. Rename them to keep them, or delete them, "
-                        "first."
+                        told(
+                            "Changed since they were made: {left}. Rename them to keep them, or delete them, first.",
+                            left=", ".join(left),
+                        )
                     )
             shapes = [list(each) for each in zip(*self._shapes, strict=True)]
             if self._readings[0].deformed:
@@ -185,8 +191,11 @@ def _as_at_the_run(obj: bpy.types.Object, form: FloatArray) -> tuple[Reading, Fl
     reading = read_object(obj, record.report.frame is not None)
     if len(reading.vertices) != len(obj.data.vertices):
         raise CanonicalFormError(
-            f"Modifiers change the number of vertices of {obj.name} by now. Switch them off in the views, or compute "
-            "the form again."
+            told(
+                "Modifiers change the number of vertices of {name} by now. Switch them off in the "
+                "views, or compute the form again.",
+                name=obj.name,
+            )
         )
     if reading.deformed:
         form = shown_at(obj, form)
@@ -195,7 +204,11 @@ def _as_at_the_run(obj: bpy.types.Object, form: FloatArray) -> tuple[Reading, Fl
         elsewhere = not np.allclose(then, reading.placement, atol=1e-5 * max(1.0, float(np.abs(then).max())))
         if elsewhere and reading.deformed and reading.frame != record.report.frame:
             raise CanonicalFormError(
-                f"The form of {obj.name} is that of frame {record.report.frame}. Go there, or compute it again first."
+                told(
+                    "The form of {name} is that of frame {frame}. Go there, or compute it again first.",
+                    name=obj.name,
+                    frame=record.report.frame,
+                )
             )
         reading = reading._replace(placement=then)
     return reading, form

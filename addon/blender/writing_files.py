@@ -101,8 +101,13 @@ def save_forms(path: Path, shown: Sequence[Shown], mark: str = "") -> None:
     materials = [slot.material for slot in one.obj.material_slots if slot.material is not None]
     if kind == "obj" and materials:
         lines = [line for material in materials for line in _as_mtl(material)]
-        replaced(path.with_suffix(".mtl"), lambda partial: partial.write_text("\n".join(lines) + "\n"), mark)
-    replaced(path, lambda partial: partial.write_text(text), mark)
+        replaced(path.with_suffix(".mtl"), lambda partial: _write(partial, "\n".join(lines) + "\n"), mark)
+    replaced(path, lambda partial: _write(partial, text), mark)
+
+
+def _write(path: Path, text: str) -> None:
+    """Write a text the same on every system."""
+    path.write_text(text, encoding="utf-8", newline="\n")
 
 
 def _export(path: Path, kind: str, shown: Sequence[Shown]) -> None:

@@ -151,17 +151,17 @@ class _Peak:
         self._before = None
         if sys.platform == "linux":
             try:
-                Path("/proc/self/clear_refs").write_text("5")  # forget the peak so far
+                Path("/proc/self/clear_refs").write_text("5", encoding="ascii")  # forget the peak so far
             except OSError:
                 return
-            self._before = _kilobytes("VmRSS")
+            self._before = _kilobytes_on_linux("VmRSS")
 
     def megabytes(self) -> float | None:
         if self._before is None:
             return None
-        return max(_kilobytes("VmHWM") - self._before, 0) / 1e3
+        return max(_kilobytes_on_linux("VmHWM") - self._before, 0) / 1e3
 
 
-def _kilobytes(name: str) -> int:
-    lines = Path("/proc/self/status").read_text().splitlines()
+def _kilobytes_on_linux(name: str) -> int:
+    lines = Path("/proc/self/status").read_text(encoding="utf-8").splitlines()
     return int(next(line.split()[1] for line in lines if line.startswith(name + ":")))

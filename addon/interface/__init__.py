@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from . import (
+    catalogues,
     commands,
     job_operator,
     limb_operators,
     live_update,
+    menus,
     operators,
     overlay,
     panels,
@@ -18,6 +20,7 @@ from . import (
 )
 
 _PARTS = (
+    catalogues,
     preferences,
     properties,
     viewport,
@@ -28,6 +31,7 @@ _PARTS = (
     pose_operators,
     tool_operators,
     panels,
+    menus,
     overlay,
     commands,
 )

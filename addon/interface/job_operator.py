@@ -10,6 +10,7 @@ import bpy
 
 from ..blender.advice import explained
 from ..blender.jobs import Job
+from ..blender.wording import CONTEXT, told
 from ..core import CancelledError, CanonicalFormError, KeptStages
 
 _TICK = 0.1  # seconds between two timer events
@@ -31,6 +32,7 @@ class OBJECT_OT_canonical_form_cancel(bpy.types.Operator):
 
     bl_idname = "object.canonical_form_cancel"
     bl_label = "Cancel Canonical Form"
+    bl_translation_context = CONTEXT
     bl_options = {"INTERNAL"}
 
     job: ClassVar[Job | None] = None  # the running computation; there is at most one
@@ -123,7 +125,7 @@ class JobOperator:
         """
         if OBJECT_OT_canonical_form_cancel.job is None:
             return None
-        return "A computation is under way. Wait for it, or cancel it with Esc."
+        return told("A computation is under way. Wait for it, or cancel it with Esc.")
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Compute and write at once."""
@@ -199,7 +201,9 @@ def show_progress(context: bpy.types.Context, job: Job) -> None:
         return
     job.shown_at = perf_counter()
     if context.workspace is not None:
-        context.workspace.status_text_set(f"Canonical Form: {job.fraction:.0%} {job.stage}   (Esc to cancel)")
+        context.workspace.status_text_set(
+            told("Canonical Form: {done:.0%} {stage}   (Esc to cancel)", done=job.fraction, stage=told(job.stage))
+        )
     redraw_sidebars(context)
 
 

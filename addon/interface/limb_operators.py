@@ -17,6 +17,7 @@ from ..blender.meant_objects import meant_object, require_object
 from ..blender.mesh_reading import refusal
 from ..blender.object_states import object_mode
 from ..blender.slider import release
+from ..blender.wording import CONTEXT, told
 from ..core import InvalidSettingsError
 from .job_operator import JobOperator, kept_stages
 from .operators import allowed
@@ -30,13 +31,20 @@ class OBJECT_OT_canonical_form_limb(JobOperator, bpy.types.Operator):
 
     bl_idname = "object.canonical_form_limb"
     bl_label = "Toggle Limb"
+    bl_translation_context = CONTEXT
     bl_options = {"UNDO"}
 
     patch: IntProperty(  # type: ignore[valid-type]
-        name="Patch", description="Number of the patch, from 1; 0 for all", default=0, min=0
+        name="Patch",
+        translation_context=CONTEXT,
+        description="Number of the patch, from 1; 0 for all",
+        default=0,
+        min=0,
     )
     only: BoolProperty(  # type: ignore[valid-type]
-        name="Only", description="Take the pose out of this limb and leave it in all others"
+        name="Only",
+        translation_context=CONTEXT,
+        description="Take the pose out of this limb and leave it in all others",
     )
 
     @classmethod
@@ -50,7 +58,9 @@ class OBJECT_OT_canonical_form_limb(JobOperator, bpy.types.Operator):
 
         now = limbs_of(require_object(context).data)
         if self.patch > len(now):
-            raise InvalidSettingsError(f"There are {len(now)} patches; {self.patch} is none of them.")
+            raise InvalidSettingsError(
+                told("There are {count} patches; {patch} is none of them.", count=len(now), patch=self.patch)
+            )
         if self.patch == 0:
             limbs = [True] * len(now)
         elif self.only:
@@ -62,7 +72,10 @@ class OBJECT_OT_canonical_form_limb(JobOperator, bpy.types.Operator):
 
     def written(self, context: bpy.types.Context, task: "VariantTask", outcome: Any, interactive: bool) -> None:
         """Report from how many patches the pose is taken out."""
-        self.report({"INFO"}, f"The pose is out of {sum(task.limbs)} of {len(task.limbs)} patches.")
+        self.report(
+            {"INFO"},
+            told("The pose is out of {out} of {count} patches.", out=sum(task.limbs), count=len(task.limbs)),
+        )
         self.warn(task.warnings)
 
 
@@ -71,10 +84,16 @@ class OBJECT_OT_canonical_form_in_betweens(JobOperator, bpy.types.Operator):
 
     bl_idname = "object.canonical_form_in_betweens"
     bl_label = "Smooth In-betweens"
+    bl_translation_context = CONTEXT
     bl_options = {"UNDO"}
 
     count: IntProperty(  # type: ignore[valid-type]
-        name="Keys", description="Number of shape keys between; 0 removes them", default=5, min=0, max=31
+        name="Keys",
+        translation_context=CONTEXT,
+        description="Number of shape keys between; 0 removes them",
+        default=5,
+        min=0,
+        max=31,
     )
 
     @classmethod
@@ -92,7 +111,10 @@ class OBJECT_OT_canonical_form_in_betweens(JobOperator, bpy.types.Operator):
     def written(self, context: bpy.types.Context, task: "VariantTask", outcome: Any, interactive: bool) -> None:
         """Report how many keys there are now; by now another object may be active."""
         count = task.in_betweens
-        self.report({"INFO"}, f"{count} keys lie between pose and form." if count else "In-betweens removed.")
+        self.report(
+            {"INFO"},
+            told("{count} keys lie between pose and form.", count=count) if count else told("In-betweens removed."),
+        )
         self.warn(task.warnings)
 
 
@@ -101,6 +123,7 @@ class OBJECT_OT_canonical_form_remove_in_betweens(bpy.types.Operator):
 
     bl_idname = "object.canonical_form_remove_in_betweens"
     bl_label = "Remove In-betweens Anyway"
+    bl_translation_context = CONTEXT
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
@@ -108,7 +131,7 @@ class OBJECT_OT_canonical_form_remove_in_betweens(bpy.types.Operator):
         """Disable the button, with a reason, where there are none."""
         obj = meant_object(context)
         nothing = obj is None or obj.type != "MESH" or not has_in_betweens(obj.data)
-        reason = "The active object has no in-betweens." if nothing else refusal(obj)
+        reason = told("The active object has no in-betweens.") if nothing else refusal(obj)
         return allowed(cls, JobOperator.busy() or reason)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
@@ -122,7 +145,7 @@ class OBJECT_OT_canonical_form_remove_in_betweens(bpy.types.Operator):
                 left += remove_in_betweens(each)
             lead([each for each in objects if form_key(each.data) is not None])
         if left:
-            self.report({"WARNING"}, f"Kept, since they were changed after the run: {', '.join(left)}.")
+            self.report({"WARNING"}, told("Kept, since they were changed after the run: {left}.", left=", ".join(left)))
         return {"FINISHED"}
 
 
@@ -131,17 +154,20 @@ class OBJECT_OT_canonical_form_select_patch(bpy.types.Operator):
 
     bl_idname = "object.canonical_form_select_patch"
     bl_label = "Select Patch"
+    bl_translation_context = CONTEXT
     bl_options = {"REGISTER", "UNDO"}
 
-    patch: IntProperty(name="Patch", description="Number of the patch, from 1", default=1, min=1)  # type: ignore[valid-type]
-    extend: BoolProperty(name="Extend", description="Keep what is selected")  # type: ignore[valid-type]
+    patch: IntProperty(  # type: ignore[valid-type]
+        name="Patch", translation_context=CONTEXT, description="Number of the patch, from 1", default=1, min=1
+    )
+    extend: BoolProperty(name="Extend", translation_context=CONTEXT, description="Keep what is selected")  # type: ignore[valid-type]
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Disable the button, with a reason, where there are no patches."""
         obj = meant_object(context)
         nothing = obj is None or obj.type != "MESH" or not len(obj.data.canonical_form_patches)
-        return allowed(cls, "The active object has no patches. Compute them first." if nothing else refusal(obj))
+        return allowed(cls, told("The active object has no patches. Compute them first.") if nothing else refusal(obj))
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Extend the selection while Shift is held."""
@@ -155,7 +181,7 @@ class OBJECT_OT_canonical_form_select_patch(bpy.types.Operator):
             for each in companions_of(obj):
                 patches = patches_of(each.data)
                 if patches is None and each == obj:
-                    self.report({"ERROR"}, "The mesh was changed since the run. Compute it again first.")
+                    self.report({"ERROR"}, told("The mesh was changed since the run. Compute it again first."))
                     return {"CANCELLED"}
                 if patches is not None and refusal(each) is None:
                     select_vertices(each.data, patches == self.patch - 1, self.extend)

@@ -14,6 +14,7 @@ from ..blender.jobs import Job
 from ..blender.meant_objects import meant_object
 from ..blender.mesh_reading import refusal
 from ..blender.record import RECORD_PROPERTY, read_record
+from ..blender.wording import CONTEXT, told
 from ..core import CanonicalFormError
 from .job_operator import OBJECT_OT_canonical_form_cancel, kept_stages, redraw_sidebars, user_is_busy
 from .operators import allowed, chosen_objects, request_of
@@ -94,10 +95,13 @@ class LiveUpdate:
             try:
                 wait = self._step(context)
             except (CanonicalFormError, MemoryError) as error:
-                self.state, wait = f"Live: {explained(error)}", _IDLE
+                self.state, wait = told("Live: {reason}", reason=explained(error)), _IDLE
             except Exception as error:  # a timer that raises would end without a word
                 traceback.print_exc()
-                self.state, wait = f"Live: an error in the extension, told in the console: {error!r}", _IDLE
+                self.state, wait = (
+                    told("Live: an error in the extension, told in the console: {error!r}", error=error),
+                    _IDLE,
+                )
             if state != self.state:
                 redraw_sidebars(context)
         return wait
@@ -129,7 +133,7 @@ class LiveUpdate:
             return _IDLE
         reason = _waits_for(context)
         if reason is not None:
-            self.state = f"Live waits: {reason}"
+            self.state = told("Live waits: {reason}", reason=reason)
             return _IDLE
         self._shown = choices
         self._begin(context, choices)
@@ -161,7 +165,11 @@ class LiveUpdate:
             show_colours(context)
             bpy.ops.ed.undo_push(message="Canonical Form Live Update")
         problems = task.errors
-        self.state = f"Live: {problems[0]}" if problems else f"Live: {perf_counter() - self._began:.2f} s"
+        self.state = (
+            told("Live: {reason}", reason=problems[0])
+            if problems
+            else told("Live: {seconds:.2f} s", seconds=perf_counter() - self._began)
+        )
 
 
 class OBJECT_OT_canonical_form_live(bpy.types.Operator):
@@ -169,6 +177,7 @@ class OBJECT_OT_canonical_form_live(bpy.types.Operator):
 
     bl_idname = "object.canonical_form_live"
     bl_label = "Canonical Form Live Update"
+    bl_translation_context = CONTEXT
     bl_options = {"UNDO"}
 
     update: ClassVar[LiveUpdate | None] = None
@@ -197,10 +206,12 @@ class OBJECT_OT_canonical_form_live(bpy.types.Operator):
             kind.end()
             return {"FINISHED"}
         if bpy.app.background or context.window is None:
-            self.report({"ERROR"}, "Live update needs a window. In a script, call the operator Canonical Form again.")
+            self.report(
+                {"ERROR"}, told("Live update needs a window. In a script, call the operator Canonical Form again.")
+            )
             return {"CANCELLED"}
         if context.scene.canonical_form.result == "OBJECT":
-            self.report({"ERROR"}, "Live update changes a shape key. Set Result to Shape Key.")
+            self.report({"ERROR"}, told("Live update changes a shape key. Set Result to Shape Key."))
             return {"CANCELLED"}
         kind.end()
         kind.update = LiveUpdate(context)
@@ -243,10 +254,10 @@ def _waits_for(context: bpy.types.Context) -> str | None:
     if reason is not None or obj is None:
         return reason
     if obj.mode != "OBJECT":
-        return "it works in Object Mode."
+        return told("it works in Object Mode.")
     record = read_record(obj.data)
     if record is not None and record.report.like is not None:
-        return f"{obj.name} shows another's pose."
+        return told("{name} shows another's pose.", name=obj.name)
     return None
 
 

@@ -12,12 +12,14 @@ from ..blender.meant_objects import meant_object, meant_objects
 from ..blender.mesh_reading import refusal
 from ..blender.new_objects import make_active
 from ..blender.record import read_record
+from ..blender.wording import CONTEXT, told
 from ..core import CanonicalFormError
 from .job_operator import JobOperator, kept_stages
 from .properties import FormerProperties, MethodProperties, RequestProperties, list_patches, settings_of
 from .viewport import any_result, restore_shading, show_colours
 
 if TYPE_CHECKING:
+    from ..blender.form_report import FormReport
     from ..blender.form_task import FormTask
     from ..blender.request import Request
     from ..core import KeptStages
@@ -28,10 +30,12 @@ class OBJECT_OT_canonical_form(JobOperator, MethodProperties, FormerProperties, 
 
     bl_idname = "object.canonical_form"
     bl_label = "Canonical Form"
+    bl_translation_context = CONTEXT
     bl_options = {"UNDO"}
 
     step: EnumProperty(  # type: ignore[valid-type]
         name="Step",
+        translation_context=CONTEXT,
         description="How far to go",
         items=(
             ("FORM", "Form", "All the way"),
@@ -44,10 +48,11 @@ class OBJECT_OT_canonical_form(JobOperator, MethodProperties, FormerProperties, 
     @classmethod
     def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
         """Describe what the button does."""
-        if properties.step == "FORM":
-            return cls.__doc__ or ""
-        found = "feature points" if properties.step == "FEATURES" else "feature points and patches"
-        return f"Find the {found} and stop there. An earlier form of the mesh is removed"
+        if properties.step == "FEATURES":
+            return told("Find the feature points and stop there. An earlier form of the mesh is removed")
+        if properties.step == "PATCHES":
+            return told("Find the feature points and patches and stop there. An earlier form of the mesh is removed")
+        return told(cls.__doc__ or "")
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -71,6 +76,7 @@ class OBJECT_OT_canonical_form_clear(bpy.types.Operator):
 
     bl_idname = "object.canonical_form_clear"
     bl_label = "Clear Canonical Form"
+    bl_translation_context = CONTEXT
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
@@ -78,7 +84,7 @@ class OBJECT_OT_canonical_form_clear(bpy.types.Operator):
         """Disable the button, with a reason, where there is nothing to clear."""
         obj = meant_object(context)
         nothing = obj is None or obj.type != "MESH" or read_record(obj.data) is None
-        reason = "The active object has no canonical form." if nothing else refusal(obj)
+        reason = told("The active object has no canonical form.") if nothing else refusal(obj)
         return allowed(cls, JobOperator.busy() or reason)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
@@ -88,7 +94,7 @@ class OBJECT_OT_canonical_form_clear(bpy.types.Operator):
         objects = [obj for obj in meant_objects(context) if obj.type == "MESH" and read_record(obj.data) is not None]
         reasons = [reason for obj in objects if obj.data.polygons and (reason := refusal(obj)) is not None]
         if reasons:
-            self.report({"ERROR"}, f"{reasons[0]} Nothing was cleared.")
+            self.report({"ERROR"}, told("{reason} Nothing was cleared.", reason=reasons[0]))
             return {"CANCELLED"}
         for obj in objects:
             try:
@@ -98,7 +104,9 @@ class OBJECT_OT_canonical_form_clear(bpy.types.Operator):
                 return {"CANCELLED"}
             list_patches(obj.data)
             if left:
-                self.report({"WARNING"}, f"Kept, since they were changed after the run: {', '.join(left)}.")
+                self.report(
+                    {"WARNING"}, told("Kept, since they were changed after the run: {left}.", left=", ".join(left))
+                )
         if not any_result():
             restore_shading(context)
         return {"FINISHED"}
@@ -228,22 +236,35 @@ def _summary(task: "FormTask") -> str:
     reports = [item.results[0].report for item in task.items if item.written_to]
     seconds = sum(report.seconds for report in reports)
     if len(reports) > 1:
-        bodies = f" as {len(reports)} bodies" if len(reports) < len(task.written) else ""
-        return f"{len(task.written)} objects{bodies}, {seconds:.1f} s."
+        count = len(task.written)
+        if len(reports) < count:
+            return told("{count} objects as {bodies} bodies, {seconds:.1f} s.", count=count, bodies=len(reports),
+                        seconds=seconds)  # fmt: skip
+        return told("{count} objects, {seconds:.1f} s.", count=count, seconds=seconds)
     (report,), (name, *others) = reports, task.written
-    sentence = f"{len(report.feature_points)} feature points, {seconds:.1f} s"
-    if report.like is not None:
-        sentence = f"{report.like.key}: {report.like.confidence:.0%} sure of the match, {report.seconds:.1f} s"
-    elif report.has_form:
-        sentence += f", {report.pair_reduction:.0%} of the pairs saved"
+    sentence = _told_result(report, seconds)
     if name not in task.taken:
-        where = f"{len(others) + 1} new objects" if others else name
-        return f"{sentence}. The result is on {where}."
+        where = told("{count} new objects", count=len(others) + 1) if others else name
+        return told("{sentence} The result is on {where}.", sentence=sentence, where=where)
     if others:
-        return f"{sentence}. {len(others) + 1} objects are one body."
+        return told("{sentence} {count} objects are one body.", sentence=sentence, count=len(others) + 1)
     mesh = bpy.data.objects[name].data
     users = mesh.users - (1 if mesh.use_fake_user else 0)
-    return f"{sentence}." + (f" {users} objects share this mesh and show it." if users > 1 else "")
+    if users > 1:
+        return told("{sentence} {users} objects share this mesh and show it.", sentence=sentence, users=users)
+    return sentence
+
+
+def _told_result(report: "FormReport", seconds: float) -> str:
+    """Tell what was found on one body."""
+    if report.like is not None:
+        return told("{key}: {confidence:.0%} sure of the match, {seconds:.1f} s.", key=report.like.key,
+                    confidence=report.like.confidence, seconds=report.seconds)  # fmt: skip
+    count = len(report.feature_points)
+    if report.has_form:
+        return told("{count} feature points, {seconds:.1f} s, {saved:.0%} of the pairs saved.", count=count,
+                    seconds=seconds, saved=report.pair_reduction)  # fmt: skip
+    return told("{count} feature points, {seconds:.1f} s.", count=count, seconds=seconds)
 
 
 CLASSES = (OBJECT_OT_canonical_form, OBJECT_OT_canonical_form_clear)

@@ -11,6 +11,7 @@ from ..blender.in_betweens import PROPERTY, has_in_betweens, renamed_keys
 from ..blender.limb_states import limbs_of
 from ..blender.meant_objects import armature_of, meant_object, meant_objects, require_object
 from ..blender.record import Record, require_record
+from ..blender.wording import CONTEXT, told
 from ..core import Settings
 from ..core.method_api.catalogue import FEATURE_OPTIONS, OURS, methods
 from ..core.method_api.costs import PIECE_SECONDS, memory_estimate, time_estimate
@@ -50,6 +51,7 @@ class VIEW3D_PT_canonical_form(Tab, bpy.types.Panel):
     """The main button, the progress of a run, and the options that most runs need."""
 
     bl_label = "Canonical Form"
+    bl_translation_context = CONTEXT
 
     def draw(self, context: bpy.types.Context) -> None:
         """Draw the button, or the progress, and the options."""
@@ -61,12 +63,12 @@ class VIEW3D_PT_canonical_form(Tab, bpy.types.Panel):
         if job is not None:
             row = layout.row(align=True)
             row.scale_y = _BUTTON_SCALE
-            row.progress(factor=job.fraction, text=f"{job.fraction:.0%}  {job.stage}", type="BAR")
+            row.progress(factor=job.fraction, text=f"{job.fraction:.0%}  {told(job.stage)}", type="BAR")
             row.operator(OBJECT_OT_canonical_form_cancel.bl_idname, text="", icon="X")
         else:
             row = layout.row(align=True)
             row.scale_y = _BUTTON_SCALE
-            label = f"Compute {len(objects)} Objects" if len(objects) > 1 else "Compute"
+            label = told("Compute {count} Objects", count=len(objects)) if len(objects) > 1 else told("Compute")
             button = row.operator(OBJECT_OT_canonical_form.bl_idname, text=label, icon="ARMATURE_DATA")
             hand_over(chosen, button)
             live = OBJECT_OT_canonical_form_live.running()
@@ -92,6 +94,7 @@ class VIEW3D_PT_canonical_form_result(Tab, bpy.types.Panel):
     """The result of the last run and what can be done with it."""
 
     bl_label = "Result"
+    bl_translation_context = CONTEXT
     bl_parent_id = "VIEW3D_PT_canonical_form"
 
     @classmethod
@@ -106,30 +109,30 @@ class VIEW3D_PT_canonical_form_result(Tab, bpy.types.Panel):
         layout.use_property_decorate = False
         key = form_key(mesh)
         if slider_is_gone(objects[0]):
-            layout.label(text="Its slider is gone. Compute again", icon="ERROR")
+            layout.label(text=told("Its slider is gone. Compute again"), icon="ERROR")
         if has_in_betweens(mesh):
             row = layout.row(align=True)
             row.prop(mesh.shape_keys, f'["{PROPERTY}"]', text=_slider(record), slider=True)
             row.operator(OBJECT_OT_canonical_form_in_betweens.bl_idname, text="", icon="X").count = 0
             if renamed_keys(mesh):
-                layout.label(text="Renamed key: name it back, or", icon="ERROR")
-                layout.operator(OBJECT_OT_canonical_form_remove_in_betweens.bl_idname, text="Remove Anyway")
+                layout.label(text=told("Renamed key: name it back, or"), icon="ERROR")
+                layout.operator(OBJECT_OT_canonical_form_remove_in_betweens.bl_idname, text=told("Remove Anyway"))
         elif key is not None:
             layout.prop(key, "value", text=_slider(record), slider=True)
             row = layout.row(align=True)
             chosen = context.scene.canonical_form
             button = row.operator(
-                OBJECT_OT_canonical_form_in_betweens.bl_idname, text="In-betweens", icon="IPO_EASE_IN_OUT"
+                OBJECT_OT_canonical_form_in_betweens.bl_idname, text=told("In-betweens"), icon="IPO_EASE_IN_OUT"
             )
             button.count = chosen.in_betweens
             row.prop(chosen, "in_betweens")
         if len(objects) > 1:
-            layout.label(text=f"{len(objects)} objects are one body", icon="OBJECT_DATA")
+            layout.label(text=told("{count} objects are one body", count=len(objects)), icon="OBJECT_DATA")
         _draw_frame(layout, record, context.scene)
         _draw_report(layout.column(align=True), record)
         _draw_warnings(layout, record.report.warnings, _line_length(context))
         layout.prop(context.scene.canonical_form, "show_points")
-        layout.operator(OBJECT_OT_canonical_form_clear.bl_idname, text="Clear", icon="TRASH")
+        layout.operator(OBJECT_OT_canonical_form_clear.bl_idname, text=told("Clear"), icon="TRASH")
 
 
 class VIEW3D_UL_canonical_form_patches(bpy.types.UIList):
@@ -159,6 +162,7 @@ class VIEW3D_PT_canonical_form_patches(Tab, bpy.types.Panel):
     """The patches: a click selects their vertices, the check box takes the pose out of the limb."""
 
     bl_label = "Patches"
+    bl_translation_context = CONTEXT
     bl_parent_id = "VIEW3D_PT_canonical_form"
 
     @classmethod
@@ -176,7 +180,9 @@ class VIEW3D_PT_canonical_form_patches(Tab, bpy.types.Panel):
         )  # fmt: skip
         limbs = limbs_of(mesh)
         if limbs and not all(limbs):
-            every = layout.operator(OBJECT_OT_canonical_form_limb.bl_idname, text="All Limbs", icon="CHECKBOX_HLT")
+            every = layout.operator(
+                OBJECT_OT_canonical_form_limb.bl_idname, text=told("All Limbs"), icon="CHECKBOX_HLT"
+            )
             every.patch = 0
 
 
@@ -184,6 +190,7 @@ class VIEW3D_PT_canonical_form_features(Tab, bpy.types.Panel):
     """The source of the feature points."""
 
     bl_label = "Feature Points"
+    bl_translation_context = CONTEXT
     bl_parent_id = "VIEW3D_PT_canonical_form"
     bl_options = {"DEFAULT_CLOSED"}
 
@@ -201,13 +208,13 @@ class VIEW3D_PT_canonical_form_features(Tab, bpy.types.Panel):
             row.active = chosen.feature_count == 0
             row.prop(chosen, "prominence")
         elif obj is not None and obj.type == "MESH":
-            layout.prop_search(chosen, "feature_group", obj, "vertex_groups", text="Group")
+            layout.prop_search(chosen, "feature_group", obj, "vertex_groups", text=told("Group"))
         row = layout.row(align=True)
         for how, text, icon in (("SET", "From Selection", "NONE"), ("ADD", "", "ADD"), ("REMOVE", "", "REMOVE")):
             button = row.operator(OBJECT_OT_canonical_form_choose.bl_idname, text=text, icon=icon)
             button.how, button.group = how, chosen.feature_group or CHOSEN_GROUP
         row = layout.row(align=True)
-        for step, text in (("FEATURES", "Detect Only"), ("PATCHES", "Patches Only")):
+        for step, text in (("FEATURES", told("Detect Only")), ("PATCHES", told("Patches Only"))):
             button = row.operator(OBJECT_OT_canonical_form.bl_idname, text=text)
             hand_over(chosen, button)
             button.step = step
@@ -217,6 +224,7 @@ class VIEW3D_PT_canonical_form_distance(Tab, bpy.types.Panel):
     """Distances from the selected vertices."""
 
     bl_label = "Distance from Selected"
+    bl_translation_context = CONTEXT
     bl_parent_id = "VIEW3D_PT_canonical_form"
     bl_options = {"DEFAULT_CLOSED"}
 
@@ -225,9 +233,11 @@ class VIEW3D_PT_canonical_form_distance(Tab, bpy.types.Panel):
         layout, chosen = self.layout, context.scene.canonical_form
         layout.use_property_split = True
         layout.use_property_decorate = False
-        layout.prop(chosen, "distance", text="Kind")
+        layout.prop(chosen, "distance", text=told("Kind"))
         layout.prop(chosen, "isolines")
-        button = layout.operator(OBJECT_OT_canonical_form_distance.bl_idname, text="Measure", icon="DRIVER_DISTANCE")
+        button = layout.operator(
+            OBJECT_OT_canonical_form_distance.bl_idname, text=told("Measure"), icon="DRIVER_DISTANCE"
+        )
         button.kind, button.isolines = chosen.distance, chosen.isolines
 
 
@@ -235,6 +245,7 @@ class VIEW3D_PT_canonical_form_advanced(Tab, bpy.types.Panel):
     """The options of the method."""
 
     bl_label = "Advanced"
+    bl_translation_context = CONTEXT
     bl_parent_id = "VIEW3D_PT_canonical_form"
     bl_options = {"DEFAULT_CLOSED"}
 
@@ -260,31 +271,44 @@ def _estimate(chosen: bpy.types.PropertyGroup, objects: list[bpy.types.Object]) 
     runs = counts if chosen.objects == "EACH" else [sum(counts)]
     memory = max(memory_estimate(count, settings) for count in runs)
     seconds = max(slowdown() * sum(time_estimate(count, settings) for count in runs), 1.0)
-    more = "" if settings.together else f" and {PIECE_SECONDS:g} s a loose part"
-    return f"{sum(counts):,} vertices, about {memory:.1f} GB, {seconds:,.0f} s{more}"
+    estimate = told("{count:,} vertices, about {memory:.1f} GB, {seconds:,.0f} s", count=sum(counts), memory=memory,
+                    seconds=seconds)  # fmt: skip
+    return estimate if settings.together else told("{estimate} and {each:g} s a loose part", estimate=estimate,
+                                                   each=PIECE_SECONDS)  # fmt: skip
 
 
 def _slider(record: Record) -> str:
     """Name the slider."""
-    return "Pose to Form" if record.report.like is None else f"Pose to {record.report.like.key}"
+    like = record.report.like
+    return told("Pose to Form") if like is None else told("Pose to {key}", key=like.key)
 
 
 def _draw_report(column: bpy.types.UILayout, record: Record) -> None:
+    """Draw what was found and measured, a line each."""
     report = record.report
-    found = "feature points and patches" if record.has_patches else "feature points"
-    lines = [f"{len(report.feature_points)} {found}, {report.seconds:.1f} s"]
+    count, seconds = len(report.feature_points), report.seconds
+    distortion = told("Edge distortion: median {distortion:.1%}", distortion=report.edge_distortion or 0.0)
     if report.like is not None:
-        lines = [f"{report.like.confidence:.0%} sure of the match, {report.seconds:.1f} s"]
-        lines.append(f"Edge distortion: median {report.edge_distortion:.1%}")
-    elif report.has_form:
-        if report.method != OURS:
-            lines.insert(0, f"Method: {report.method.replace('_', ' ')}")
-        pairs = report.pair_count / (1 - report.pair_reduction) if report.pair_reduction < 1 else report.pair_count
-        lines.append(f"{report.pair_reduction:.1%} of {pairs / 1e6:.3g} million pairs saved")
-        if report.edge_distortion is not None:
-            lines.append(f"Edge distortion: median {report.edge_distortion:.1%}")
-        if report.compactness_error is not None:
-            lines.append(f"Compactness error: {1e4 * report.compactness_error:.2f}e-4")
+        sure = told("{confidence:.0%} sure of the match, {seconds:.1f} s", confidence=report.like.confidence,
+                    seconds=seconds)  # fmt: skip
+        lines = [sure, distortion]
+    else:
+        if record.has_patches:
+            lines = [told("{count} feature points and patches, {seconds:.1f} s", count=count, seconds=seconds)]
+        else:
+            lines = [told("{count} feature points, {seconds:.1f} s", count=count, seconds=seconds)]
+        if report.has_form:
+            if report.method != OURS:
+                known = methods().get(report.method)  # a file may be of a later version
+                label = report.method if known is None else told(known.label)
+                lines.insert(0, told("Method: {method}", method=label))
+            saved = report.pair_reduction
+            pairs = report.pair_count / (1 - saved) if saved < 1 else report.pair_count
+            lines.append(told("{saved:.1%} of {pairs:.3g} million pairs saved", saved=saved, pairs=pairs / 1e6))
+            if report.edge_distortion is not None:
+                lines.append(distortion)
+            if report.compactness_error is not None:
+                lines.append(told("Compactness error: {error:.2f}e-4", error=1e4 * report.compactness_error))
     for line in lines:
         column.label(text=line)
 
@@ -293,10 +317,10 @@ def _offer_shown(layout: bpy.types.UILayout, chosen: bpy.types.PropertyGroup, ob
     """Offer the pose that is seen where an armature moves the mesh and the base mesh would be taken."""
     rig = armature_of(obj) if obj is not None and obj.type == "MESH" else None
     if rig is not None and chosen.mesh != "SHOWN":
-        layout.label(text=f"{rig.name} poses the mesh:", icon="ARMATURE_DATA")
+        layout.label(text=told("{name} poses the mesh:", name=rig.name), icon="ARMATURE_DATA")
         row = layout.row()
         row.use_property_split = False
-        row.prop_enum(chosen, "mesh", "SHOWN", text="Take the Pose as Shown")
+        row.prop_enum(chosen, "mesh", "SHOWN", text=told("Take the Pose as Shown"))
 
 
 def _draw_frame(layout: bpy.types.UILayout, record: Record, scene: bpy.types.Scene) -> None:
@@ -305,9 +329,11 @@ def _draw_frame(layout: bpy.types.UILayout, record: Record, scene: bpy.types.Sce
     if frame is None:
         return
     row = layout.row()
-    row.label(text=f"The pose of frame {frame}")
+    row.label(text=told("The pose of frame {frame}", frame=frame))
     if scene.frame_current != frame and record.report.has_form:
-        button = row.operator(OBJECT_OT_canonical_form.bl_idname, text=f"Again at {scene.frame_current}")
+        button = row.operator(
+            OBJECT_OT_canonical_form.bl_idname, text=told("Again at {frame}", frame=scene.frame_current)
+        )
         hand_over(scene.canonical_form, button)
         button.mesh = "SHOWN"
 
@@ -316,7 +342,7 @@ def _draw_warnings(layout: bpy.types.UILayout, warnings: list[str], length: int)
     """Draw the warnings, folded under their number where they are many."""
     if len(warnings) > _FOLDED:
         header, layout = layout.panel("canonical_form_warnings", default_closed=True)
-        header.label(text=f"{len(warnings)} warnings", icon="ERROR")
+        header.label(text=told("{count} warnings", count=len(warnings)), icon="ERROR")
     if layout is None:
         return
     column = layout.column(align=True)

@@ -10,6 +10,7 @@ from bpy.props import EnumProperty, IntProperty, StringProperty
 from ..blender.likeness import MANNEQUINS
 from ..blender.meant_objects import meant_object, require_object
 from ..blender.mesh_reading import refusal
+from ..blender.wording import CONTEXT, told
 from ..core import CanonicalFormError
 from .job_operator import JobOperator
 from .operators import allowed, chosen_objects, tell_results
@@ -20,7 +21,11 @@ if TYPE_CHECKING:
     from ..blender.form_task import FormTask
     from ..blender.transfer_task import TransferTask
 
-_SAID = {"OBJECT": "the reference", "T": "a mannequin in a T-pose", "A": "a mannequin in an A-pose"}
+_DESCRIPTIONS = {
+    "OBJECT": "Put the selected meshes into the pose of the reference, and keep the result as a shape key",
+    "T": "Put the selected meshes into the pose of a mannequin in a T-pose, and keep the result as a shape key",
+    "A": "Put the selected meshes into the pose of a mannequin in an A-pose, and keep the result as a shape key",
+}
 
 
 class OBJECT_OT_canonical_form_pose_like(JobOperator, MethodProperties, RequestProperties, bpy.types.Operator):
@@ -28,10 +33,12 @@ class OBJECT_OT_canonical_form_pose_like(JobOperator, MethodProperties, RequestP
 
     bl_idname = "object.canonical_form_pose_like"
     bl_label = "Pose Like"
+    bl_translation_context = CONTEXT
     bl_options = {"UNDO"}
 
     pose: EnumProperty(  # type: ignore[valid-type]
         name="Pose",
+        translation_context=CONTEXT,
         description="Whose pose is taken",
         items=(
             ("OBJECT", "Object", "That of an object of a like body, as it is shown"),
@@ -40,9 +47,10 @@ class OBJECT_OT_canonical_form_pose_like(JobOperator, MethodProperties, RequestP
         ),
         default="OBJECT",
     )
-    like: StringProperty(name="Like", description="Object whose pose is taken")  # type: ignore[valid-type]
+    like: StringProperty(name="Like", translation_context=CONTEXT, description="Object whose pose is taken")  # type: ignore[valid-type]
     side: IntProperty(  # type: ignore[valid-type]
         name="Side",
+        translation_context=CONTEXT,
         description="Which way to match left and right, front and back: -1 for the likeliest, or its number from 0",
         default=-1,
         min=-1,
@@ -52,8 +60,8 @@ class OBJECT_OT_canonical_form_pose_like(JobOperator, MethodProperties, RequestP
     def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
         """Describe what the button does."""
         if properties.side >= 0:
-            return "Match the other way round: where left and right, or front and back, came out wrong"
-        return f"Put the selected meshes into the pose of {_SAID[properties.pose]}, and keep the result as a shape key"
+            return told("Match the other way round: where left and right, or front and back, came out wrong")
+        return told(_DESCRIPTIONS[properties.pose])
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -73,7 +81,9 @@ class OBJECT_OT_canonical_form_pose_like(JobOperator, MethodProperties, RequestP
         objects, self._refused = chosen_objects(context)
         objects = [obj for obj in objects if self.pose != "OBJECT" or obj.name != self.like]
         if not objects:
-            raise CanonicalFormError(f"{self.like} is the reference itself. Select the mesh that is to be posed.")
+            raise CanonicalFormError(
+                told("{like} is the reference itself. Select the mesh that is to be posed.", like=self.like)
+            )
         request = Request(
             settings=settings_of(self),
             value=self.value,
@@ -95,14 +105,21 @@ class OBJECT_OT_canonical_form_transfer(JobOperator, MethodProperties, bpy.types
 
     bl_idname = "object.canonical_form_transfer"
     bl_label = "Transfer"
+    bl_translation_context = CONTEXT
     bl_options = {"UNDO"}
 
-    like: StringProperty(name="Reference", description="Object that has what is wanted")  # type: ignore[valid-type]
+    like: StringProperty(name="Reference", translation_context=CONTEXT, description="Object that has what is wanted")  # type: ignore[valid-type]
     kinds: EnumProperty(  # type: ignore[valid-type]
-        name="Kinds", description="What is taken over", items=TRANSFER_ITEMS, options={"ENUM_FLAG"}, default={"GROUPS"}
+        name="Kinds",
+        translation_context=CONTEXT,
+        description="What is taken over",
+        items=TRANSFER_ITEMS,
+        options={"ENUM_FLAG"},
+        default={"GROUPS"},
     )
     side: IntProperty(  # type: ignore[valid-type]
         name="Side",
+        translation_context=CONTEXT,
         description="Which way to match left and right, front and back: its number from 0; -1 for that of Pose Like, "
         "or the likeliest",
         default=-1,
@@ -125,7 +142,8 @@ class OBJECT_OT_canonical_form_transfer(JobOperator, MethodProperties, bpy.types
     def written(self, context: bpy.types.Context, task: "TransferTask", outcome: None, interactive: bool) -> None:
         """Report the warnings, then what was taken over."""
         self.warn(task.warnings)
-        self.report({"INFO"}, f"Taken over from {self.like}: {', '.join(task.told) or 'nothing'}.")
+        things = ", ".join(task.told) or told("nothing")
+        self.report({"INFO"}, told("Taken over from {like}: {things}.", like=self.like, things=things))
 
 
 class OBJECT_OT_canonical_form_match_colours(bpy.types.Operator):
@@ -133,9 +151,12 @@ class OBJECT_OT_canonical_form_match_colours(bpy.types.Operator):
 
     bl_idname = "object.canonical_form_match_colours"
     bl_label = "Colours on the Reference"
+    bl_translation_context = CONTEXT
     bl_options = {"REGISTER", "UNDO"}
 
-    like: StringProperty(name="Reference", description="Object whose colours were carried over")  # type: ignore[valid-type]
+    like: StringProperty(  # type: ignore[valid-type]
+        name="Reference", translation_context=CONTEXT, description="Object whose colours were carried over"
+    )
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Show or remove them."""

@@ -5,6 +5,7 @@ import bpy
 from ..blender.likeness import MANNEQUINS
 from ..blender.match_colours import has_source_colours
 from ..blender.meant_objects import meant_objects
+from ..blender.wording import CONTEXT, told
 from ..core import Settings
 from ..core.mannequins import VERTEX_COUNT
 from ..core.method_api.costs import match_memory_estimate, match_time_estimate
@@ -14,7 +15,7 @@ from .pose_operators import (
     OBJECT_OT_canonical_form_pose_like,
     OBJECT_OT_canonical_form_transfer,
 )
-from .properties import METHOD_NAMES, TRANSFER_ITEMS, hand_over, transfer_flag
+from .properties import TRANSFER_ITEMS, hand_over, hand_over_transfer, transfer_flag
 from .sidebar import Tab, record_of
 
 
@@ -22,6 +23,7 @@ class VIEW3D_PT_canonical_form_pose_like(Tab, bpy.types.Panel):
     """Another's pose: that of an object, or of a mannequin."""
 
     bl_label = "Pose Like"
+    bl_translation_context = CONTEXT
     bl_parent_id = "VIEW3D_PT_canonical_form"
     bl_options = {"DEFAULT_CLOSED"}
 
@@ -41,22 +43,21 @@ class VIEW3D_PT_canonical_form_pose_like(Tab, bpy.types.Panel):
         like = None if record is None else record.report.like
         if like is not None and len(like.sides) > 1:
             side = (like.side + 1) % len(like.sides)
-            text = f"Other Side ({side + 1} of {len(like.sides)})"
+            text = told("Other Side ({side} of {count})", side=side + 1, count=len(like.sides))
             _pose_button(layout, chosen, like.pose, like.name, text).side = side
         source = None if like is None or like.pose != "OBJECT" else bpy.data.objects.get(like.name)
         if source is not None and source.type == "MESH":
-            action = "Remove Colours from" if has_source_colours(source) else "Show Colours on"
-            text = f"{action} {source.name}"
+            if has_source_colours(source):
+                text = told("Remove Colours from {name}", name=source.name)
+            else:
+                text = told("Show Colours on {name}", name=source.name)
             layout.operator(OBJECT_OT_canonical_form_match_colours.bl_idname, text=text).like = source.name
-        column = layout.column(heading="Take Over")
+        column = layout.column(heading=told("Take Over"))
         column.enabled = bool(chosen.like)
-        flags = {kind: transfer_flag(kind) for kind, *_ in TRANSFER_ITEMS}
-        for flag in flags.values():
-            column.prop(chosen, flag)
+        for kind, *_ in TRANSFER_ITEMS:
+            column.prop(chosen, transfer_flag(kind))
         button = column.operator(OBJECT_OT_canonical_form_transfer.bl_idname)
-        for name in METHOD_NAMES:
-            setattr(button, name, getattr(chosen, name))
-        button.like, button.kinds = chosen.like, {kind for kind, flag in flags.items() if getattr(chosen, flag)}
+        hand_over_transfer(chosen, button)
         objects = [obj for obj in meant_objects(context) if obj is not None and obj.type == "MESH"]
         if objects:
             layout.label(text=_estimate(chosen, objects), icon="MEMORY")
@@ -70,7 +71,7 @@ def _estimate(chosen: bpy.types.PropertyGroup, objects: list[bpy.types.Object]) 
     other = len(like.data.vertices) if like is not None and like.type == "MESH" else VERTEX_COUNT
     memory, seconds = (each(count, other, settings) for each in (match_memory_estimate, match_time_estimate))
     seconds *= slowdown()
-    return f"A match: about {memory:.1f} GB, {seconds:,.0f} s"
+    return told("A match: about {memory:.1f} GB, {seconds:,.0f} s", memory=memory, seconds=seconds)
 
 
 def _pose_button(

@@ -5,6 +5,8 @@
 import bpy
 from bpy.props import BoolProperty
 
+from ..blender.wording import CONTEXT
+
 PACKAGE = (__package__ or "").rpartition(".addon.")[0] or "canonical_form"  # the name that Blender knows us by
 
 
@@ -15,6 +17,7 @@ class CanonicalFormPreferences(bpy.types.AddonPreferences):
 
     switch_shading: BoolProperty(  # type: ignore[valid-type]
         name="Show Colours after a Run",
+        translation_context=CONTEXT,
         description="Switch solid shading to the colours of the result, and back when it is cleared",
         default=True,
     )

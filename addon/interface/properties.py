@@ -19,6 +19,7 @@ from bpy.props import (
 from ..blender.chosen_features import CHOSEN_GROUP
 from ..blender.record import read_record
 from ..blender.result_writing import recolour_patch
+from ..blender.wording import CONTEXT, told
 from ..core import InvalidSettingsError, Settings
 from ..core.distances.kinds import KINDS
 from ..core.method_api.catalogue import methods
@@ -74,22 +75,22 @@ def method_items(_owner: Any, _context: bpy.types.Context | None) -> list[tuple[
 
 def _property(name: str, about: Option, default: Any) -> Any:
     """Turn what is known about an option into a Blender property."""
-    told = {"name": about.label, "description": about.help}
+    words = {"name": about.label, "description": about.help, "translation_context": CONTEXT}
     if name == "method":
-        return EnumProperty(items=method_items, default=0, **told)  # 0: the number of our method
+        return EnumProperty(items=method_items, default=0, **words)  # 0: the number of our method
     if about.choices:
         items = [(choice.value, choice.label, choice.help) for choice in about.choices]
-        return EnumProperty(items=items, default=default, **told)
+        return EnumProperty(items=items, default=default, **words)
     if default is None:
-        return StringProperty(**told)
+        return StringProperty(**words)
     bounds = {"min": about.low, "max": about.high, "soft_max": about.soft_high}
     if about.above:
         bounds["min"] = 10.0**-about.digits
     bounds = {each: type(default)(bound) for each, bound in bounds.items() if bound is not None}
     if isinstance(default, int):
-        return IntProperty(default=default, **bounds, **told)
+        return IntProperty(default=default, **bounds, **words)
     subtype = "FACTOR" if (about.low, about.high) == (0, 1) else "NONE"
-    return FloatProperty(default=default, precision=about.digits, subtype=subtype, **bounds, **told)
+    return FloatProperty(default=default, precision=about.digits, subtype=subtype, **bounds, **words)
 
 
 class FormerProperties:
@@ -118,6 +119,7 @@ class RequestProperties:
 
     value: FloatProperty(  # type: ignore[valid-type]
         name="Value",
+        translation_context=CONTEXT,
         description="Value of the shape key after the run: 0 is the pose, 1 the canonical form",
         default=1.0,
         min=0.0,
@@ -126,6 +128,7 @@ class RequestProperties:
     )
     mesh: EnumProperty(  # type: ignore[valid-type]
         name="Mesh",
+        translation_context=CONTEXT,
         description="Mesh that the form is computed from",
         items=(
             ("BASE", "Base Mesh", "The mesh itself: its Basis, without modifiers"),
@@ -135,6 +138,7 @@ class RequestProperties:
     )
     result: EnumProperty(  # type: ignore[valid-type]
         name="Result",
+        translation_context=CONTEXT,
         description="Where the form is written",
         items=(
             ("KEY", "Shape Key", "A shape key of the mesh"),
@@ -144,6 +148,7 @@ class RequestProperties:
     )
     objects: EnumProperty(  # type: ignore[valid-type]
         name="Several Objects",
+        translation_context=CONTEXT,
         description="Which of several selected objects are one body, with one slider",
         items=(
             ("TOUCHING", "Touching as One", "Objects that lie on, in or inside each other are one body"),
@@ -154,11 +159,13 @@ class RequestProperties:
     )
     reference: StringProperty(  # type: ignore[valid-type]
         name="Reference",
+        translation_context=CONTEXT,
         description="Object with a form of the same or a like body: the form is turned as that one is, and its limbs "
         "are numbered and coloured alike",
     )
     feature_group: StringProperty(  # type: ignore[valid-type]
         name="Vertex Group",
+        translation_context=CONTEXT,
         description="Vertex group that holds the feature points, one vertex per limb; empty to detect them",
     )
 
@@ -184,6 +191,7 @@ class CanonicalFormProperties(
 
     feature_source: EnumProperty(  # type: ignore[valid-type]
         name="Feature Points From",
+        translation_context=CONTEXT,
         description="Where the feature points come from",
         items=(
             ("DETECTED", "Detected", "Where the surface ends: hands, feet, head"),
@@ -193,25 +201,33 @@ class CanonicalFormProperties(
     )
     like: StringProperty(  # type: ignore[valid-type]
         name="Reference",
+        translation_context=CONTEXT,
         description="Object of a like body in the pose that is wanted, whatever its vertices and faces",
     )
     show_points: BoolProperty(  # type: ignore[valid-type]
         name="Labels in the View",
+        translation_context=CONTEXT,
         description="Draw the feature points of the active object with their numbers in the 3D View",
         default=True,
     )
     in_betweens: IntProperty(  # type: ignore[valid-type]
         name="Keys",
+        translation_context=CONTEXT,
         description="Number of shape keys between the pose and the form",
         default=5,
         min=1,
         max=31,
     )
     distance: EnumProperty(  # type: ignore[valid-type]
-        name="Distance", description="Which distance is measured", items=DISTANCES, default="heat"
+        name="Distance",
+        translation_context=CONTEXT,
+        description="Which distance is measured",
+        items=DISTANCES,
+        default="heat",
     )
     isolines: IntProperty(  # type: ignore[valid-type]
         name="Isolines",
+        translation_context=CONTEXT,
         description="Number of lines of equal distance; 0 for none",
         default=0,
         min=0,
@@ -223,7 +239,7 @@ class CanonicalFormPatch(bpy.types.PropertyGroup):
     """A line in the list of patches; its name is that of the vertex group."""
 
     colour: FloatVectorProperty(  # type: ignore[valid-type]
-        name="Colour",
+        name="Colour", translation_context=CONTEXT,
         description="Colour of the patch",
         subtype="COLOR",
         size=3,
@@ -232,7 +248,7 @@ class CanonicalFormPatch(bpy.types.PropertyGroup):
         update=lambda patch, _: recolour_patch(patch.id_data, list(patch.id_data.canonical_form_patches).index(patch),
                                                tuple(patch.colour)),
     )  # fmt: skip
-    size: IntProperty(name="Vertices", description="Number of vertices")  # type: ignore[valid-type]
+    size: IntProperty(name="Vertices", translation_context=CONTEXT, description="Number of vertices")  # type: ignore[valid-type]
 
 
 def list_patches(mesh: bpy.types.Mesh) -> None:
@@ -281,7 +297,10 @@ def settings_of(owner: Any) -> Settings:
         options["feature_points"] = [int(word) for word in owner.feature_points.replace(",", " ").split()] or None
     except ValueError as error:
         raise InvalidSettingsError(
-            f"Feature points must be vertex indices separated by commas; got {owner.feature_points!r}."
+            told(
+                "Feature points must be vertex indices separated by commas; got {feature_points!r}.",
+                feature_points=owner.feature_points,
+            )
         ) from error
     return Settings(**options)
 
@@ -305,6 +324,22 @@ def hand_over(chosen: CanonicalFormProperties, operator: bpy.types.OperatorPrope
         operator.feature_group = chosen.feature_group or CHOSEN_GROUP
 
 
+def hand_over_transfer(chosen: CanonicalFormProperties, operator: bpy.types.OperatorProperties) -> None:
+    """Give the choices made in the panel to a button that takes over what another object has.
+
+    Parameters
+    ----------
+    chosen : CanonicalFormProperties
+        The scene's choices.
+    operator : bpy.types.OperatorProperties
+        Properties of the button's operator.
+    """
+    for name in METHOD_NAMES:
+        setattr(operator, name, getattr(chosen, name))
+    operator.like = chosen.like
+    operator.kinds = {kind for kind, *_ in TRANSFER_ITEMS if getattr(chosen, transfer_flag(kind))}
+
+
 CLASSES = (CanonicalFormProperties, CanonicalFormPatch)
 
 
@@ -314,7 +349,9 @@ def register() -> None:
         bpy.utils.register_class(each)
     bpy.types.Scene.canonical_form = PointerProperty(type=CanonicalFormProperties)
     bpy.types.Mesh.canonical_form_patches = CollectionProperty(type=CanonicalFormPatch)
-    bpy.types.Mesh.canonical_form_patch = IntProperty(name="Patch", description="Active row of the list of patches")
+    bpy.types.Mesh.canonical_form_patch = IntProperty(
+        name="Patch", translation_context=CONTEXT, description="Active row of the list of patches"
+    )
 
 
 def unregister() -> None:

@@ -10,8 +10,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..core.run.errors import CanonicalFormError
+from ..core.run.memory import free_memory
 
 _DIE_WITH_PARENT = 1  # PR_SET_PDEATHSIG of the Linux kernel
+_SHARE = 0.9  # of the free memory: the most that a worker may take, whatever a file asks for
 
 
 @dataclass(frozen=True)
@@ -66,6 +68,22 @@ def give_memory_back() -> None:
             ctypes.CDLL("libc.so.6").malloc_trim(0)
 
 
+def keep_below(gigabytes: float) -> None:
+    """Refuse this process more memory than that, where the system can: a damaged file may ask for any amount.
+
+    Parameters
+    ----------
+    gigabytes : float
+        The most; a limit that is lower already stays.
+    """
+    if sys.platform == "linux":
+        import resource
+
+        wanted, (now, most) = int(1e9 * gigabytes), resource.getrlimit(resource.RLIMIT_DATA)
+        if now in (resource.RLIM_INFINITY, -1) or now > wanted:
+            resource.setrlimit(resource.RLIMIT_DATA, (wanted, most))
+
+
 def begin_work() -> None:
     """Leave the keyboard to the process that started this one, and end when that is gone, killed or not."""
     import signal
@@ -73,6 +91,7 @@ def begin_work() -> None:
     from threading import Thread
 
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    keep_below(_SHARE * free_memory())
     if sys.platform == "linux":
         import ctypes
 

@@ -30,9 +30,11 @@ zip_path, mesh_path = sys.argv[1:3]
 name = "bl_ext.user_default.canonical_form"
 bpy.ops.wm.read_factory_settings(use_empty=True)
 
+MENUS = ("VIEW3D_MT_object", "VIEW3D_MT_edit_mesh", "VIEW3D_MT_paint_weight", "MESH_MT_vertex_group_context_menu")
+
 def lasting():
     handlers = [each for each in dir(bpy.app.handlers) if isinstance(getattr(bpy.app.handlers, each), list)]
-    menus = ("VIEW3D_MT_object", "VIEW3D_MT_paint_weight", "MESH_MT_vertex_group_context_menu")
+    menus = MENUS
     return {
         "types": set(dir(bpy.types)),
         "properties": {kind: set(getattr(bpy.types, kind).bl_rna.properties.keys()) for kind in
@@ -46,7 +48,7 @@ def lasting():
         "add-ons": set(bpy.context.preferences.addons.keys()),
     }
 
-for menu in ("VIEW3D_MT_object", "VIEW3D_MT_paint_weight", "MESH_MT_vertex_group_context_menu"):
+for menu in MENUS:
     getattr(bpy.types, menu)._dyn_ui_initialize()
 before = lasting()
 bpy.ops.extensions.package_install_files(filepath=zip_path, repo="user_default", enable_on_install=True)

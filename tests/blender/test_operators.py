@@ -321,8 +321,8 @@ def test_a_stretched_object_is_warned_about(figure_object):
     assert any("scale of Figure is not uniform" in each for each in require_record(figure_object.data).report.warnings)
 
 
-@pytest.mark.parametrize("method", ["classical", "skeleton"])
-def test_a_rival_writes_what_the_method_writes(figure_object, method):
+@pytest.mark.parametrize(("method", "label"), [("classical", "Classical MDS"), ("skeleton", "Skeleton")])
+def test_a_rival_writes_what_the_method_writes(figure_object, method, label):
     chosen = bpy.context.scene.canonical_form
     chosen.method = method
     assert "method" in drawn(panels.VIEW3D_PT_canonical_form)
@@ -331,7 +331,7 @@ def test_a_rival_writes_what_the_method_writes(figure_object, method):
     assert record.report.method == method
     assert len(record.report.feature_points) == 5
     assert figure_object.data.shape_keys.key_blocks["Canonical Form"].value == 1.0
-    assert f"Method: {method}" in drawn(panels.VIEW3D_PT_canonical_form_result)
+    assert f"Method: {label}" in drawn(panels.VIEW3D_PT_canonical_form_result)
     bpy.ops.object.canonical_form_clear()
     assert figure_object.data.shape_keys is None
     chosen.property_unset("method")

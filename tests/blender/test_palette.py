@@ -5,7 +5,7 @@ import pytest
 
 pytest.importorskip("bpy")
 
-from addon.blender.palette import patch_colours, ramp
+from addon.blender.palette import as_seen, patch_colours, ramp
 from tests.meshes import shapes
 
 
@@ -26,3 +26,14 @@ def test_the_ramp_grows_lighter_evenly():
     steps = np.diff(lightness)
     assert steps.min() > 0
     assert steps.max() < 2.5 * steps.min()
+
+
+@pytest.mark.parametrize(("count", "apart"), [(5, 0.15), (8, 0.07), (12, 0.05)])
+def test_patches_look_different_to_the_colour_blind(count, apart):
+    patches = np.arange(count).repeat(3)
+    faces = np.array([[3 * i, 3 * ((i + 1) % count), 3 * ((i + 2) % count)] for i in range(count)])
+    seen = as_seen(patch_colours(patches, faces)[:, :3])
+    assert np.allclose(as_seen(np.full((1, 3), 0.5))[0, 0, 1:], 0, atol=1e-6)  # grey is grey
+    for looks in seen:
+        distances = np.linalg.norm(looks[:, None] - looks[None], axis=2)
+        assert distances[~np.eye(count, dtype=bool)].min() > apart

@@ -1,6 +1,7 @@
 """The record on a mesh: that of version 0.1 is read, and any other text is not taken for a record."""
 
 import json
+import random
 from typing import Any
 
 import bpy
@@ -8,7 +9,9 @@ import pytest
 
 from addon.blender.distance_record import DISTANCES_PROPERTY, read_distances
 from addon.blender.record import RECORD_PROPERTY, Record, read_record
-from tests.blender.conftest import QUICK
+from addon.interface import panels
+from addon.interface.overlay import feature_labels
+from tests.blender.conftest import QUICK, drawn
 from tests.blender.test_tools import select
 
 VERSION_0_1: dict[str, Any] = {  # as that version wrote it, with a limb in its pose and in-betweens
@@ -107,3 +110,51 @@ def test_a_property_of_the_users_is_not_taken_for_distances(figure_object, value
     select(figure_object, {10})
     assert bpy.ops.object.canonical_form_distance(kind="heat") == {"FINISHED"}
     assert list(read_distances(figure_object.data)) == ["Heat Geodesic"]
+
+
+ODD = [None, True, -1, 10**9, 10**400, 1e308, float("inf"), float("nan"), "", "x" * 1000, "\0", "{0}", [], [None], {},
+       {"a": {"b": 1}}, [[1]], [-5], [10**12], ["x"]]  # fmt: skip
+
+
+def places_in(value, path=()):
+    """Every place in a JSON object, as the keys that lead there."""
+    yield path
+    for key, each in (
+        value.items() if isinstance(value, dict) else enumerate(value[:6]) if isinstance(value, list) else ()
+    ):
+        yield from places_in(each, (*path, key))
+
+
+def spoilt(record, rng):
+    """A copy of a record with something else in one place, or nothing."""
+    copy = json.loads(json.dumps(record))
+    path = rng.choice([path for path in places_in(record) if path])
+    owner = copy
+    for key in path[:-1]:
+        owner = owner[key]
+    if rng.random() < 0.2:
+        del owner[path[-1]]
+    else:
+        owner[path[-1]] = rng.choice(ODD)
+    return copy
+
+
+def test_a_spoilt_record_is_none_or_can_be_shown_and_cleared(figure_object):
+    bpy.ops.object.canonical_form(**QUICK)
+    bpy.ops.object.canonical_form_limb(patch=1)
+    bpy.ops.object.canonical_form_in_betweens(count=2)
+    record, rng = json.loads(figure_object.data[RECORD_PROPERTY]), random.Random(0)
+    read = 0
+    for _ in range(400):
+        figure_object.data[RECORD_PROPERTY] = json.dumps(spoilt(record, rng))
+        for panel in panels.CLASSES:
+            if issubclass(panel, bpy.types.Panel):
+                drawn(panel)
+        feature_labels(figure_object, bpy.context.evaluated_depsgraph_get())
+        read += read_record(figure_object.data) is not None
+    assert 20 < read < 300
+    figure_object.data[RECORD_PROPERTY] = "[" * 100_000
+    assert read_record(figure_object.data) is None
+    figure_object.data[RECORD_PROPERTY] = json.dumps(record)
+    assert bpy.ops.object.canonical_form_clear() == {"FINISHED"}
+    assert figure_object.data.shape_keys is None

@@ -21,6 +21,7 @@ sys.path[:0] = [str(Path(__file__).resolve().parent), str(Path(__file__).resolve
 
 from tests.window.character import character, several_objects, state  # noqa: E402
 from tests.window.hand import UNIT, Hand  # noqa: E402
+from tests.window.languages import languages  # noqa: E402
 from tests.window.live import live  # noqa: E402
 from tests.window.poses import poses  # noqa: E402
 
@@ -225,6 +226,8 @@ def session():
     yield from character(hand, CHARACTER, compute)
     step("the same as several objects")
     yield from several_objects(hand, CHARACTER, compute)
+    step("other languages")
+    yield from languages(hand)
 
 
 def meanwhile(before):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from ..run.errors import TooLargeError
 from ..run.memory import limit_in_words, memory_limit
+from ..run.messages import message
 
 _FACTORS = (6.9, 655_362, 1.35)  # gigabytes that the factors of the heat method take at so many vertices, and growth
 _CARRIED = (0.05, 0.4e-6)  # gigabytes, and by vertex: the coarse mesh and the way back to all vertices
@@ -75,5 +76,5 @@ def require_distance_memory(vertex_count: int, kind: str, *, unknowns: int = 0, 
     needed, most = distance_memory(vertex_count, kind, unknowns), memory_limit(limit)
     if needed > most:
         other = kind == "heat" and distance_memory(vertex_count, "fast_marching") <= most
-        advice = "Fast marching takes less and fits. Or close" if other else "Close"
+        advice = message("advice_fast_marching") if other else message("advice_close")
         raise TooLargeError("distance_memory", needed=needed, limit=limit_in_words(limit), advice=advice)

@@ -36,7 +36,7 @@ def _others() -> float:
     except (AttributeError, OSError):  # Windows has none
         return 0.0
     with suppress(OSError, ValueError, IndexError):
-        now = int(Path("/proc/loadavg").read_text().split()[3].split("/")[0])
+        now = int(Path("/proc/loadavg").read_text(encoding="ascii").split()[3].split("/")[0])
         return min(minute, max(now - 1.0, 0.0))  # without the thread that asks
     return minute
 

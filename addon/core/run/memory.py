@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from .errors import TooLargeError
+from .messages import Message, message
 
 _SHARE = 0.6  # of the free memory: the most that a run may take where no limit is set
 _UNKNOWN = 8.0  # gigabytes, where the system does not say how much is free
@@ -36,7 +37,7 @@ def memory_limit(limit: float = 0.0) -> float:
     return limit or _SHARE * free_memory()
 
 
-def limit_in_words(limit: float = 0.0) -> str:
+def limit_in_words(limit: float = 0.0) -> Message:
     """Describe the memory limit in words.
 
     Parameters
@@ -46,17 +47,17 @@ def limit_in_words(limit: float = 0.0) -> str:
 
     Returns
     -------
-    str
+    Message
         The limit and where it comes from.
 
     Examples
     --------
-    >>> limit_in_words(2.5)
+    >>> str(limit_in_words(2.5))
     'the limit of 2.5 GB'
     """
     if limit:
-        return f"the limit of {limit:g} GB"
-    return f"{memory_limit():.1f} GB, which is {_SHARE:.0%} of the free memory"
+        return message("limit_given", limit=limit)
+    return message("limit_free", limit=memory_limit(), share=_SHARE)
 
 
 def pair_memory(sizes: list[float]) -> float:
@@ -112,10 +113,10 @@ def require_pair_memory(vertex_count: int, sizes: list[int], *, limit: float = 0
     if needed > most:
         raise TooLargeError(
             "pair_memory",
-            which="of points" if len(sizes) == 1 else f"of points inside the {len(sizes)} patches",
+            which=message("pairs_of_points") if len(sizes) == 1 else message("pairs_in_patches", count=len(sizes)),
             needed=needed,
             limit=limit_in_words(limit),
-            advice="Use quality Normal" if whole else "Merge vertices by distance",
+            advice=message("advice_quality") if whole else message("advice_merge"),
             vertices=int(vertex_count * np.sqrt(most / needed)),
         )
 
@@ -143,21 +144,21 @@ def _free_on_linux() -> list[float | None]:
     """Read what is available on the machine and what is left in the control group."""
     amounts: list[float | None] = []
     with suppress(OSError, ValueError, StopIteration):
-        lines = Path("/proc/meminfo").read_text().splitlines()
+        lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
         amounts.append(1024.0 * int(next(line.split()[1] for line in lines if line.startswith("MemAvailable:"))))
     for highest, taken in (
         ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory.current"),
         ("/sys/fs/cgroup/memory/memory.limit_in_bytes", "/sys/fs/cgroup/memory/memory.usage_in_bytes"),
     ):
         with suppress(OSError, ValueError):  # no such limit, or "max"
-            used = int(Path(taken).read_text()) - _cached(Path(taken).with_name("memory.stat"))
-            amounts.append(float(int(Path(highest).read_text()) - used))
+            used = int(Path(taken).read_text(encoding="ascii")) - _cached(Path(taken).with_name("memory.stat"))
+            amounts.append(float(int(Path(highest).read_text(encoding="ascii")) - used))
     return amounts
 
 
 def _cached(path: Path) -> int:
     """Sum what a control group keeps of files and gives back when it is needed."""
-    found = dict(line.split()[:2] for line in path.read_text().splitlines() if len(line.split()) == 2)
+    found = dict(line.split()[:2] for line in path.read_text(encoding="ascii").splitlines() if len(line.split()) == 2)
     names = ("inactive_file", "active_file")
     prefix = "total_" if "total_inactive_file" in found else ""
     return sum(int(found.get(prefix + name, 0)) for name in names)
@@ -187,7 +188,7 @@ def _free_address_space() -> float | None:
         limit = resource.getrlimit(resource.RLIMIT_AS)[0]
         if limit == resource.RLIM_INFINITY:
             return None
-        taken = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+        taken = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0]) * resource.getpagesize()
     except (ImportError, OSError, ValueError):
         return None
     return float(limit - taken)

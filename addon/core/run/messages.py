@@ -92,8 +92,8 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
     "close other programs, or raise the memory limit.",
     "pair_memory": "All pairs {which} need about {needed:.1f} GB, more than {limit}. {advice}, reduce the mesh to "
     "about {vertices:,} vertices, or raise the memory limit.",
-    "distance_memory": "These distances need about {needed:.1f} GB, more than {limit}. {advice} other programs, reduce "
-    "the mesh, or raise the memory limit.",
+    "distance_memory": "These distances need about {needed:.1f} GB, more than {limit}. {advice}, reduce the mesh, or "
+    "raise the memory limit.",
     # the working surface
     "coarse_mesh_stuck": "The mesh could only be reduced to {count:,} vertices, because of its many borders or edges "
     "with more than two faces; the run needs more time and memory than estimated. Merge vertices by distance to speed "
@@ -134,6 +134,17 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
     "cancelled": "Cancelled; nothing was changed.",
 }
 
+_PHRASES = {  # parts of these sentences
+    "limit_given": "the limit of {limit:g} GB",
+    "limit_free": "{limit:.1f} GB, which is {share:.0%} of the free memory",
+    "pairs_of_points": "of points",
+    "pairs_in_patches": "of points inside the {count} patches",
+    "advice_quality": "Use quality Normal",
+    "advice_merge": "Merge vertices by distance",
+    "advice_close": "Close other programs",
+    "advice_fast_marching": "Fast marching takes less and fits. Or close other programs",
+}
+
 
 class Message(str):
     """A sentence that knows its kind and its numbers.
@@ -144,6 +155,8 @@ class Message(str):
         What happened, one of `kinds()`; empty for a sentence from elsewhere.
     numbers : dict
         What the sentence tells beside its kind.
+    sentence : str
+        The sentence with a name in braces for each number; empty for a sentence from elsewhere.
 
     Examples
     --------
@@ -154,11 +167,12 @@ class Message(str):
 
     kind: str
     numbers: dict[str, Any]
+    sentence: str
 
-    def __new__(cls, text: str, kind: str = "", numbers: dict[str, Any] | None = None) -> Message:
+    def __new__(cls, text: str, kind: str = "", numbers: dict[str, Any] | None = None, sentence: str = "") -> Message:
         """Make a sentence with its kind and numbers."""
         made = super().__new__(cls, text)
-        made.kind, made.numbers = kind, numbers or {}
+        made.kind, made.numbers, made.sentence = kind, numbers or {}, sentence
         return made
 
 
@@ -168,7 +182,7 @@ def message(kind: str, **numbers: Any) -> Message:
     Parameters
     ----------
     kind : str
-        One of `kinds()`.
+        One of `kinds()`, or a phrase that a sentence is given as one of its numbers.
     **numbers
         What the sentence tells.
 
@@ -187,10 +201,27 @@ def message(kind: str, **numbers: Any) -> Message:
     >>> str(message("duplicate_faces", count=1))
     '1 face was left out: it is a duplicate.'
     """
-    sentence = _SENTENCES[kind]
+    sentence = _PHRASES.get(kind) or _SENTENCES[kind]
     if isinstance(sentence, tuple):
         sentence = sentence[0 if numbers["count"] == 1 else 1]
-    return Message(sentence.format(**numbers), kind, numbers)
+    return Message(sentence.format(**numbers), kind, numbers, sentence)
+
+
+def sentences() -> tuple[str, ...]:
+    """List the sentences of all messages and their phrases, for translators.
+
+    Returns
+    -------
+    tuple of str
+        The sentences, with a name in braces for each number.
+
+    Examples
+    --------
+    >>> "The surface has no area. Choose a mesh with a surface." in sentences()
+    True
+    """
+    both = (each if isinstance(each, tuple) else (each,) for each in _SENTENCES.values())
+    return (*(sentence for each in both for sentence in each), *_PHRASES.values())
 
 
 def kinds() -> tuple[str, ...]:

@@ -17,7 +17,7 @@ from addon.core.run import load
 )
 def test_threads_share_the_processors(monkeypatch, minute, running, processors, expected):
     monkeypatch.setattr(os, "getloadavg", lambda: (minute, 0.0, 0.0))
-    monkeypatch.setattr(Path, "read_text", lambda *_: f"{minute} 0.00 0.00 {running}/100 4242")
+    monkeypatch.setattr(Path, "read_text", lambda *_, **__: f"{minute} 0.00 0.00 {running}/100 4242")
     monkeypatch.setattr(load, "_processors", lambda: processors)
     assert load.slowdown() == expected
 
@@ -28,7 +28,7 @@ def test_a_system_that_does_not_tell_is_taken_as_free(monkeypatch):
 
 
 def test_without_proc_the_last_minute_counts(monkeypatch):
-    def missing(*_):
+    def missing(*_, **__):
         raise FileNotFoundError
 
     monkeypatch.setattr(os, "getloadavg", lambda: (5.0, 0.0, 0.0))

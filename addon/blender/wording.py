@@ -1,0 +1,60 @@
+"""Sentences in the language that Blender is shown in; English where a language has none for one."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import bpy
+
+from ..core.run.messages import Message
+
+CONTEXT = "Canonical Form"  # what is ours among the words that Blender knows: its "Normal" is a direction
+
+
+def told(sentence: str, /, **values: Any) -> str:
+    """Say a sentence in the language of Blender's interface.
+
+    Parameters
+    ----------
+    sentence : str
+        The English sentence, with a name in braces for each value: the catalogues of languages know it by this.
+    **values
+        What it tells.
+
+    Returns
+    -------
+    str
+        The sentence with its values.
+
+    Examples
+    --------
+    >>> told("{name} has no faces.", name="Cube")
+    'Cube has no faces.'
+    """
+    found = _translated(sentence)
+    return found.format(**values) if values else found
+
+
+def told_message(message: str) -> str:
+    """Say a message of the core in the language of Blender's interface.
+
+    Parameters
+    ----------
+    message : str
+        A warning of the core, or the text of an error; one that is not the core's stays as it is.
+
+    Returns
+    -------
+    str
+        The sentence.
+    """
+    if not isinstance(message, Message) or not message.sentence:
+        return str(message)
+    values = {name: told_message(each) if isinstance(each, Message) else each for name, each in message.numbers.items()}
+    return told(message.sentence, **values)
+
+
+def _translated(sentence: str) -> str:
+    """Look a sentence up in the catalogue of the language."""
+    found: str = bpy.app.translations.pgettext_iface(sentence, CONTEXT)
+    return found

@@ -1,0 +1,44 @@
+"""The languages that the extension speaks beside English, handed to Blender."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import bpy
+
+from ..blender.wording import CONTEXT
+from .preferences import PACKAGE
+
+LANGUAGES = Path(__file__).parents[1] / "languages"  # a file for each, named after Blender's name for it
+_CONTEXTS = (CONTEXT, "*")  # where Blender looks: for what is ours, and for tooltips, which have no context
+
+
+def catalogues() -> dict[str, dict[tuple[str, str], str]]:
+    """Read the sentences of every language.
+
+    Returns
+    -------
+    dict
+        By language, the words for each English sentence in each of Blender's contexts.
+
+    Examples
+    --------
+    >>> catalogues()["de_DE"]["Canonical Form", "Compute"]
+    'Berechnen'
+    """
+    found = {}
+    for path in sorted(LANGUAGES.glob("*.json")):
+        words = json.loads(path.read_text(encoding="utf-8"))
+        found[path.stem] = {(context, english): said for english, said in words.items() for context in _CONTEXTS}
+    return found
+
+
+def register() -> None:
+    """Hand the languages to Blender."""
+    bpy.app.translations.register(PACKAGE, catalogues())
+
+
+def unregister() -> None:
+    """Take them back."""
+    bpy.app.translations.unregister(PACKAGE)

@@ -1,0 +1,133 @@
+"""Gathers what the extension says, for translators, and packs what they wrote: `make translations`.
+
+Writes the template tools/languages/canonical_form.pot, brings the .po files beside it up to date (what is new is empty,
+what is gone is dropped), and writes each as a .json file in addon/languages, which is handed to Blender. With
+``--check`` it only says whether all is current and complete.
+"""
+
+from __future__ import annotations
+
+import ast
+import json
+import os
+import string
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT))
+
+import bpy  # noqa: E402
+import polib  # noqa: E402
+
+import addon  # noqa: E402
+from addon.blender import advice, transfer_task  # noqa: E402
+from addon.core.method_api.catalogue import methods  # noqa: E402
+from addon.core.run.messages import sentences  # noqa: E402
+from addon.interface import pose_operators, tool_operators  # noqa: E402
+
+TEXTS = ROOT / "tools" / "languages"
+PACKED = ROOT / "addon" / "languages"
+DRAWN = {"text", "heading"}  # arguments of layouts
+
+
+def literals() -> Iterator[str]:
+    """Sentences in the source: what `told` is given, what layouts draw, and the stages of progress."""
+    for path in sorted(ROOT.glob("addon/**/*.py")):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if not isinstance(node, ast.Call):
+                continue
+            name = getattr(node.func, "id", getattr(node.func, "attr", ""))
+            arguments = node.args[:1] if name in ("told", "stage") else []
+            arguments += [each.value for each in node.keywords if each.arg in DRAWN and "interface" in path.parts]
+            for each in arguments:
+                if isinstance(each, ast.Constant) and isinstance(each.value, str):
+                    yield each.value
+
+
+def registered() -> Iterator[str]:
+    """Labels and tooltips of what is registered with Blender."""
+    kinds = (bpy.types.Operator, bpy.types.Panel, bpy.types.UIList, bpy.types.PropertyGroup, bpy.types.AddonPreferences)
+    for kind in kinds:
+        for each in sorted(kind.__subclasses__(), key=lambda found: found.__name__):
+            if not each.__module__.startswith("addon.") or not getattr(each, "is_registered", False):
+                continue
+            yield from filter(None, (getattr(each, "bl_label", ""),))
+            if kind is bpy.types.Operator:
+                yield getattr(each, "bl_description", "") or each.__doc__ or ""
+            group, _, name = each.bl_idname.partition(".") if kind is bpy.types.Operator else ("", "", "")
+            described = getattr(getattr(bpy.ops, group), name).get_rna_type() if name else each.bl_rna
+            own_names = [name for name in described.properties.keys() if name not in described.base.properties]  # noqa: SIM118
+            for known in (described.properties[name] for name in own_names):
+                if known.is_hidden:
+                    continue
+                yield from (known.name, known.description)
+                for item in getattr(known, "enum_items_static", ()):
+                    yield from (item.name, item.description)
+
+
+def messages() -> list[str]:
+    """Everything that the extension says, without repetition, in a lasting order."""
+    addon.register()
+    found = [*registered(), *literals(), *sentences(), "Starting"]
+    addon.unregister()
+    found += [*advice.ADVICE.values(), advice._NO_MEMORY, *transfer_task._CALLED.values()]
+    found += [*pose_operators._DESCRIPTIONS.values(), *tool_operators._DESCRIPTIONS.values()]
+    for method in methods().values():
+        found += [method.label, method.help]
+    return list(dict.fromkeys(each for each in found if any(letter.isalpha() for letter in each)))
+
+
+def places(sentence: str) -> set[str]:
+    """Names in braces that a sentence has values for."""
+    return {name for _, name, _, _ in string.Formatter().parse(sentence) if name}
+
+
+def brought_up_to_date(path: Path, found: list[str]) -> polib.POFile:
+    """Read the sentences of a language, in the order of the template."""
+    old = {entry.msgid: entry.msgstr for entry in polib.pofile(str(path))} if path.exists() else {}
+    made = polib.POFile(wrapwidth=120)
+    made.metadata = {"Content-Type": "text/plain; charset=utf-8", "Language": path.stem}
+    for sentence in found:
+        made.append(polib.POEntry(msgid=sentence, msgstr=old.get(sentence, "")))
+    return made
+
+
+def packed(texts: polib.POFile) -> str:
+    """Write the sentences of a language as the extension reads them."""
+    words = {entry.msgid: entry.msgstr for entry in texts if entry.msgstr}
+    return json.dumps(words, ensure_ascii=False, indent=0) + "\n"
+
+
+def faults(texts: polib.POFile) -> list[str]:
+    """What is missing in a language, or would fail when it is said."""
+    missing = [f"no words for: {entry.msgid}" for entry in texts if not entry.msgstr]
+    return missing + [
+        f"other values in braces: {entry.msgid}" for entry in texts
+        if entry.msgstr and places(entry.msgstr) != places(entry.msgid)
+    ]  # fmt: skip
+
+
+def main(check: bool) -> int:
+    found, wanted, told = messages(), {}, []
+    for path in sorted(TEXTS.glob("*.po")):
+        texts = brought_up_to_date(path, found)
+        told += [f"{path.stem}: {fault}" for fault in faults(texts)]
+        wanted[path] = f"{texts}\n"
+        wanted[PACKED / f"{path.stem}.json"] = packed(texts)
+    wanted[TEXTS / "canonical_form.pot"] = f"{brought_up_to_date(Path(os.devnull) / 'template', found)}\n"
+    if check:
+        told += [f"{path.relative_to(ROOT)} is not current" for path, text in wanted.items()
+                 if not path.exists() or path.read_text(encoding="utf-8") != text]  # fmt: skip
+    else:
+        for path, text in wanted.items():
+            path.parent.mkdir(exist_ok=True)
+            path.write_text(text, encoding="utf-8")
+    print(*told, sep="\n")
+    print(f"{len(found)} sentences, {len(wanted) // 2} languages")
+    return 1 if told else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main("--check" in sys.argv))
