@@ -1,6 +1,6 @@
 python = .venv/bin/python
 .PHONY: help environment run test doctest check package docs bench evaluate figures moving-picture \
-  rooms-picture test-window guide-pictures site blenders translations
+  rooms-picture test-window guide-pictures site blenders translations release-check
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "make %-15s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -51,6 +51,10 @@ moving-picture: environment ## remake the moving picture of the README
 
 rooms-picture: environment ## remake the picture of the rooms from the imports of the core
 	$(python) tools/figures/rooms.py
+
+release-check: environment ## measure the documents' figures again, hours; DATA=folder of meshes, TAG=v1.2.3
+	$(if $(TAG),$(python) tools/release_check.py $(TAG))
+	$(python) tools/release_figures.py $(DATA) $(if $(ONLY),--only $(ONLY))
 
 blenders: ## run the whole suite in every Blender that is a Python module; the table in docs/reviewers.md
 	python3 tools/blenders.py $(BLENDERS)

@@ -1,12 +1,14 @@
-"""Makes datasets out of one of posed meshes: ``derived_datasets.py coarse|perturbed|creatures FOLDER TARGET COUNT``.
+"""Makes datasets out of one of posed meshes: ``derived_datasets.py KIND FOLDER TARGET COUNT``.
 
 coarse: every pose with about COUNT vertices, the same in all poses of a shape, so that slow methods can run in full.
 perturbed: COUNT meshes, the poses one after the other with other noise, size and place each, in ten classes of the
 same mixture, for long runs: what grows then is not the meshes.
 creatures: a class for each rigged, animated .glb of the folder, its largest piece in COUNT poses: the rest pose, if
 there is one, and the middle of its other clips, as many as there are; .obj files of one vertex order.
+classes: the poses of FOLDER beside the creatures of its folder of that name, as made above.
 """
 
+import shutil
 import sys
 from pathlib import Path
 
@@ -53,6 +55,14 @@ def creatures(source, target, count):
                       vertices[largest.vertices], largest.faces)  # fmt: skip
 
 
+def classes(source, target, count):
+    for folder in sorted(path for path in source.iterdir() if any(path.glob("*.obj"))):
+        shutil.copytree(folder, target / folder.name, dirs_exist_ok=True)
+    creatures(source / "creatures", target, count)
+
+
+KINDS = {"coarse": coarse, "perturbed": perturbed, "creatures": creatures, "classes": classes}
+
 if __name__ == "__main__":
     kind, source, target, count = sys.argv[1:]
-    {"coarse": coarse, "perturbed": perturbed, "creatures": creatures}[kind](Path(source), Path(target), int(count))
+    KINDS[kind](Path(source), Path(target), int(count))

@@ -1,10 +1,10 @@
-"""Puts two evaluations into the tables of docs/evaluation.md: ``evaluation_page.py NATIVE COARSE``.
+"""Puts two evaluations into the tables of docs/evaluation.md: ``evaluation_page.py NATIVE COARSE [--page FILE]``.
 
 NATIVE: of the meshes as they are; COARSE: of their versions with 2,000 vertices, on which all pairs can be used.
 """
 
+import argparse
 import csv
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -39,22 +39,47 @@ def short(word, digits=3):
     return f"{float(word):.{digits}f}" if word else ""
 
 
+DETAIL = {  # the head of a column, and the measure whose mean over the meshes stands in it, in %
+    "edges, median": "edge_distortion_median_mean", "edges, 95 %": "edge_distortion_95_mean",
+    "edges, 99.9 %": "edge_distortion_999_mean", "areas, median": "area_distortion_median_mean",
+    "areas, 95 %": "area_distortion_95_mean", "thickness, median": "thickness_median_mean",
+    "thickness, 95 %": "thickness_95_mean", "crossings added": "crossings_added_mean", "jags": "jags_mean",
+    "jags at borders": "border_jags_mean",
+}  # fmt: skip
+
+
+def percent(word):
+    """A share as a percentage with two digits after the point where it is small, with none where it is large."""
+    if not word:
+        return ""
+    share = 100 * float(word)
+    return f"{share:.2f}" if abs(share) < 10 else f"{share:.1f}" if abs(share) < 100 else f"{share:,.0f}"
+
+
+def detail_table(folder):
+    rows = [["method", *DETAIL], ["---"] * (1 + len(DETAIL))]
+    for line in lines_of(folder, "methods.csv"):
+        if line["method"] != "input":
+            rows.append([line["method"], *(percent(line[key]) for key in DETAIL.values())])
+    return joined(rows)
+
+
 def table(folder, columns):
-    head = ["method", "compactness error", "dev.", "edges, median", "Hausdorff", "pose ratio", "mirrored",
-            "error × pose", "NN", "1st tier", "2nd tier", "DCG", *columns, "MB"]  # fmt: skip
-    rows = []
+    head = ["method", "pose ratio", "mirrored", "Hausdorff", "NN", "1st tier", "2nd tier", "DCG", "compactness error",
+            "dev.", *columns, "MB"]  # fmt: skip
+    keys = ("pose_ratio", "pose_ratio_mirrored", "hausdorff_within_classes", "nearest_neighbour", "first_tier",
+            "second_tier", "discounted_gain", "compactness_error_mean_e4",
+            "compactness_error_deviation_e4")  # fmt: skip
+    rows = [head, ["---"] * len(head)]
     for line in lines_of(folder, "methods.csv"):
         name = line["method"]
-        error, pose = float(line["compactness_error_mean_e4"]), float(line["pose_ratio"])
-        words = [name, short(str(error)), short(line["compactness_error_deviation_e4"])]
-        words += [short(line[key]) for key in ("edge_distortion_median_mean", "hausdorff_within_classes", "pose_ratio",
-                                               "pose_ratio_mirrored")]  # fmt: skip
-        words += ["" if name == "input" else f"{error * pose:.3f}"]
-        words += [short(line[key]) for key in ("nearest_neighbour", "first_tier", "second_tier", "discounted_gain")]
-        words += [column(name) for column in columns.values()]
-        words += [memory(folder, name) if name != "input" else ""]
-        rows.append(words)
-    return "\n".join("| " + " | ".join(row) + " |" for row in [head, ["---"] * len(head), *rows])
+        costs = [*(column(name) for column in columns.values()), memory(folder, name)] if name != "input" else []
+        rows.append([name, *(short(line[key]) for key in keys), *costs, *[""] * (1 + len(columns) - len(costs))])
+    return joined(rows)
+
+
+def joined(rows):
+    return "\n".join("| " + " | ".join(row) + " |" for row in rows)
 
 
 def paper_table(native, coarse):
@@ -68,18 +93,22 @@ def paper_table(native, coarse):
         rows.append(
             [name, f"{figure:.2f}", short(ours.get(name, ""), 2), short(few.get(f"{name}-full", few.get(name, "")), 2)]
         )
-    return "\n".join("| " + " | ".join(row) + " |" for row in rows)
+    return joined(rows)
 
 
-def main(native, coarse):
-    native, coarse = Path(native), Path(coarse)
-    two = {"s, 2k": lambda name: "" if name == "input" else seconds(coarse, name, 2000)}
-    more = {
-        "s, 5k": lambda name: "" if name == "input" else seconds(native, name, 5000),
-        "s, 13k": lambda name: "" if name == "input" else seconds(native, name, 13000),
-    }
-    text = PAGE.read_text()
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("native", type=Path)
+    parser.add_argument("coarse", type=Path)
+    parser.add_argument("--page", type=Path, default=PAGE, help="where to write the page with its new tables")
+    options = parser.parse_args()
+    native, coarse = options.native, options.coarse
+    two = {"s, 2k": lambda name: seconds(coarse, name, 2000)}
+    more = {"s, 5k": lambda name: seconds(native, name, 5000), "s, 13k": lambda name: seconds(native, name, 13000)}
+    text = PAGE.read_text(encoding="utf-8")
     for mark, made in (
+        ("native detail", detail_table(native)),
+        ("coarse detail", detail_table(coarse)),
         ("native", table(native, {**two, **more})),
         ("coarse", table(coarse, two)),
         ("paper", paper_table(native, coarse)),
@@ -87,8 +116,8 @@ def main(native, coarse):
         before, rest = text.split(f"<!-- {mark} -->\n", 1)
         after = rest.split(f"<!-- end of {mark} -->", 1)[1]
         text = f"{before}<!-- {mark} -->\n\n{made}\n\n<!-- end of {mark} -->{after}"
-    PAGE.write_text(text)
+    options.page.write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    main()

@@ -1,0 +1,277 @@
+"""Measures the figures of the documents again and tells those that differ: ``release_figures.py DATA``.
+
+Each benchmark writes its tables as Markdown. Every table and every sentence with figures that it wrote has to stand in
+its page of the documents, with the same words and with figures that are within their tolerance of the measured ones.
+The tolerances are those of tools/release_tolerances.toml; a figure that it does not name has to agree to one unit of
+its last digit. What was measured is kept in build/release by the state of the code, so that a run that was stopped
+goes on, and mending a page measures nothing again.
+
+Exit code 0: all figures agree; 1: some do not, with one sentence each; 2: a benchmark failed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import re
+import subprocess
+import sys
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+TOLERANCES = ROOT / "tools" / "release_tolerances.toml"
+MEASURED_BY = ("addon", "tools/benchmarks", "tests/meshes")
+"""The code on which a figure depends."""
+
+_NUMBER = re.compile(r"(?<![\w.,])(?:(?<![^\s(|*])[-+])?(?:\d[\d,]*\.?\d+|\d|\.\d+)(?:e[-+]?\d+)?(?!\w)")
+
+
+@dataclass(frozen=True)
+class Benchmark:
+    """A command that writes the tables of one page, or of some of its sections.
+
+    Attributes
+    ----------
+    page : str
+        The page, from the top of the checkout.
+    commands : tuple of tuple of str
+        Python's arguments. {data} stands for the folder of meshes, {out} for the file to write, {work} for a folder
+        that is kept; * for what a pattern of paths finds. What a command without {out} prints is its tables.
+    """
+
+    page: str
+    commands: tuple[tuple[str, ...], ...]
+
+
+METHODS = (
+    "ours,ours-stress,as-published,as-published-closed,classical,least-squares,non-metric,fast,euclidean-random,"
+    "euclidean-normalised,one-form,skeleton"
+)
+ALL_PAIRS = ",classical-full,least-squares-full,non-metric-full,one-form-full,ours-full"
+CLASSES = ("tools/benchmarks/derived_datasets.py", "classes", "{data}", "{work}/classes", "7")
+BENCHMARKS: Mapping[str, Benchmark] = {
+    "forms": Benchmark("docs/benchmarks.md", (("tools/benchmarks/form_tables.py", "{data}", "--output", "{out}"),)),
+    "limbs": Benchmark("docs/measurements.md", (("tools/benchmarks/limbs.py", "{data}"),)),
+    "memory": Benchmark("docs/measurements.md", (("tools/benchmarks/memory.py", "{data}"),)),
+    "characters": Benchmark("docs/measurements.md", (("tools/benchmarks/characters.py", "{data}/creatures/*.glb"),)),
+    "weights": Benchmark(
+        "docs/measurements.md", (("tools/benchmarks/carried_weights.py", "{data}/creatures/human-*.glb"),)
+    ),
+    "matches": Benchmark(
+        "docs/measurements.md",
+        (CLASSES, ("tools/benchmarks/two_meshes.py", "{work}/classes/*", "{work}/classes/man:{work}/classes/woman")),
+    ),
+    "evaluation": Benchmark(
+        "docs/evaluation.md",
+        (
+            CLASSES,
+            ("tools/benchmarks/derived_datasets.py", "coarse", "{work}/classes", "{work}/coarse", "2000"),
+            ("-m", "addon", "evaluate", "{work}/classes", "--output", "{work}/native", "--methods", METHODS),
+            ("-m", "addon", "evaluate", "{work}/coarse", "--output", "{work}/few", "--methods", METHODS + ALL_PAIRS),
+            ("tools/benchmarks/evaluation_page.py", "{work}/native", "{work}/few", "--page", "{out}"),
+        ),
+    ),
+}
+
+
+def figures_in(text: str) -> tuple[str, list[str]]:
+    """Take the figures out of a text.
+
+    Parameters
+    ----------
+    text : str
+        A cell of a table, or a paragraph.
+
+    Returns
+    -------
+    words : str
+        The text with # in the place of each figure.
+    figures : list of str
+        The figures as they are written.
+
+    Examples
+    --------
+    >>> figures_in("1,200 of 3 (-0.5 %)")
+    ('# of # (# %)', ['1,200', '3', '-0.5'])
+    """
+    return _NUMBER.sub("#", text), _NUMBER.findall(text)
+
+
+def agrees(told: str, measured: str, tolerance: float) -> bool:
+    """Tell whether two figures differ by no more than one unit of the last digit told, or than a share of the measured.
+
+    Examples
+    --------
+    >>> agrees("0.143", "0.144", 0.0), agrees("0.143", "0.145", 0.0), agrees("0.95", "1.2", 0.3)
+    (True, False, True)
+    """
+    digits = told.lower().split("e")[0].partition(".")[2]
+    exponent = int(told.lower().partition("e")[2] or 0)
+    unit = 10.0 ** (exponent - len(digits))
+    one, two = (float(each.replace(",", "")) for each in (told, measured))
+    return abs(one - two) <= max(1.001 * unit, tolerance * abs(two))
+
+
+@dataclass(frozen=True)
+class Block:
+    """A table or a paragraph of a page, under its heading."""
+
+    heading: str
+    lines: tuple[str, ...]
+
+    @property
+    def is_table(self) -> bool:
+        """Whether its first line is the head of a table."""
+        return self.lines[0].startswith("|")
+
+    @property
+    def words(self) -> str:
+        """What it is found by: the head of a table, or the words between a paragraph's figures."""
+        return " ".join(self.lines[0].split()) if self.is_table else figures_in(" ".join(self.lines))[0]
+
+    @property
+    def rows(self) -> list[list[str]]:
+        """The cells of a table, below its head."""
+        return [_cells(line) for line in self.lines[2:]]
+
+
+def _cells(line: str) -> list[str]:
+    """Split a line of a table at the bars that no backslash escapes."""
+    return [cell.strip() for cell in re.split(r"(?<!\\)\|", line.strip())[1:-1]]
+
+
+def blocks_of(text: str) -> list[Block]:
+    """Split a page of Markdown into its tables and paragraphs; comments and headings are none."""
+    blocks, heading, lines = [], "", []
+    for line in [*text.splitlines(), ""]:
+        if line.strip() and not line.startswith(("#", "<!--")):
+            lines.append(line.strip())
+            continue
+        if lines:
+            blocks.append(Block(heading, tuple(lines)))
+        lines = []
+        heading = line.lstrip("# ") if line.startswith("#") else heading
+    return blocks
+
+
+def disagreements(page: str, told: str, measured: str, tolerances: Mapping[str, Mapping[str, float]]) -> list[str]:
+    """Compare what a page tells with what was measured.
+
+    Parameters
+    ----------
+    page : str
+        Name of the page, for the sentences.
+    told, measured : str
+        Markdown: the whole page, and the tables and sentences that have to stand in it.
+    tolerances : mapping of str to mapping of str to float
+        By the heading on the page and the column ("text" for paragraphs, "*" for all others), as shares.
+
+    Returns
+    -------
+    list of str
+        One sentence for each figure that differs, and for each table or sentence that is not there.
+    """
+    there, sentences = blocks_of(told), []
+    for block in blocks_of(measured):
+        if not block.is_table and not figures_in(" ".join(block.lines))[1]:
+            continue
+        found = [each for each in there if each.words == block.words and block.heading in ("", each.heading)]
+        if not found:
+            sentences.append(f"{page} does not have, with whatever figures: {block.words[:200]}")
+            continue
+        told_block = found[0]
+        there.remove(told_block)  # tables of one head stand in one order
+        allowed = tolerances.get(told_block.heading, {})
+        where = f"{page}, {told_block.heading}"
+        if not block.is_table:
+            sentences += _differing(" ".join(told_block.lines), " ".join(block.lines), allowed.get("text", 0.0), where)
+            continue
+        if len(told_block.rows) != len(block.rows):
+            sentences.append(f"{where}: a table has {len(told_block.rows)} rows, {len(block.rows)} were measured.")
+            continue
+        columns = [cell.strip() for cell in block.lines[0].strip("|").split("|")]
+        for old, new in zip(told_block.rows, block.rows, strict=True):
+            for column, one, two in zip(columns, old, new, strict=True):
+                tolerance = allowed.get(column, allowed.get("*", 0.0))
+                sentences += _differing(one, two, tolerance, f"{where}, {old[0]}, {column}")
+    return sentences
+
+
+def _differing(told: str, measured: str, tolerance: float, where: str) -> list[str]:
+    """Compare two texts figure by figure."""
+    (words, figures), (other_words, others) = figures_in(told), figures_in(measured)
+    if words != other_words:
+        return [f"{where}: says {told!r}; measured {measured!r}."]
+    return [
+        f"{where}: says {one}; measured {two} (tolerance {tolerance:.0%})."
+        for one, two in zip(figures, others, strict=True)
+        if not agrees(one, two, tolerance)
+    ]
+
+
+def code_state() -> str:
+    """Digest of all code on which a figure depends."""
+    digest = hashlib.sha256()
+    for folder in MEASURED_BY:
+        for path in sorted((ROOT / folder).rglob("*.py")):
+            digest.update(f"{path.relative_to(ROOT)}\0".encode() + path.read_bytes())
+    return digest.hexdigest()[:12]
+
+
+def measured_by(benchmark: Benchmark, data: Path, work: Path, out: Path) -> str:
+    """Run the commands of a benchmark, unless an earlier run of the same code has; return the Markdown they made.
+
+    Raises
+    ------
+    subprocess.CalledProcessError
+        Where one of them fails.
+    """
+    if out.is_file():
+        return out.read_text(encoding="utf-8")
+    printed = ""
+    part = out.with_suffix(".part")
+    for command in benchmark.commands:
+        words = [word.format(data=data, work=work, out=part) for word in command]
+        given = [
+            path for word in words for path in (sorted(map(str, Path("/").glob(word[1:]))) if "*" in word else [word])
+        ]
+        print("$", *command, file=sys.stderr, flush=True)
+        done = subprocess.run([sys.executable, *given], cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True)
+        printed = done.stdout
+    if not part.is_file():
+        part.write_text(printed, encoding="utf-8")
+    part.replace(out)
+    return out.read_text(encoding="utf-8")
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Measure, compare, print the sentences; return the exit code."""
+    parser = argparse.ArgumentParser(description="Measure the figures of the documents again.")
+    parser.add_argument("data", type=Path, help="folder with a subfolder of .obj poses a shape, and rigs in creatures")
+    parser.add_argument("--only", nargs="*", choices=BENCHMARKS, help="benchmarks to run (default: all)")
+    options = parser.parse_args(arguments)
+    work = ROOT / "build" / "release" / code_state()
+    work.mkdir(parents=True, exist_ok=True)
+    tolerances = tomllib.loads(TOLERANCES.read_text(encoding="utf-8"))
+    sentences = []
+    for name in options.only or BENCHMARKS:
+        benchmark = BENCHMARKS[name]
+        try:
+            measured = measured_by(benchmark, options.data.resolve(), work, work / f"{name}.md")
+        except subprocess.CalledProcessError as error:
+            print(f"The benchmark {name} failed: {error}", file=sys.stderr)
+            return 2
+        told = (ROOT / benchmark.page).read_text(encoding="utf-8")
+        differing = disagreements(benchmark.page, told, measured, tolerances.get(benchmark.page, {}))
+        print(f"{name}: {len(differing)} of its figures differ from those on {benchmark.page}.", flush=True)
+        sentences += differing
+    for sentence in sentences:
+        print(sentence, file=sys.stderr)
+    return 1 if sentences else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
