@@ -139,7 +139,8 @@ def attachment(vertices: np.ndarray, pieces: list[Piece], form: np.ndarray, face
             after = samples[other].on(form[pieces[other].vertices] / unit)[at[here]]
             nearest[here], now[here] = distance[here], np.linalg.norm(form[piece.vertices[here]] / unit - after, axis=1)
         changes.append(np.abs(now - nearest)[nearest < NEAR])
-    return float(np.quantile(np.concatenate(changes), 0.95))
+    near = np.concatenate(changes)
+    return float(np.quantile(near, 0.95)) if len(near) else 0.0  # one piece, or none near another
 
 
 def distortion(piece: Piece, form: np.ndarray) -> float:
