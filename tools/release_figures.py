@@ -6,6 +6,8 @@ The tolerances are those of tools/release_tolerances.toml; a figure that it does
 its last digit. What was measured is kept in build/release by the state of the code, so that a run that was stopped
 goes on, and mending a page measures nothing again.
 
+With ``--write`` the measured tables and sentences take the place of those on the pages, whose words stay.
+
 Exit code 0: all figures agree; 1: some do not, with one sentence each; 2: a benchmark failed.
 """
 
@@ -54,6 +56,7 @@ ALL_PAIRS = ",classical-full,least-squares-full,non-metric-full,one-form-full,ou
 CLASSES = ("tools/benchmarks/derived_datasets.py", "classes", "{data}", "{work}/classes", "7")
 BENCHMARKS: Mapping[str, Benchmark] = {
     "forms": Benchmark("docs/benchmarks.md", (("tools/benchmarks/form_tables.py", "{data}", "--output", "{out}"),)),
+    "poses": Benchmark("docs/measurements.md", (("tools/benchmarks/poses.py", "{data}"),)),
     "limbs": Benchmark("docs/measurements.md", (("tools/benchmarks/limbs.py", "{data}"),)),
     "memory": Benchmark("docs/measurements.md", (("tools/benchmarks/memory.py", "{data}"),)),
     "characters": Benchmark("docs/measurements.md", (("tools/benchmarks/characters.py", "{data}/creatures/*.glb"),)),
@@ -121,6 +124,8 @@ class Block:
 
     heading: str
     lines: tuple[str, ...]
+    start: int
+    """Number of its first line on the page."""
 
     @property
     def is_table(self) -> bool:
@@ -146,12 +151,12 @@ def _cells(line: str) -> list[str]:
 def blocks_of(text: str) -> list[Block]:
     """Split a page of Markdown into its tables and paragraphs; comments and headings are none."""
     blocks, heading, lines = [], "", []
-    for line in [*text.splitlines(), ""]:
+    for number, line in enumerate([*text.splitlines(), ""]):
         if line.strip() and not line.startswith(("#", "<!--")):
             lines.append(line.strip())
             continue
         if lines:
-            blocks.append(Block(heading, tuple(lines)))
+            blocks.append(Block(heading, tuple(lines), number - len(lines)))
         lines = []
         heading = line.lstrip("# ") if line.startswith("#") else heading
     return blocks
@@ -174,16 +179,11 @@ def disagreements(page: str, told: str, measured: str, tolerances: Mapping[str, 
     list of str
         One sentence for each figure that differs, and for each table or sentence that is not there.
     """
-    there, sentences = blocks_of(told), []
-    for block in blocks_of(measured):
-        if not block.is_table and not figures_in(" ".join(block.lines))[1]:
-            continue
-        found = [each for each in there if each.words == block.words and block.heading in ("", each.heading)]
-        if not found:
+    sentences = []
+    for block, told_block in _pairs(told, measured):
+        if told_block is None:
             sentences.append(f"{page} does not have, with whatever figures: {block.words[:200]}")
             continue
-        told_block = found[0]
-        there.remove(told_block)  # tables of one head stand in one order
         allowed = tolerances.get(told_block.heading, {})
         where = f"{page}, {told_block.heading}"
         if not block.is_table:
@@ -198,6 +198,26 @@ def disagreements(page: str, told: str, measured: str, tolerances: Mapping[str, 
                 tolerance = allowed.get(column, allowed.get("*", 0.0))
                 sentences += _differing(one, two, tolerance, f"{where}, {old[0]}, {column}")
     return sentences
+
+
+def rewritten(told: str, measured: str) -> str:
+    """Put the measured tables and sentences into the page in the places of those that it tells."""
+    lines = told.splitlines()
+    pairs = [(block, old) for block, old in _pairs(told, measured) if old is not None]
+    for block, old in sorted(pairs, key=lambda pair: pair[1].start, reverse=True):
+        lines[old.start : old.start + len(old.lines)] = block.lines
+    return "\n".join(lines) + "\n"
+
+
+def _pairs(told: str, measured: str) -> list[tuple[Block, Block | None]]:
+    """Each measured table, and each sentence with figures, with the one on the page that has its words."""
+    there, pairs = blocks_of(told), []
+    for block in blocks_of(measured):
+        if block.is_table or figures_in(" ".join(block.lines))[1]:
+            found = [each for each in there if each.words == block.words and block.heading in ("", each.heading)]
+            pairs.append((block, found[0] if found else None))
+            there = [each for each in there if not found or each is not found[0]]  # tables of one head are in one order
+    return pairs
 
 
 def _differing(told: str, measured: str, tolerance: float, where: str) -> list[str]:
@@ -240,7 +260,7 @@ def measured_by(benchmark: Benchmark, data: Path, work: Path, out: Path) -> str:
         ]
         print("$", *command, file=sys.stderr, flush=True)
         done = subprocess.run([sys.executable, *given], cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True)
-        printed = done.stdout
+        printed = "\n".join(line for line in done.stdout.splitlines() if not line or line.startswith("|"))  # no logs
     if not part.is_file():
         part.write_text(printed, encoding="utf-8")
     part.replace(out)
@@ -252,6 +272,7 @@ def main(arguments: Sequence[str]) -> int:
     parser = argparse.ArgumentParser(description="Measure the figures of the documents again.")
     parser.add_argument("data", type=Path, help="folder with a subfolder of .obj poses a shape, and rigs in creatures")
     parser.add_argument("--only", nargs="*", choices=BENCHMARKS, help="benchmarks to run (default: all)")
+    parser.add_argument("--write", action="store_true", help="put what was measured onto the pages")
     options = parser.parse_args(arguments)
     work = ROOT / "build" / "release" / code_state()
     work.mkdir(parents=True, exist_ok=True)
@@ -268,6 +289,8 @@ def main(arguments: Sequence[str]) -> int:
         differing = disagreements(benchmark.page, told, measured, tolerances.get(benchmark.page, {}))
         print(f"{name}: {len(differing)} of its figures differ from those on {benchmark.page}.", flush=True)
         sentences += differing
+        if options.write:
+            (ROOT / benchmark.page).write_text(rewritten(told, measured), encoding="utf-8")
     for sentence in sentences:
         print(sentence, file=sys.stderr)
     return 1 if sentences else 0
