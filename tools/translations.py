@@ -130,4 +130,6 @@ def main(check: bool) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main("--check" in sys.argv))
+    code = main("--check" in sys.argv)
+    sys.stdout.flush()
+    os._exit(code)  # Blender 4.2 as a module crashes on its way out once a property with a callback was registered

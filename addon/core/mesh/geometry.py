@@ -294,7 +294,7 @@ def relative_rounding(points: FloatArray) -> float:
     largest, half = float(np.abs(points).max()), float((points.max(axis=0) / 2 - points.min(axis=0) / 2).max())
     if not half > 0:
         return 0.0
-    single = largest < np.finfo(np.float32).max and bool((points.astype(np.float32) == points).all())
+    single = largest < float(np.finfo(np.float32).max) and bool((points.astype(np.float32) == points).all())
     return float(np.finfo(np.float32 if single else np.float64).eps) * (largest / half) / 2
 
 
