@@ -207,9 +207,7 @@ def _parser() -> argparse.ArgumentParser:
         "match", help="find for every vertex of a mesh the point of another that is its like", epilog=_MATCHING,
         formatter_class=_Help,
     )  # fmt: skip
-    matching.add_argument(
-        "meshes", nargs=2, type=Path, metavar=("A", "B"), help="files of like bodies, with one mesh each"
-    )
+    matching.add_argument("meshes", nargs=2, type=Path, metavar="FILE", help="files of like bodies, one mesh each")
     matching.add_argument(
         "--output", type=Path, required=True, metavar="DIR", help="folder for the result, an .npz file"
     )

@@ -24,7 +24,7 @@ ADVICE = {  # by kind of message
     "singular": f"{_MERGE} and {_DISSOLVE} may repair it.",
     "inaccurate_spectrum": f"{_MERGE} and {_DISSOLVE} may repair it.",
     "spectrum_diverged": f"{_MERGE} and {_DISSOLVE} may repair it.",
-    "match_sides": "Other Side takes the next; on the command line, --side.",
+    "match_sides": "Other Side (--side in a terminal) takes the next.",
     "no_axes": f"{_MERGE} may repair it.",
     "mesh_memory": _DECIMATE,
     "pair_memory": _DECIMATE,

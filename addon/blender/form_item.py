@@ -230,8 +230,9 @@ class FormItem:
             )
             for obj in former
         ]
-        for obj, reading in zip(objects, self.readings, strict=True):
-            warnings += object_warnings(obj, reading.deformed, scaled=len(objects) > 1)
+        for deformed in (False, True):
+            alike = [obj for obj, each in zip(objects, self.readings, strict=True) if each.deformed == deformed]
+            warnings += object_warnings(alike, deformed, scaled=len(objects) > 1) if alike else []
         if resized and not new:
             warnings.append(
                 told(

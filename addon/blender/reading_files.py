@@ -78,9 +78,9 @@ def open_meshes(
     InvalidMeshError
         If the file does not exist, is of a kind that this Blender does not read, cannot be read or holds no mesh.
     """
+    require_readable(path)
     if path.suffix.lower() not in READ:
         raise InvalidMeshError(f"{path.name} is not of a kind that can be read: {', '.join(READ)}.")
-    require_readable(path)
     try:
         with quiet():
             if path.suffix.lower() == ".blend":

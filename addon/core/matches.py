@@ -199,7 +199,7 @@ def matched_bodies(
         ways = ways or found
     scores = [each.score for each in ways]
     result = _on_meshes(bodies, others, pairs, maps, scores, monitor, two)
-    _warn([surfaces[here] for here, _ in pairs], maps, scores, side, monitor)
+    _warn([surfaces[here] for here, _ in pairs], maps, scores, monitor)
     return MatchedBodies(bodies, others, surfaces, other_surfaces, pairs, maps, result)
 
 
@@ -268,15 +268,13 @@ def _on_meshes(
     )
 
 
-def _warn(
-    surfaces: list[Unfolded], maps: list[PointMap], scores: list[float], side: str | int, monitor: Monitor
-) -> None:
+def _warn(surfaces: list[Unfolded], maps: list[PointMap], scores: list[float], monitor: Monitor) -> None:
     """Tell where a match is doubtful."""
     if max(found.score for found in maps) > _UNLIKE:
         monitor.warn("match_unlike")
     elif min(_sure(*each) for each in zip(surfaces, maps, strict=True)) < _UNSURE:
         monitor.warn("match_unsure")
-    if side == "auto" and len(scores) > 1 and scores[1] - scores[0] < _CLOSE:
+    if len(scores) > 1 and scores[1] - scores[0] < _CLOSE:
         monitor.warn("match_sides")
 
 

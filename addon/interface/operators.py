@@ -262,7 +262,7 @@ def _told_result(report: "FormReport", seconds: float) -> str:
                     confidence=report.like.confidence, seconds=report.seconds)  # fmt: skip
     count = len(report.feature_points)
     if report.has_form:
-        return told("{count} feature points, {seconds:.1f} s, {saved:.0%} of the pairs saved.", count=count,
+        return told("{count} feature points, {seconds:.1f} s, {saved:.1%} of the pairs saved.", count=count,
                     seconds=seconds, saved=report.pair_reduction)  # fmt: skip
     return told("{count} feature points, {seconds:.1f} s.", count=count, seconds=seconds)
 

@@ -119,6 +119,7 @@ class VIEW3D_PT_canonical_form_result(Tab, bpy.types.Panel):
                 layout.operator(OBJECT_OT_canonical_form_remove_in_betweens.bl_idname, text=told("Remove Anyway"))
         elif key is not None:
             layout.prop(key, "value", text=_slider(record), slider=True)
+        if key is not None or has_in_betweens(mesh):  # it stays, so that nothing moves under the mouse
             row = layout.row(align=True)
             chosen = context.scene.canonical_form
             button = row.operator(
@@ -179,10 +180,10 @@ class VIEW3D_PT_canonical_form_patches(Tab, bpy.types.Panel):
             rows=lines, maxrows=10,
         )  # fmt: skip
         limbs = limbs_of(mesh)
-        if limbs and not all(limbs):
-            every = layout.operator(
-                OBJECT_OT_canonical_form_limb.bl_idname, text=told("All Limbs"), icon="CHECKBOX_HLT"
-            )
+        if limbs:
+            row = layout.row()
+            row.enabled = not all(limbs)  # it stays, so that nothing moves under the mouse
+            every = row.operator(OBJECT_OT_canonical_form_limb.bl_idname, text=told("All Limbs"), icon="CHECKBOX_HLT")
             every.patch = 0
 
 
@@ -308,7 +309,7 @@ def _draw_report(column: bpy.types.UILayout, record: Record) -> None:
             if report.edge_distortion is not None:
                 lines.append(distortion)
             if report.compactness_error is not None:
-                lines.append(told("Compactness error: {error:.2f}e-4", error=1e4 * report.compactness_error))
+                lines.append(told("Compactness error: {error:.2f} · 10⁻⁴", error=1e4 * report.compactness_error))
     for line in lines:
         column.label(text=line)
 

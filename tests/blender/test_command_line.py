@@ -158,7 +158,9 @@ def test_no_words_and_help():
     assert main([], output) == 2
     assert output.getvalue() == ""
     assert main(["--help"], output) == 0
-    assert main(["compute", "--help"], output) == 0
+    for command in ("compute", "pose-like", "match"):
+        assert main([command, "--help"], output) == 0
+    assert main(["match", "only_one.obj", "--output", "folder"], output) == 2
     assert "--output DIR" in output.getvalue()
 
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from addon.blender.mesh_reading import read_mesh
+from addon.blender.object_warnings import object_warnings
 from addon.blender.record import require_record
 from tests.blender.conftest import QUICK, add_object, flat, snapshot
 from tests.meshes import shapes
@@ -324,6 +325,40 @@ def test_a_warning_tells_what_does_not_enter_the_form(figure_object, state, word
         each for each in require_record(figure_object.data).report.warnings if "scale" in each or "modifiers" in each
     ]
     assert (words is None and not warnings) or words in warnings[0]
+
+
+def test_a_warning_tells_of_other_keys_that_bend_the_form(figure_object):
+    basis = figure_object.shape_key_add(name="Basis")
+    for name, value, muted in (
+        ("Bends", 0.5, False),
+        ("Still", 0.0, False),
+        ("Muted", 1.0, True),
+        ("Same", 1.0, False),
+    ):
+        key = figure_object.shape_key_add(name=name, from_mix=False)
+        key.value, key.mute = value, muted
+        if name != "Same":
+            key.data[0].co.x += 1.0
+    bpy.ops.object.canonical_form(**QUICK)
+    told = [each for each in require_record(figure_object.data).report.warnings if "shape keys" in each]
+    assert len(told) == 1
+    assert "bend the form as they bend the mesh: Bends. Set" in told[0]
+    figure_object.data.shape_keys.key_blocks["Bends"].value = 0.0
+    for _ in range(2):  # the second time with the form of the first, which bends
+        bpy.ops.object.canonical_form(**QUICK)
+        assert not [each for each in require_record(figure_object.data).report.warnings if "shape keys" in each]
+    assert basis.name == "Basis"
+
+
+def test_several_objects_have_one_warning_of_a_kind(figure_object, tmp_path):
+    STATES["armature in pose"][0](figure_object, tmp_path)
+    other = figure_object.copy()
+    other.data = figure_object.data.copy()
+    bpy.context.scene.collection.objects.link(other)
+    told = object_warnings([figure_object, other], False, scaled=True)
+    assert len(told) == 1
+    assert f"{figure_object.name}, {other.name}" in told[0]
+    assert told[0].count("Rig") == 1
 
 
 def test_every_other_tool_refuses_what_the_run_refuses(blender):

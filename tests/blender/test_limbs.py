@@ -268,3 +268,14 @@ def test_limbs_and_in_betweens_of_what_is_shown_are_shapes_of_what_is_shown(figu
     assert stretched(read_evaluated(figure_object)[0]) < 1.5 * stretched(form)
     bpy.ops.object.canonical_form(**{**QUICK, "mesh": "SHOWN", "quality": "draft"})
     assert len(require_record(figure_object.data).in_between_keys) == 1
+
+
+def test_another_number_of_in_betweens_takes_the_place_of_the_first(formed):
+    names = []
+    for count in (5, 2):
+        assert bpy.ops.object.canonical_form_in_betweens(count=count) == {"FINISHED"}
+        record = require_record(formed.data)
+        names.append(record.in_between_keys)
+        assert len(record.in_between_keys) == count
+        assert "In-betweens" in drawn(panels.VIEW3D_PT_canonical_form_result)
+    assert not set(names[0]) - set(names[1]) & {key.name for key in formed.data.shape_keys.key_blocks}

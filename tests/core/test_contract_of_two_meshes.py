@@ -22,8 +22,9 @@ def test_any_form_lies_on_any_reference_or_says_why_not(mesh, other):
     if reference is None:
         return
     with suppress(CanonicalFormError):
-        form = canonical_form(*mesh, QUICK, reference=reference)
-        assert form.vertices.shape == mesh[0].shape
+        vertices, faces = mesh
+        form = canonical_form(vertices, faces, QUICK, reference=reference)
+        assert form.vertices.shape == vertices.shape
         assert np.isfinite(form.vertices).all()
         assert len(set(form.feature_points.tolist())) == len(form.feature_points)
 
@@ -32,15 +33,16 @@ def test_any_form_lies_on_any_reference_or_says_why_not(mesh, other):
 @given(meshes(), meshes())
 @pytest.mark.filterwarnings("error::RuntimeWarning")
 def test_any_two_meshes_have_a_match_and_a_pose_or_a_reason(mesh, other):
+    (vertices, faces), (others, other_faces) = mesh, other
     with suppress(CanonicalFormError):
-        found = match(*mesh, *other, QUICK)
+        found = match(vertices, faces, others, other_faces, QUICK)
         assert np.isfinite(found.weights).all()
         assert found.faces.max(initial=-1) < len(found.other_faces)
-        carried = transferred(found, other[0])
+        carried = transferred(found, others)
         assert np.isfinite(carried).all()
     with suppress(CanonicalFormError):
-        posed = pose_like(*mesh, *other, QUICK)
-        assert posed.vertices.shape == mesh[0].shape
+        posed = pose_like(vertices, faces, others, other_faces, QUICK)
+        assert posed.vertices.shape == vertices.shape
         assert np.isfinite(posed.vertices).all()
 
 

@@ -108,6 +108,8 @@ def test_another_side_is_another_match(poses, matched):
     (straight, faces), (bent, bent_faces, _) = poses
     assert len(matched.sides) > 1
     other = match(straight, faces, bent, bent_faces, DRAFT, side=1)
+    doubts = ["match_sides" in [each.kind for each in found.warnings] for found in (matched, other)]
+    assert doubts[0] == doubts[1]  # which side was asked for settles no doubt
     apart = np.linalg.norm(places(other, bent) - places(matched, bent), axis=1)
     assert apart.mean() > 0.1 * np.sqrt(surface_area(bent, bent_faces))
     with pytest.raises(InvalidSettingsError, match="ways to match"):

@@ -55,10 +55,12 @@ def publish(version):
 
 def installed():
     """The version that lies in the folder of the repository; None where none does."""
+    import tomllib
+
     for repo in bpy.context.preferences.extensions.repos:
         manifest = Path(repo.directory) / "canonical_form" / "blender_manifest.toml"
         if repo.name == "Here" and manifest.exists():
-            return re.search(r'^version = "(.*)"', manifest.read_text(encoding="utf-8"), re.MULTILINE)[1]
+            return str(tomllib.loads(manifest.read_text(encoding="utf-8"))["version"])
     return None
 
 
