@@ -56,6 +56,7 @@ def test_figures_are_taken_out_of_words(text, words, figures):
         ("2.0", "1.0", 0.9, False),
         ("2.0", "1.0", 1.0, True),
         ("-1", "1", 0, False),
+        ("0.1", "0", float("inf"), True),
     ],
 )
 def test_a_figure_agrees_to_its_last_digit_or_its_tolerance(told, measured, tolerance, wanted):
@@ -119,19 +120,25 @@ def test_every_tolerance_names_a_column_of_its_page():
 
 
 def test_a_release_is_checked_in_words_and_exit_codes(tmp_path, monkeypatch, capsys):
-    (tmp_path / "tools").mkdir()
+    data = tmp_path / "meshes"
+    for folder in (tmp_path / "tools", data):
+        folder.mkdir()
     (tmp_path / "page.md").write_text(TOLD, encoding="utf-8")
     script = tmp_path / "measure.py"
     script.write_text(f"import sys; print({TOLD!r})", encoding="utf-8")
     monkeypatch.setattr(release_figures, "ROOT", tmp_path)
     monkeypatch.setattr(release_figures, "BENCHMARKS", {"one": Benchmark("page.md", ((str(script), "{data}"),))})
-    assert main([str(tmp_path)]) == 0
+    assert main([str(data)]) == 0
     script.write_text("raise SystemExit(1)", encoding="utf-8")
-    assert main([str(tmp_path)]) == 0  # measured by the same code before
+    assert main([str(data)]) == 0  # measured by the same code before
     (tmp_path / "page.md").write_text(TOLD.replace("0.479", "0.379"), encoding="utf-8")
-    assert main([str(tmp_path)]) == 1
+    assert main([str(data)]) == 1
     assert "says 0.379; measured 0.479" in capsys.readouterr().err
     (tmp_path / "addon").mkdir()
     (tmp_path / "addon" / "changed.py").write_text("", encoding="utf-8")
-    assert main([str(tmp_path)]) == 2
+    assert main([str(data)]) == 2
     assert "one failed" in capsys.readouterr().err
+    (tmp_path / "addon" / "changed.py").unlink()
+    assert main([str(data)]) == 1
+    (data / "another.obj").write_text("", encoding="utf-8")
+    assert main([str(data)]) == 2  # other meshes have other figures

@@ -72,19 +72,25 @@ def suite(blender: str) -> list[str]:
         [python, "-c", TELL], capture_output=True, text=True, check=True
     ).stdout.splitlines()[-1].split("|")  # fmt: skip
     report = FOLDER / f"{blender}.xml"
+    report.unlink(missing_ok=True)  # an earlier run's
     began = time.perf_counter()
-    subprocess.run(
+    done = subprocess.run(
         [python, "-m", "pytest", "-q", "-n", "logical", "--maxprocesses", "4", "--dist", "loadfile",
          f"--junitxml={report}"],
         cwd=ROOT, check=False,
     )  # fmt: skip
     minutes = (time.perf_counter() - began) / 60
+    if not report.exists():
+        return [f"{version} (module)", f"{major}.{minor}", numpy, f"**failed: no report, exit code {done.returncode}**",
+                f"{minutes:.0f} min", ""]  # fmt: skip
     counts = dict.fromkeys(("tests", "failures", "errors", "skipped"), 0)
     for each in ET.parse(report).getroot().iter("testsuite"):
         counts = {name: counts[name] + int(each.get(name, 0)) for name in counts}
     failed = counts["failures"] + counts["errors"]
     passed = counts["tests"] - failed - counts["skipped"]
-    told = f"{passed:,} passed, {counts['skipped']} skipped" + (f", **{failed} failed**" if failed else "")
+    told = f"{passed:,} passed, {counts['skipped']} skipped" + (
+        f", **{failed} failed**" if failed else f", **failed: exit code {done.returncode}**" if done.returncode else ""
+    )
     return [f"{version} (module)", f"{major}.{minor}", numpy, told, f"{minutes:.0f} min", ""]
 
 
@@ -107,13 +113,19 @@ def write(rows: list[list[str]]) -> None:
     old, after = rest.split("<!-- end of blenders -->", 1)
     head = ["Blender", "Python", "numpy", "suite", "time", "commit"]
     commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True).stdout
-    kept = {line.split("|")[1].strip(): line for line in old.splitlines() if re.match(r"\| \d", line)}
+    kept = {_series(line.split("|")[1]): line for line in old.splitlines() if re.match(r"\| [\da]", line)}
     for row in rows:
-        kept[row[0]] = "| " + " | ".join([*row[:-1], commit.strip()]) + " |"
+        kept[_series(row[0])] = "| " + " | ".join([*row[:-1], commit.strip()]) + " |"
     table = ["| " + " | ".join(head) + " |", "| --- " * len(head) + "|", *(kept[name] for name in sorted(kept))]
     PAGE.write_text(
         before + "<!-- blenders -->\n\n" + "\n".join(table) + "\n\n<!-- end of blenders -->" + after, encoding="utf-8"
     )
+
+
+def _series(name: str) -> str:
+    """Shorten the name of a Blender to its series, and whether it is the module or a program."""
+    found = re.search(r"\d+\.\d+", name)
+    return f"{found.group() if found else ''} {'module' if 'module' in name or 'window' not in name else 'window'}"
 
 
 def main(words: list[str]) -> int:

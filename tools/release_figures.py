@@ -3,8 +3,8 @@
 Each benchmark writes its tables as Markdown. Every table and every sentence with figures that it wrote has to stand in
 its page of the documents, with the same words and with figures that are within their tolerance of the measured ones.
 The tolerances are those of tools/release_tolerances.toml; a figure that it does not name has to agree to one unit of
-its last digit. What was measured is kept in build/release by the state of the code, so that a run that was stopped
-goes on, and mending a page measures nothing again.
+its last digit. What was measured is kept in build/release by the state of code, packages and meshes, so that a
+run that was stopped goes on, and mending a page measures nothing again.
 
 With ``--write`` the measured tables and sentences take the place of those on the pages, whose words stay.
 
@@ -15,6 +15,8 @@ from __future__ import annotations
 
 import argparse
 import hashlib
+import importlib.metadata
+import math
 import re
 import subprocess
 import sys
@@ -27,6 +29,9 @@ ROOT = Path(__file__).resolve().parents[1]
 TOLERANCES = ROOT / "tools" / "release_tolerances.toml"
 MEASURED_BY = ("addon", "tools/benchmarks", "tests/meshes")
 """The code on which a figure depends."""
+
+PACKAGES = ("numpy", "scipy", "bpy", "scikit-learn", "potpourri3d")
+"""The packages on which a figure depends."""
 
 _NUMBER = re.compile(r"(?<![\w.,])(?:(?<![^\s(|*])[-+])?(?:\d[\d,]*\.?\d+|\d|\.\d+)(?:e[-+]?\d+)?(?!\w)")
 
@@ -115,7 +120,7 @@ def agrees(told: str, measured: str, tolerance: float) -> bool:
     exponent = int(told.lower().partition("e")[2] or 0)
     unit = 10.0 ** (exponent - len(digits))
     one, two = (float(each.replace(",", "")) for each in (told, measured))
-    return abs(one - two) <= max(1.001 * unit, tolerance * abs(two))
+    return math.isinf(tolerance) or abs(one - two) <= max(1.001 * unit, tolerance * abs(two))
 
 
 @dataclass(frozen=True)
@@ -232,9 +237,14 @@ def _differing(told: str, measured: str, tolerance: float, where: str) -> list[s
     ]
 
 
-def code_state() -> str:
-    """Digest of all code on which a figure depends."""
-    digest = hashlib.sha256()
+def state_of(data: Path) -> str:
+    """Digest of all on which a figure depends: code, Python, packages, and the names, sizes and times of the meshes."""
+    digest = hashlib.sha256(sys.version.encode())
+    for name in PACKAGES:
+        digest.update(f"{name} {importlib.metadata.version(name)}\0".encode())
+    for path in sorted(each for each in data.rglob("*") if each.is_file()):
+        there = path.stat()
+        digest.update(f"{path.relative_to(data)} {there.st_size} {there.st_mtime_ns}\0".encode())
     for folder in MEASURED_BY:
         for path in sorted((ROOT / folder).rglob("*.py")):
             digest.update(f"{path.relative_to(ROOT)}\0".encode() + path.read_bytes())
@@ -274,7 +284,7 @@ def main(arguments: Sequence[str]) -> int:
     parser.add_argument("--only", nargs="*", choices=BENCHMARKS, help="benchmarks to run (default: all)")
     parser.add_argument("--write", action="store_true", help="put what was measured onto the pages")
     options = parser.parse_args(arguments)
-    work = ROOT / "build" / "release" / code_state()
+    work = ROOT / "build" / "release" / state_of(options.data.resolve())
     work.mkdir(parents=True, exist_ok=True)
     tolerances = tomllib.loads(TOLERANCES.read_text(encoding="utf-8"))
     sentences = []

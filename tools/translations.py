@@ -22,7 +22,7 @@ import bpy  # noqa: E402
 import polib  # noqa: E402
 
 import addon  # noqa: E402
-from addon.blender import advice, transfer_task  # noqa: E402
+from addon.blender import advice, transfer_task, wording  # noqa: E402
 from addon.core.method_api.catalogue import methods  # noqa: E402
 from addon.core.run.messages import sentences  # noqa: E402
 from addon.interface import pose_operators, tool_operators  # noqa: E402
@@ -46,42 +46,46 @@ def literals() -> Iterator[str]:
                     yield each.value
 
 
-def registered() -> Iterator[str]:
-    """Labels and tooltips of what is registered with Blender."""
-    kinds = (bpy.types.Operator, bpy.types.Panel, bpy.types.UIList, bpy.types.PropertyGroup, bpy.types.AddonPreferences)
+def registered() -> Iterator[tuple[str, str]]:
+    """Each label of what is registered with Blender, with its tooltip; "" where it has none."""
+    kinds = (bpy.types.Operator, bpy.types.Panel, bpy.types.Menu, bpy.types.UIList, bpy.types.PropertyGroup,
+             bpy.types.AddonPreferences)  # fmt: skip
     for kind in kinds:
         for each in sorted(kind.__subclasses__(), key=lambda found: found.__name__):
             if not each.__module__.startswith("addon.") or not getattr(each, "is_registered", False):
                 continue
-            yield from filter(None, (getattr(each, "bl_label", ""),))
-            if kind is bpy.types.Operator:
-                yield getattr(each, "bl_description", "") or each.__doc__ or ""
+            tooltip = getattr(each, "bl_description", "") or each.__doc__ or "" if kind is bpy.types.Operator else ""
+            yield getattr(each, "bl_label", ""), tooltip
             group, _, name = each.bl_idname.partition(".") if kind is bpy.types.Operator else ("", "", "")
             described = getattr(getattr(bpy.ops, group), name).get_rna_type() if name else each.bl_rna
             own_names = [name for name in described.properties.keys() if name not in described.base.properties]  # noqa: SIM118
             for known in (described.properties[name] for name in own_names):
                 if known.is_hidden:
                     continue
-                yield from (known.name, known.description)
+                yield known.name, known.description
                 for item in getattr(known, "enum_items_static", ()):
-                    yield from (item.name, item.description)
+                    yield item.name, item.description
 
 
-def messages() -> list[str]:
-    """Everything that the extension says, without repetition, in a lasting order."""
+def messages() -> tuple[list[str], set[str]]:
+    """Everything that the extension says, without repetition, in a lasting order; and which of it are tooltips."""
     addon.register()
-    found = [*registered(), *literals(), *sentences(), "Starting"]
+    pairs = [*registered()]
     addon.unregister()
+    tooltips = {tooltip for _, tooltip in pairs} | {method.help for method in methods().values()}
+    found = [*(each for pair in pairs for each in pair), *literals(), *sentences(), "Starting", wording.NAMED_STAGE]
     found += [*advice.ADVICE.values(), advice._NO_MEMORY, *transfer_task._CALLED.values()]
     found += [*pose_operators._DESCRIPTIONS.values(), *tool_operators._DESCRIPTIONS.values()]
     for method in methods().values():
         found += [method.label, method.help]
-    return list(dict.fromkeys(each for each in found if any(letter.isalpha() for letter in each)))
+    said = list(dict.fromkeys(each for each in found if any(letter.isalpha() for letter in each)))
+    return said, tooltips
 
 
-def places(sentence: str) -> set[str]:
-    """Names in braces that a sentence has values for."""
-    return {name for _, name, _, _ in string.Formatter().parse(sentence) if name}
+def places(sentence: str) -> set[tuple[str, str | None, str | None]]:
+    """What a sentence has values for: each name in braces, with how it is written and converted."""
+    parts = string.Formatter().parse(sentence)
+    return {(name, form, conversion) for _, name, form, conversion in parts if name is not None}
 
 
 def brought_up_to_date(path: Path, found: list[str]) -> polib.POFile:
@@ -94,28 +98,38 @@ def brought_up_to_date(path: Path, found: list[str]) -> polib.POFile:
     return made
 
 
-def packed(texts: polib.POFile) -> str:
-    """Write the sentences of a language as the extension reads them."""
+def packed(texts: polib.POFile, tooltips: set[str]) -> str:
+    """Write the sentences of a language as the extension reads them, and which of them are tooltips."""
     words = {entry.msgid: entry.msgstr for entry in texts if entry.msgstr}
-    return json.dumps(words, ensure_ascii=False, indent=0) + "\n"
+    both = {"sentences": words, "tooltips": [english for english in words if english in tooltips]}
+    return json.dumps(both, ensure_ascii=False, indent=0) + "\n"
 
 
 def faults(texts: polib.POFile) -> list[str]:
     """What is missing in a language, or would fail when it is said."""
     missing = [f"no words for: {entry.msgid}" for entry in texts if not entry.msgstr]
-    return missing + [
-        f"other values in braces: {entry.msgid}" for entry in texts
-        if entry.msgstr and places(entry.msgstr) != places(entry.msgid)
-    ]  # fmt: skip
+    return missing + [f"other values in braces: {entry.msgid}" for entry in texts if entry.msgstr and not _fits(entry)]
+
+
+def _fits(entry: polib.POEntry) -> bool:
+    """Tell whether a translation takes the values of its sentence; a sentence without values may hold any braces."""
+    try:
+        wanted = places(entry.msgid)
+    except ValueError:
+        return True
+    try:
+        return places(entry.msgstr) == wanted
+    except ValueError:
+        return not wanted
 
 
 def main(check: bool) -> int:
-    found, wanted, told = messages(), {}, []
+    (found, tooltips), wanted, told = messages(), {}, []
     for path in sorted(TEXTS.glob("*.po")):
         texts = brought_up_to_date(path, found)
         told += [f"{path.stem}: {fault}" for fault in faults(texts)]
         wanted[path] = f"{texts}\n"
-        wanted[PACKED / f"{path.stem}.json"] = packed(texts)
+        wanted[PACKED / f"{path.stem}.json"] = packed(texts, tooltips)
     wanted[TEXTS / "canonical_form.pot"] = f"{brought_up_to_date(Path(os.devnull) / 'template', found)}\n"
     if check:
         told += [f"{path.relative_to(ROOT)} is not current" for path, text in wanted.items()

@@ -214,6 +214,7 @@ def _parser() -> argparse.ArgumentParser:
     matching.add_argument(
         "--objects", "--object", nargs="+", metavar="NAME", help="objects to match (default: the largest)"
     )
+    _add_trust(matching)
     _add_side(matching)
     _add_method(matching, None)
     return parser
@@ -246,7 +247,15 @@ def _add_files(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     what.add_argument("--objects", "--object", nargs="+", metavar="NAME", help="objects to compute (default: all)")
     what.add_argument("--together", action="store_true", help="all objects of a file are one body, in one result")
-    what.add_argument("--trust-scripts", action="store_true", help="run scripts and Python drivers in .blend files")
+    _add_trust(what)
+
+
+def _add_trust(group: argparse._ArgumentGroup | argparse.ArgumentParser) -> None:
+    """Offer to trust the files."""
+    group.add_argument(
+        "--trust-scripts", action="store_true", help="the files are your own: run scripts and Python drivers in .blend "
+        "files, and take in what files name outside their folders",
+    )  # fmt: skip
 
 
 def _add_axes(group: argparse._ArgumentGroup) -> None:

@@ -269,7 +269,7 @@ def read_pose(path: Path, wanted: Wanted) -> Likeness:
         _keep_output_clean()
     from .matching import read_likeness
 
-    return read_likeness(path, wanted.objects, wanted.side)
+    return read_likeness(path, wanted.objects, wanted.side, trusted=wanted.trusted)
 
 
 def compute_match(options: Namespace, target: Path, mark: str, stages: bool) -> Line:

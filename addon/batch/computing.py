@@ -22,12 +22,15 @@ from ..core import CanonicalForm, CanonicalFormError
 from ..core.method_api.costs import memory_estimate
 from ..core.numerics.arrays import FloatArray
 from .arguments import Wanted
-from .lines import Line, failure, stage_line
+from .lines import Line, complain, failure, stage_line
 from .targets import Targets
 
 _LEFT_OFF = (
     "Scripts or Python drivers in this file were left off; what they would move is not moved. "
     "If you trust the file, add --trust-scripts."
+)
+_PICTURES_LEFT_OUT = (
+    "Pictures from outside the folder of this file were left out: {}. If you trust the file, add --trust-scripts."
 )
 
 
@@ -103,7 +106,7 @@ def reference_in_blender(path: Path, wanted: Wanted) -> CanonicalForm:
     CanonicalFormError
         If it cannot be read or computed.
     """
-    objects = open_meshes(path, trusted=wanted.trusted)
+    objects = _opened_reference(path, wanted.trusted)
     objects = [obj for obj in objects if obj.name in wanted.objects] or objects
     if wanted.frames:
         bpy.context.scene.frame_set(wanted.frames[0])
@@ -119,7 +122,7 @@ def reference_in_blender(path: Path, wanted: Wanted) -> CanonicalForm:
     return item.whole_form
 
 
-def likeness_in_blender(path: Path, names: Sequence[str], side: int) -> Likeness:
+def likeness_in_blender(path: Path, names: Sequence[str], side: int, *, trusted: bool) -> Likeness:
     """Read the pose of the largest mesh of a file.
 
     Parameters
@@ -130,6 +133,8 @@ def likeness_in_blender(path: Path, names: Sequence[str], side: int) -> Likeness
         Names of the objects wanted, where it has them.
     side : int
         Which way to match: -1 for the likeliest, or its number.
+    trusted : bool
+        Whether scripts and Python drivers in a .blend file run.
 
     Returns
     -------
@@ -141,9 +146,17 @@ def likeness_in_blender(path: Path, names: Sequence[str], side: int) -> Likeness
     CanonicalFormError
         If it cannot be read.
     """
-    objects = open_meshes(path)
+    objects = _opened_reference(path, trusted)
     chosen = [obj for obj in objects if obj.name in names] or objects
     return read_likeness(max(chosen, key=lambda obj: len(obj.data.vertices)), side)
+
+
+def _opened_reference(path: Path, trusted: bool) -> list[bpy.types.Object]:
+    """Open the file that others are measured by; what was left off is told at once, as it has no line of its own."""
+    objects = open_meshes(path, trusted=trusted)
+    if scripts_left_off(path):
+        complain(f"{path}: {_LEFT_OFF}")
+    return objects
 
 
 def _saved(lines: list[Line], whole: Path, targets: Targets, wanted: Wanted) -> list[Line]:
@@ -220,10 +233,12 @@ def _computed(
                 for obj, result in zip(map(bpy.data.objects.get, item.written_to), item.results, strict=True)
             ]
             targets.require_new(target)
-            save_forms(target, shown, wanted.mark)
+            left_out = save_forms(target, shown, wanted.mark, pictures=None if wanted.trusted else path.parent)
             bpy.data.batch_remove([each.obj for each in shown if each.obj not in group])
+            if left_out:
+                item.results[0].report.warnings.append(_PICTURES_LEFT_OUT.format(", ".join(left_out)))
         report = item.results[0].report
-        if scripts_left_off():
+        if scripts_left_off(path):
             report.warnings.append(_LEFT_OFF)
         return {**line, "output": str(target), "memory_estimate": memory, "pieces": report.pieces, **report.as_json()}
     except Exception as error:  # any: the meshes after it are still to be computed

@@ -54,7 +54,28 @@ def complain(text: str) -> None:
     text : str
         A sentence.
     """
-    print(f"canonical_form: {text}", file=sys.stderr, flush=True)
+    print(f"canonical_form: {plain(text)}", file=sys.stderr, flush=True)
+
+
+def plain(text: str) -> str:
+    r"""Replace what a terminal would obey: names in files may hold anything.
+
+    Parameters
+    ----------
+    text : str
+        A text.
+
+    Returns
+    -------
+    str
+        The text in one line, with a question mark for every character that is not printed.
+
+    Examples
+    --------
+    >>> plain("Leg[2J")
+    'Leg?[2J'
+    """
+    return "".join(each if each.isprintable() else "?" for each in text.replace("\n", " "))
 
 
 @contextmanager
@@ -78,7 +99,7 @@ def stage_line(name: str, wanted: bool) -> Iterator[Any]:
         return
 
     def show(done: float, stage: str) -> None:
-        sys.stderr.write(f"\r{name}: {100 * done:3.0f} % {stage}\x1b[K")
+        sys.stderr.write(f"\r{plain(name)}: {100 * done:3.0f} % {stage}\x1b[K")
         sys.stderr.flush()
 
     try:

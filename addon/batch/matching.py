@@ -39,7 +39,8 @@ def match_files(options: Namespace, target: Path, mark: str, stages: bool) -> Li
     one, other = options.meshes
     line: Line = {"input": str(one), "other": str(other)}
     try:
-        here, there = (read_likeness(path, options.objects or ()).reference for path in (one, other))
+        trusted = options.trust_scripts
+        here, there = (read_likeness(path, options.objects or (), trusted=trusted).reference for path in (one, other))
         assert here is not None
         assert there is not None
         with stage_line(f"{one.name} and {other.name}", stages) as progress:
@@ -67,7 +68,7 @@ def match_files(options: Namespace, target: Path, mark: str, stages: bool) -> Li
     }
 
 
-def read_likeness(path: Path, names: Sequence[str], side: int = -1) -> Likeness:
+def read_likeness(path: Path, names: Sequence[str], side: int = -1, *, trusted: bool = False) -> Likeness:
     """Read the pose of the mesh of a file, of several the largest, with Blender or without.
 
     Parameters
@@ -78,6 +79,8 @@ def read_likeness(path: Path, names: Sequence[str], side: int = -1) -> Likeness:
         Names of the objects wanted, where it has them.
     side : int
         Which way to match: -1 for the likeliest, or its number.
+    trusted : bool
+        Whether scripts and Python drivers in a .blend file run.
 
     Returns
     -------
@@ -92,7 +95,7 @@ def read_likeness(path: Path, names: Sequence[str], side: int = -1) -> Likeness:
     if has_blender():
         from .computing import likeness_in_blender
 
-        return likeness_in_blender(path, names, side)
+        return likeness_in_blender(path, names, side, trusted=trusted)
     vertices, polygons = read_plain(path)
     return Likeness("OBJECT", path.stem, PoseArrays(vertices, fans(polygons), vertices), side)
 

@@ -64,7 +64,7 @@ def read_plain(path: Path) -> tuple[FloatArray, list[list[int]]]:
         vertices, polygons = {".off": read_off, ".obj": _read_obj, ".ply": _read_ply}[kind](path)
     except InvalidMeshError:
         raise
-    except (ValueError, IndexError, KeyError, UnicodeDecodeError) as error:
+    except (ArithmeticError, LookupError, TypeError, ValueError) as error:
         raise InvalidMeshError(f"{path.name} is damaged or not a {kind} file.") from error
     polygons = [each for each in polygons if len(each) > 2]
     if not polygons:
@@ -161,10 +161,22 @@ def _read_ply(path: Path) -> tuple[FloatArray, list[list[int]]]:
     reader = _Text(body) if order is None else _Binary(body, order)
     found: dict[str, list[dict[str, Any]]] = {}
     for name, count, properties in elements:
-        found[name] = [{words[-1]: reader.value(words) for words in properties} for _ in range(count)]
+        if count < 0 or count * min(len(properties), 1) > len(body):  # every value takes a byte at least
+            raise ValueError("cut short")
+        found[name] = [
+            {words[-1]: reader.value(words) for words in properties} for _ in range(count if properties else 0)
+        ]
     points = [[row["x"], row["y"], row["z"]] for row in found["vertex"]]
     lists = [row.get("vertex_indices", row.get("vertex_index")) for row in found.get("face", [])]
     return np.array(points, dtype=np.float64).reshape(-1, 3), [[int(each) for each in row or ()] for row in lists]
+
+
+def _counted(value: Any) -> int:
+    """Take the length of a list."""
+    count = int(value)
+    if count < 0:
+        raise ValueError("a list of less than nothing")
+    return count
 
 
 class _Text:
@@ -181,7 +193,7 @@ class _Text:
 
     def value(self, words: list[str]) -> Any:
         if words[0] == "list":
-            return [float(self._next()) for _ in range(int(self._next()))]
+            return [float(self._next()) for _ in range(_counted(self._next()))]
         return float(self._next())
 
 
@@ -199,5 +211,5 @@ class _Binary:
 
     def value(self, words: list[str]) -> Any:
         if words[0] == "list":
-            return self._read(words[2], int(self._read(words[1], 1)[0]))
+            return self._read(words[2], _counted(self._read(words[1], 1)[0]))
         return self._read(words[0], 1)[0]

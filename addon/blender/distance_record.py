@@ -7,6 +7,8 @@ from typing import NamedTuple
 
 import bpy
 
+from .stored_values import listed, named, words
+
 DISTANCES_PROPERTY = "canonical_form_distances"
 _COLOURS, _WEIGHTS = " colours", " weights"
 
@@ -43,10 +45,10 @@ def read_distances(mesh: bpy.types.Mesh) -> dict[str, WrittenField]:
     """
     text = mesh.get(DISTANCES_PROPERTY)
     try:
-        entries = json.loads(text) if isinstance(text, str) else {}
+        entries = named(lambda pair: listed(words, pair, 2), json.loads(text) if isinstance(text, str) else {})
         names = [entry.removesuffix(_COLOURS) for entry in entries if entry.endswith(_COLOURS)]
         return {name: WrittenField(*entries[name + _COLOURS], *entries[name + _WEIGHTS]) for name in names}
-    except (AttributeError, KeyError, TypeError, ValueError):  # the user's own property of that name
+    except (KeyError, ValueError, RecursionError):  # the user's own property of that name, or a stranger's
         return {}
 
 

@@ -13,7 +13,7 @@ from .combining import touching
 from .form_item import FormItem
 from .object_states import muted_results, object_mode
 from .request import Request
-from .wording import told
+from .wording import named_stage, told
 
 if TYPE_CHECKING:
     from ..core.results import AnyResult
@@ -115,7 +115,7 @@ class FormTask:
 
             def report(done: float, stage: str, number: int = number, name: str = item.name) -> None:
                 if progress is not None:
-                    progress((number + done) / count, stage if count == 1 else f"{name}: {stage}")
+                    progress((number + done) / count, stage if count == 1 else named_stage(name, stage))
 
             try:
                 item.compute(self.request, report, cancelled)
@@ -159,7 +159,10 @@ class FormTask:
                 groups = touching(readings, together=self.request.settings.together, cancelled=cancelled)
             except InvalidMeshError as error:
                 self._unread.append(
-                    told("The objects were computed one by one, since together they cannot be. {error}", error=error)
+                    told(
+                        "The objects were computed one by one, since together they cannot be. {error}",
+                        error=explained(error),
+                    )
                 )
                 return
         self.items = [FormItem.joined([sound[index] for index in group], self.request) for group in groups] + broken

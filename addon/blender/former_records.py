@@ -18,7 +18,7 @@ def brought_up_to_date(data: dict[str, Any]) -> dict[str, Any]:
     Returns
     -------
     dict
-        The record as `Record.from_json` reads it: a name without a fingerprint counts as ours while it is there.
+        The record as `Record.from_json` reads it. Nothing tells whether an item without a fingerprint was edited.
 
     Raises
     ------

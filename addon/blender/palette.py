@@ -37,6 +37,8 @@ _VISIONS = np.array(  # linear colours as seen: by most, and without the first, 
 _LIGHTNESS = np.array([0.70, 0.48, 0.92, 0.59, 0.81])
 _GREY = np.array([0.2, 0.2, 0.2, 1.0])
 _GOLDEN_TURN = 0.618033988749895
+_MOST_CHOICES = 600  # of colours
+_ENOUGH = 0.05  # between the colours of two patches, in OKLab
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,7 +165,7 @@ def patch_colours(patches: IntArray, faces: IntArray) -> FloatArray:
         Linear red, green, blue and alpha 1, one row for each patch.
     """
     count = int(patches.max()) + 1
-    turns = np.arange(max(5 * count, 60))
+    turns = np.arange(min(max(5 * count, 60), _MOST_CHOICES))
     hue = 2 * np.pi * (0.08 + turns * _GOLDEN_TURN)
     chroma = np.column_stack([np.cos(hue), np.sin(hue)]) * 0.13
     choices = _linear(np.column_stack([_LIGHTNESS[turns % len(_LIGHTNESS)], chroma]))
@@ -177,7 +179,8 @@ def patch_colours(patches: IntArray, faces: IntArray) -> FloatArray:
         beside = np.unique(neighbours[(neighbours == patch).any(axis=1)])
         near = [taken[other] for other in beside[beside < patch]]
         gaps = np.linalg.norm(looks[:, :, None] - looks[:, None, near], axis=-1).min(axis=(0, 2), initial=1.0)
-        taken.append(int(np.argmax(np.minimum(distance, gaps))))
+        both = np.minimum(distance, gaps)
+        taken.append(int(np.argmax(both if both.max() > _ENOUGH else gaps)))  # of many, neighbours alone are looked at
         # patches that do not touch may be more alike
         apart = np.linalg.norm(looks - looks[:, taken[-1:]], axis=-1).min(axis=0)
         distance = np.minimum(distance, 2 * apart)

@@ -14,6 +14,7 @@ import numpy as np
 
 from ..core import InvalidMeshError
 from .file_access import require_readable
+from .foreign_files import require_own_buffers
 from .kinds_of_files import IMPORTERS, READ
 from .off_format import read_off
 
@@ -66,7 +67,8 @@ def open_meshes(
     shared : bool
         Whether objects that share a mesh count as one: the first of them is listed.
     trusted : bool
-        Whether scripts and Python drivers in a .blend file run. A stranger's could do anything.
+        Whether the file is one's own: scripts and Python drivers in a .blend run, which could do anything, and what it
+        names outside its folder may come into the results.
 
     Returns
     -------
@@ -85,7 +87,11 @@ def open_meshes(
         with quiet():
             if path.suffix.lower() == ".blend":
                 bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False, use_scripts=trusted)
+                if not trusted:
+                    bpy.data.use_autopack = False  # saving would take in every file that it names
             else:
+                if not trusted and path.suffix.lower() in (".glb", ".gltf"):
+                    require_own_buffers(path)
                 _empty()
                 _import(path)
     except RuntimeError as error:
@@ -105,15 +111,20 @@ def open_meshes(
     return list(found.values())
 
 
-def scripts_left_off() -> bool:
+def scripts_left_off(path: Path) -> bool:
     """Tell whether the open file has scripts or drivers that would have run in a trusted one.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
 
     Returns
     -------
     bool
         Whether Blender left something off.
     """
-    return bool(bpy.app.autoexec_fail)
+    return path.suffix.lower() == ".blend" and bool(bpy.app.autoexec_fail)  # of others it tells what the last had
 
 
 def last_line(error: Exception) -> str:

@@ -21,7 +21,7 @@ from .wording import told
 
 RECORD_PROPERTY = "canonical_form_record"
 
-Fingerprints = dict[str, str | None]  # by name; None for an item that an interrupted run has not finished
+Fingerprints = dict[str, str | None]  # by name; None while it is written, and in records of the first builds
 
 
 @dataclass

@@ -21,6 +21,7 @@ def replaced(path: Path, write: Callable[[Path], object], mark: str = "") -> Non
     """
     partial = path.with_name(f".{path.stem}.{mark or os.getpid()}.partial{path.suffix}")
     try:
+        partial.unlink(missing_ok=True)  # a link that lies there would be followed
         write(partial)
         partial.replace(path)
     finally:

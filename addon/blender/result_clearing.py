@@ -8,6 +8,7 @@ import numpy as np
 from .active_items import active_items, active_keys_elsewhere, restore_active_items, restore_active_keys
 from .fingerprints import colour_fingerprint, fingerprint, group_fingerprints, key_fingerprint
 from .form_key import remove_all_keys, remove_drivers
+from .hidden_attributes import HIDDEN_FORM, HIDDEN_PATCHES
 from .in_betweens import remove_in_betweens
 from .object_states import object_mode
 from .record import Record, read_record, remove_record
@@ -25,7 +26,7 @@ def clear_from(obj: bpy.types.Object) -> list[str]:
     Returns
     -------
     list of str
-        Names of results that stay because they have been changed since they were written.
+        Names of results that stay because they may hold the user's changes.
 
     Raises
     ------
@@ -36,80 +37,93 @@ def clear_from(obj: bpy.types.Object) -> list[str]:
         return clear_results(obj)
 
 
-def clear_results(obj: bpy.types.Object) -> list[str]:
+def clear_results(obj: bpy.types.Object, *, unfinished: bool = False) -> list[str]:
     """Remove the results of the last run from a mesh and activate what was active before it.
 
     Parameters
     ----------
     obj : bpy.types.Object
         The object, in Object Mode.
+    unfinished : bool
+        Whether the run is this one and failed: what it has not finished is removed, too.
 
     Returns
     -------
     list of str
-        Names of results that stay because they have been changed since they were written.
+        Names of results that stay because they may hold the user's changes.
     """
     mesh = obj.data
     record = read_record(mesh)
     if record is None:
         return []
     active, elsewhere = active_items(obj), active_keys_elsewhere(obj)
-    left = remove_results(obj, record)
+    left = remove_results(obj, record, unfinished=unfinished)
     restore_active_items(obj, active.replaced(record.written_items().without(left), by=record.active_before))
     restore_active_keys(elsewhere)
     mesh.update()
     return left
 
 
-def remove_results(obj: bpy.types.Object, record: Record, keep_key: bool = False) -> list[str]:
+def remove_results(
+    obj: bpy.types.Object, record: Record, *, keep_key: bool = False, unfinished: bool = False
+) -> list[str]:
     """Remove the items of a record that are unchanged, and the record.
+
+    An item is unchanged where its fingerprint says so. A record may be a stranger's: what has no fingerprint stays.
 
     Parameters
     ----------
     obj : bpy.types.Object
         The object, in Object Mode.
     record : Record
-        The record. Items whose fingerprint is None are removed as they are: the run that wrote them was interrupted.
+        The record.
     keep_key : bool
         Keep the form's shape key and the Basis.
+    unfinished : bool
+        Whether the record is that of a run that failed just now: then an item without a fingerprint is half written.
 
     Returns
     -------
     list of str
-        Names of items that stay because they have been changed since they were written.
+        Names of items that stay because they may hold the user's changes.
     """
     mesh = obj.data
     release(mesh.shape_keys)
     left = remove_in_betweens(obj)
     if not keep_key:
-        left += _remove_keys(obj, record)
+        left += _remove_keys(obj, record, unfinished)
     found = group_fingerprints(obj, record.groups)
     for name, known in record.groups.items():
-        if name in found and known in (None, found[name]):
+        if name in found and _is_ours(known, found[name], unfinished):
             obj.vertex_groups.remove(obj.vertex_groups[name])
         elif name in found:
             left.append(name)
     for name, known in record.colours.items():
         attribute = mesh.color_attributes.get(name)
-        if attribute is not None and known in (None, colour_fingerprint(attribute)):
+        if attribute is not None and _is_ours(known, colour_fingerprint(attribute), unfinished):
             mesh.color_attributes.remove(attribute)
         elif attribute is not None:
             left.append(name)
-    for name in record.hidden:
-        if name in mesh.attributes:
-            mesh.attributes.remove(mesh.attributes[name])
+    for hidden in (HIDDEN_PATCHES, HIDDEN_FORM):  # by our names: a record may name any attribute
+        if hidden.name in record.hidden and hidden.name in mesh.attributes:
+            mesh.attributes.remove(mesh.attributes[hidden.name])
     remove_record(mesh)
     return left
 
 
-def _remove_keys(obj: bpy.types.Object, record: Record) -> list[str]:
+def _is_ours(known: str | None, now: str, unfinished: bool) -> bool:
+    """Return whether an item is as a run wrote it, or was being written when the run failed."""
+    return known == now or (unfinished and known is None)
+
+
+def _remove_keys(obj: bpy.types.Object, record: Record, unfinished: bool) -> list[str]:
     """Remove the form's key, and the Basis if the run added it and nothing else is left; list what stays."""
     keys, left = obj.data.shape_keys, []
     for name, known in record.keys.items():
         key = keys.key_blocks.get(name) if keys is not None else None
         if key is None:
             continue
-        if key != keys.reference_key and known in (None, key_fingerprint(key)):
+        if key != keys.reference_key and _is_ours(known, key_fingerprint(key), unfinished):
             remove_drivers(key)
             obj.shape_key_remove(key)
         else:

@@ -24,6 +24,7 @@ from .mesh_reading import basis_positions
 from .record import Part, Record, read_record, require_record, write_record
 from .result_clearing import clear_results, remove_results
 from .slider import release
+from .wording import told
 
 if TYPE_CHECKING:
     from ..core.numerics.arrays import FloatArray
@@ -105,7 +106,11 @@ def write_results(
         remove_in_betweens(obj)
         record.groups, record.colours, record.hidden, record.palette = old.groups, old.colours, old.hidden, old.palette
     elif old is not None:
-        remove_results(obj, old, keep_key=kept_key is not None)
+        left = remove_results(obj, old, keep_key=kept_key is not None)
+        if left:
+            report.warnings.append(
+                told("Kept beside the new results, since they may hold your changes: {left}.", left=", ".join(left))
+            )
         if mesh.shape_keys is not None and mesh.shape_keys.reference_key.name == old.basis:  # beside other keys
             record.basis, record.basis_fingerprint = old.basis, old.basis_fingerprint
     done = False
@@ -130,7 +135,7 @@ def write_results(
     finally:
         write_record(mesh, record)
         if not done:
-            clear_results(obj)
+            clear_results(obj, unfinished=True)
     restore_active_items(obj, active.kept(existing_items(obj), otherwise=record.active_before))
     if form is not None and active.shape_key is None:
         obj.active_shape_key_index = mesh.shape_keys.key_blocks.find(next(iter(record.keys)))

@@ -82,14 +82,14 @@ def words(value: Any) -> str:
     Raises
     ------
     ValueError
-        If it is none.
+        If it is none, or none that Blender can show.
 
     Examples
     --------
     >>> words("Basis")
     'Basis'
     """
-    if isinstance(value, str):
+    if isinstance(value, str) and not any("\ud800" <= each <= "\udfff" for each in value):
         return value
     raise ValueError(f"{value!r:.40} is not a text.")
 

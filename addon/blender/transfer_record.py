@@ -8,6 +8,7 @@ import bpy
 
 from .fingerprints import colour_fingerprint, group_fingerprints, key_fingerprint, uv_fingerprint
 from .form_key import remove_drivers
+from .stored_values import named, words
 
 TRANSFERS_PROPERTY = "canonical_form_transfers"
 KINDS = ("groups", "uvs", "colours", "keys")
@@ -30,9 +31,9 @@ def read_transfers(mesh: bpy.types.Mesh) -> Written:
     """
     text = mesh.get(TRANSFERS_PROPERTY)
     try:
-        known = json.loads(text) if isinstance(text, str) else {}
-        return {kind: {str(name): str(print_) for name, print_ in known.get(kind, {}).items()} for kind in KINDS}
-    except (AttributeError, ValueError):  # the user's own property of that name
+        known = named(lambda prints: named(words, prints), json.loads(text) if isinstance(text, str) else {})
+        return {kind: known.get(kind, {}) for kind in KINDS}
+    except (ValueError, RecursionError):  # the user's own property of that name, or a stranger's
         return {kind: {} for kind in KINDS}
 
 

@@ -9,6 +9,7 @@ import bpy
 from ..core.run.messages import Message
 
 CONTEXT = "Canonical Form"  # what is ours among the words that Blender knows: its "Normal" is a direction
+NAMED_STAGE = "{name}: {stage}"
 
 
 def told(sentence: str, /, **values: Any) -> str:
@@ -52,6 +53,44 @@ def told_message(message: str) -> str:
         return str(message)
     values = {name: told_message(each) if isinstance(each, Message) else each for name, each in message.numbers.items()}
     return told(message.sentence, **values)
+
+
+def named_stage(name: str, stage: str) -> Message:
+    """Say of which object a stage of progress is.
+
+    Parameters
+    ----------
+    name, stage : str
+        Name of the object, and the stage in English.
+
+    Returns
+    -------
+    Message
+        Both; `told_stage` says it in the language of Blender's interface.
+
+    Examples
+    --------
+    >>> print(named_stage("Cube", "Distances"))
+    Cube: Distances
+    """
+    numbers = {"name": name, "stage": Message(stage, sentence=stage)}
+    return Message(NAMED_STAGE.format(**numbers), numbers=numbers, sentence=NAMED_STAGE)
+
+
+def told_stage(stage: str) -> str:
+    """Say a stage of progress in the language of Blender's interface.
+
+    Parameters
+    ----------
+    stage : str
+        The stage in English, or what `named_stage` made.
+
+    Returns
+    -------
+    str
+        The stage.
+    """
+    return told_message(stage) if isinstance(stage, Message) else told(stage)
 
 
 def _translated(sentence: str) -> str:

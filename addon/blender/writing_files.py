@@ -12,12 +12,14 @@ import numpy as np
 
 from ..core import InvalidMeshError
 from ..core.numerics.arrays import FloatArray, IntArray
+from .foreign_files import without_foreign_pictures
 from .form_key import remove_all_keys
 from .kinds_of_files import EXPORTERS
 from .reading_files import last_line, quiet
 from .replacing_files import replaced
 
 _USD_MAGIC, _ZSTD_MAGIC, _ZSTD_END = b"PXR-USDC", b"\x28\xb5\x2f\xfd", b"\xb1\xea\x92\x8f"
+_PICTURES_STAY = {"export_textures_mode": "KEEP", "export_textures": False}  # copies of like names would collide
 _TOLD: dict[str, dict[str, Any]] = {  # to the exporters: only what is selected is written, and no animation
     "glb": {
         "use_selection": True,
@@ -28,6 +30,7 @@ _TOLD: dict[str, dict[str, Any]] = {  # to the exporters: only what is selected 
     "fbx": {"use_selection": True, "object_types": {"MESH"}, "bake_anim": False},
     "usdc": {"selected_objects_only": True, "export_animation": False},
 }
+_OWN_MTL = "# By Canonical Form"  # first line of a .mtl that a later run may replace
 
 
 class Shown(NamedTuple):
@@ -70,7 +73,7 @@ def save_blend(path: Path, mark: str = "") -> None:
     replaced(path, write, mark)
 
 
-def save_forms(path: Path, shown: Sequence[Shown], mark: str = "") -> None:
+def save_forms(path: Path, shown: Sequence[Shown], mark: str = "", *, pictures: Path | None = None) -> list[str]:
     """Write forms with the polygons, UV maps and materials of their meshes.
 
     .obj and .ply hold one form, in its own space and in the vertex order of the mesh; .obj has the patches as groups
@@ -86,6 +89,13 @@ def save_forms(path: Path, shown: Sequence[Shown], mark: str = "") -> None:
         The forms.
     mark : str
         As in `replaced`.
+    pictures : Path, optional
+        Folder of which pictures may come into a .glb; all may where it is left out.
+
+    Returns
+    -------
+    list of str
+        Names of the pictures that are left out.
 
     Raises
     ------
@@ -94,15 +104,35 @@ def save_forms(path: Path, shown: Sequence[Shown], mark: str = "") -> None:
     """
     kind = path.suffix[1:]
     if kind in EXPORTERS:
-        replaced(path, lambda partial: _export(partial, kind, shown), mark)
-        return
+        with without_foreign_pictures([each.obj for each in shown], pictures if kind == "glb" else None) as left_out:
+            replaced(path, lambda partial: _export(partial, kind, shown), mark)
+        return left_out
     (one,) = shown
-    text = _as_obj(one, path) if kind == "obj" else _as_ply(one)
     materials = [slot.material for slot in one.obj.material_slots if slot.material is not None]
+    beside = _free_mtl(path)
+    text = _as_obj(one, beside.name) if kind == "obj" else _as_ply(one)
     if kind == "obj" and materials:
-        lines = [line for material in materials for line in _as_mtl(material)]
-        replaced(path.with_suffix(".mtl"), lambda partial: _write(partial, "\n".join(lines) + "\n"), mark)
+        lines = [_OWN_MTL, *(line for material in materials for line in _as_mtl(material))]
+        replaced(beside, lambda partial: _write(partial, "\n".join(lines) + "\n"), mark)
     replaced(path, lambda partial: _write(partial, text), mark)
+    return []
+
+
+def _free_mtl(path: Path) -> Path:
+    """Name the materials of an .obj: never those that lie there and are not ours, which may be those that were read."""
+    number, found = 1, path.with_suffix(".mtl")
+    while found.exists() and not _starts_with(found, _OWN_MTL):
+        number += 1
+        found = path.with_name(f"{path.stem}-{number}.mtl")
+    return found
+
+
+def _starts_with(path: Path, text: str) -> bool:
+    """Return whether a file begins with a text."""
+    if not path.is_file():
+        return False
+    with path.open("rb") as file:
+        return file.read(len(text)) == text.encode()
 
 
 def _write(path: Path, text: str) -> None:
@@ -117,10 +147,13 @@ def _export(path: Path, kind: str, shown: Sequence[Shown]) -> None:
         raise InvalidMeshError(f"This Blender ({bpy.app.version_string}) does not write .{kind}. Choose another kind.")
     for obj in bpy.context.view_layer.objects:
         obj.select_set(False)
+    write = getattr(getattr(bpy.ops, group), operator)
+    known = write.get_rna_type().properties
+    told = _TOLD[kind] | {name: value for name, value in _PICTURES_STAY.items() if name in known}
     copies = [_copy(each) for each in shown]
     try:
         with quiet():
-            getattr(getattr(bpy.ops, group), operator)(filepath=str(path), **_TOLD[kind])
+            write(filepath=str(path), **told)
     except RuntimeError as error:
         raise InvalidMeshError(f"Blender cannot write {path.suffix}: {last_line(error)}") from error
     finally:
@@ -161,11 +194,11 @@ def _copy(shown: Shown) -> bpy.types.Object:
     return copy
 
 
-def _as_obj(shown: Shown, path: Path) -> str:
+def _as_obj(shown: Shown, beside: str) -> str:
     """Write a form as .obj: vertices, UVs of the active map, polygons with their groups and materials."""
     mesh = shown.obj.data
     names = [slot.material.name if slot.material else "" for slot in shown.obj.material_slots]
-    lines = [f"mtllib {path.with_suffix('.mtl').name}"] if any(names) else []
+    lines = [f"mtllib {beside}"] if any(names) else []
     lines += [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in shown.form.tolist()]
     corner_uv: list[int] | None = None
     if mesh.uv_layers.active is not None:

@@ -22,6 +22,7 @@ from .method_api.surface_features import DETECTION
 from .opening import OPENING, features_of, opened
 from .results import Match
 from .run.errors import CancelledError, CanonicalFormError, InvalidSettingsError
+from .run.messages import message
 from .run.monitor import Cancelled, Monitor, Progress
 
 _UNFOLDED = 0.4  # of the work, one mesh
@@ -177,7 +178,7 @@ def matched_bodies(
     except CancelledError:
         raise
     except CanonicalFormError as error:
-        raise error.about("The other mesh") from error
+        raise error.about(message("other_mesh")) from error
     monitor.extend(one.warnings)
     order, other_order = (_by_area(each) for each in (bodies, others))
     if len(order) != len(other_order):

@@ -11,7 +11,7 @@ from ..blender.wording import CONTEXT
 from .preferences import PACKAGE
 
 LANGUAGES = Path(__file__).parents[1] / "languages"  # a file for each, named after Blender's name for it
-_CONTEXTS = (CONTEXT, "*")  # where Blender looks: for what is ours, and for tooltips, which have no context
+_NO_CONTEXT = "*"  # where Blender looks for tooltips; labels there would translate those of other extensions, too
 
 
 def catalogues() -> dict[str, dict[tuple[str, str], str]]:
@@ -30,7 +30,8 @@ def catalogues() -> dict[str, dict[tuple[str, str], str]]:
     found = {}
     for path in sorted(LANGUAGES.glob("*.json")):
         words = json.loads(path.read_text(encoding="utf-8"))
-        found[path.stem] = {(context, english): said for english, said in words.items() for context in _CONTEXTS}
+        found[path.stem] = {(CONTEXT, english): said for english, said in words["sentences"].items()}
+        found[path.stem] |= {(_NO_CONTEXT, english): words["sentences"][english] for english in words["tooltips"]}
     return found
 
 

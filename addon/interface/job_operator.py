@@ -10,7 +10,7 @@ import bpy
 
 from ..blender.advice import explained
 from ..blender.jobs import Job
-from ..blender.wording import CONTEXT, told
+from ..blender.wording import CONTEXT, told, told_stage
 from ..core import CancelledError, CanonicalFormError, KeptStages
 
 _TICK = 0.1  # seconds between two timer events
@@ -202,7 +202,7 @@ def show_progress(context: bpy.types.Context, job: Job) -> None:
     job.shown_at = perf_counter()
     if context.workspace is not None:
         context.workspace.status_text_set(
-            told("Canonical Form: {done:.0%} {stage}   (Esc to cancel)", done=job.fraction, stage=told(job.stage))
+            told("Canonical Form: {done:.0%} {stage}   (Esc to cancel)", done=job.fraction, stage=told_stage(job.stage))
         )
     redraw_sidebars(context)
 

@@ -145,7 +145,7 @@ class OBJECT_OT_canonical_form_remove_in_betweens(bpy.types.Operator):
                 left += remove_in_betweens(each)
             lead([each for each in objects if form_key(each.data) is not None])
         if left:
-            self.report({"WARNING"}, told("Kept, since they were changed after the run: {left}.", left=", ".join(left)))
+            self.report({"WARNING"}, told("Kept, since they may hold your changes: {left}.", left=", ".join(left)))
         return {"FINISHED"}
 
 

@@ -104,9 +104,7 @@ class OBJECT_OT_canonical_form_clear(bpy.types.Operator):
                 return {"CANCELLED"}
             list_patches(obj.data)
             if left:
-                self.report(
-                    {"WARNING"}, told("Kept, since they were changed after the run: {left}.", left=", ".join(left))
-                )
+                self.report({"WARNING"}, told("Kept, since they may hold your changes: {left}.", left=", ".join(left)))
         if not any_result():
             restore_shading(context)
         return {"FINISHED"}

@@ -11,7 +11,7 @@ from ..blender.in_betweens import PROPERTY, has_in_betweens, renamed_keys
 from ..blender.limb_states import limbs_of
 from ..blender.meant_objects import armature_of, meant_object, meant_objects, require_object
 from ..blender.record import Record, require_record
-from ..blender.wording import CONTEXT, told
+from ..blender.wording import CONTEXT, told, told_stage
 from ..core import Settings
 from ..core.method_api.catalogue import FEATURE_OPTIONS, OURS, methods
 from ..core.method_api.costs import PIECE_SECONDS, memory_estimate, time_estimate
@@ -26,7 +26,7 @@ from .limb_operators import (
 from .live_update import OBJECT_OT_canonical_form_live
 from .operators import OBJECT_OT_canonical_form, OBJECT_OT_canonical_form_clear
 from .pose_panel import VIEW3D_PT_canonical_form_pose_like
-from .properties import METHOD_NAMES, hand_over
+from .properties import METHOD_NAMES, chosen_value, hand_over
 from .sidebar import Tab, record_of
 from .tool_operators import OBJECT_OT_canonical_form_choose, OBJECT_OT_canonical_form_distance
 
@@ -63,7 +63,7 @@ class VIEW3D_PT_canonical_form(Tab, bpy.types.Panel):
         if job is not None:
             row = layout.row(align=True)
             row.scale_y = _BUTTON_SCALE
-            row.progress(factor=job.fraction, text=f"{job.fraction:.0%}  {told(job.stage)}", type="BAR")
+            row.progress(factor=job.fraction, text=f"{job.fraction:.0%}  {told_stage(job.stage)}", type="BAR")
             row.operator(OBJECT_OT_canonical_form_cancel.bl_idname, text="", icon="X")
         else:
             row = layout.row(align=True)
@@ -75,7 +75,7 @@ class VIEW3D_PT_canonical_form(Tab, bpy.types.Panel):
             row.operator(OBJECT_OT_canonical_form_live.bl_idname, text="", icon="PLAY", depress=live is not None)
             if live is not None:
                 _draw_sentence(layout.column(align=True), live.state, _line_length(context), "TIME")
-        if chosen.method != OURS:
+        if chosen_value(chosen, "method") != OURS:
             layout.prop(chosen, "method")
         for name in (*_MAIN, "mesh", "result"):
             layout.prop(chosen, name)
@@ -239,7 +239,7 @@ class VIEW3D_PT_canonical_form_distance(Tab, bpy.types.Panel):
         button = layout.operator(
             OBJECT_OT_canonical_form_distance.bl_idname, text=told("Measure"), icon="DRIVER_DISTANCE"
         )
-        button.kind, button.isolines = chosen.distance, chosen.isolines
+        button.kind, button.isolines = chosen_value(chosen, "distance"), chosen.isolines
 
 
 class VIEW3D_PT_canonical_form_advanced(Tab, bpy.types.Panel):
@@ -255,7 +255,7 @@ class VIEW3D_PT_canonical_form_advanced(Tab, bpy.types.Panel):
         self.layout.use_property_split = True
         self.layout.use_property_decorate = False
         column, chosen = self.layout.column(), context.scene.canonical_form
-        method = methods()[chosen.method]
+        method = methods()[chosen_value(chosen, "method")]
         for name in ("value", *METHOD_NAMES):
             if name not in (*_MAIN, "orientation", "prominence", "feature_count"):
                 row = column.row()
@@ -265,9 +265,8 @@ class VIEW3D_PT_canonical_form_advanced(Tab, bpy.types.Panel):
 
 def _estimate(chosen: bpy.types.PropertyGroup, objects: list[bpy.types.Object]) -> str:
     """Estimate memory and time of a run."""
-    settings = Settings(
-        method=chosen.method, quality=chosen.quality, landmark_count=chosen.landmark_count, pieces=chosen.pieces
-    )
+    asked = ("method", "quality", "landmark_count", "pieces")
+    settings = Settings(**{name: chosen_value(chosen, name) for name in asked})
     counts = [len(obj.data.vertices) for obj in objects]
     runs = counts if chosen.objects == "EACH" else [sum(counts)]
     memory = max(memory_estimate(count, settings) for count in runs)

@@ -15,7 +15,7 @@ from .pose_operators import (
     OBJECT_OT_canonical_form_pose_like,
     OBJECT_OT_canonical_form_transfer,
 )
-from .properties import TRANSFER_ITEMS, hand_over, hand_over_transfer, transfer_flag
+from .properties import TRANSFER_ITEMS, chosen_value, hand_over, hand_over_transfer, transfer_flag
 from .sidebar import Tab, record_of
 
 
@@ -65,7 +65,7 @@ class VIEW3D_PT_canonical_form_pose_like(Tab, bpy.types.Panel):
 
 def _estimate(chosen: bpy.types.PropertyGroup, objects: list[bpy.types.Object]) -> str:
     """Estimate memory and time of a match with the reference, or with a mannequin where there is none."""
-    settings = Settings(method=chosen.method, quality=chosen.quality, pieces=chosen.pieces)
+    settings = Settings(**{name: chosen_value(chosen, name) for name in ("method", "quality", "pieces")})
     count = sum(len(obj.data.vertices) for obj in objects)
     like = bpy.data.objects.get(chosen.like)
     other = len(like.data.vertices) if like is not None and like.type == "MESH" else VERTEX_COUNT

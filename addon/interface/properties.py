@@ -270,6 +270,29 @@ def list_patches(mesh: bpy.types.Mesh) -> None:
         patch.name, patch.size, patch.colour = name, size, colour
 
 
+def chosen_value(owner: Any, name: str) -> Any:
+    """Read a choice; a file of another version may hold one that this version has not.
+
+    Parameters
+    ----------
+    owner : MethodProperties or RequestProperties
+        An operator or the scene's properties.
+    name : str
+        Name of the property.
+
+    Returns
+    -------
+    object
+        Its value; the default of a choice that is not known here.
+    """
+    value = getattr(owner, name)
+    if value != "":
+        return value
+    if name in METHOD_NAMES:
+        return getattr(_DEFAULT, name) or ""
+    return owner.bl_rna.properties[name].default
+
+
 def settings_of(owner: Any) -> Settings:
     """Turn properties into settings.
 
@@ -288,7 +311,7 @@ def settings_of(owner: Any) -> Settings:
     InvalidSettingsError
         If the feature points are not a list of whole numbers.
     """
-    options = {name: getattr(owner, name) for name in METHOD_NAMES}
+    options = {name: chosen_value(owner, name) for name in METHOD_NAMES}
     given = getattr(owner, "properties", owner)  # an operator's own, or the scene's
     known = [name for name in FormerProperties.__annotations__ if hasattr(owner, name)]
     former = [name for name in known if given.is_property_set(name)]
@@ -316,7 +339,7 @@ def hand_over(chosen: CanonicalFormProperties, operator: bpy.types.OperatorPrope
         Properties of the button's operator.
     """
     for name in (*METHOD_NAMES, *REQUEST_NAMES):
-        setattr(operator, name, getattr(chosen, name))
+        setattr(operator, name, chosen_value(chosen, name))
     if chosen.feature_source == "DETECTED":
         operator.feature_group = ""
     else:
@@ -335,7 +358,7 @@ def hand_over_transfer(chosen: CanonicalFormProperties, operator: bpy.types.Oper
         Properties of the button's operator.
     """
     for name in METHOD_NAMES:
-        setattr(operator, name, getattr(chosen, name))
+        setattr(operator, name, chosen_value(chosen, name))
     operator.like = chosen.like
     operator.kinds = {kind for kind, *_ in TRANSFER_ITEMS if getattr(chosen, transfer_flag(kind))}
 

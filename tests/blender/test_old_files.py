@@ -1,7 +1,8 @@
 """Files that version 0.1 wrote in Blender 4.2: its results are read, worked on and cleared.
 
-files/first-of-0.1.blend is of the first commit that had a panel; files/last-of-0.1.blend of the last before the record
-became a type, with a limb in its pose and two in-betweens. Both hold the small figure and a vertex group of the user's.
+files/first-of-0.1.blend is of the first commit that had a panel. It did not note what it wrote: nothing tells whether
+the user has changed it, and it stays. files/last-of-0.1.blend is of the last before the record became a type, with a
+limb in its pose and two in-betweens. Both hold the small figure and a vertex group of the user's.
 """
 
 import shutil
@@ -11,6 +12,7 @@ import bpy
 import numpy as np
 import pytest
 
+from addon.blender.fingerprints import key_fingerprint
 from addon.blender.record import require_record
 from tests.blender.conftest import QUICK
 from tests.meshes import shapes
@@ -18,14 +20,34 @@ from tests.meshes import shapes
 FILES = Path(__file__).with_name("files")
 
 
-@pytest.fixture(params=["first", "last"])
-def old(request, blender, tmp_path):
+def opened(which, folder):
     """The object of an old file, opened from a copy."""
-    path = shutil.copy(FILES / f"{request.param}-of-0.1.blend", tmp_path / "old.blend")
+    path = shutil.copy(FILES / f"{which}-of-0.1.blend", folder / "old.blend")
     bpy.ops.wm.open_mainfile(filepath=str(path))
     obj = bpy.data.objects["Figure"]
     bpy.context.view_layer.objects.active = obj
     return obj
+
+
+@pytest.fixture(params=["first", "last"])
+def old(request, blender, tmp_path):
+    """The object of each old file."""
+    return opened(request.param, tmp_path)
+
+
+@pytest.fixture
+def first(blender, tmp_path):
+    """The object of the oldest file, with a form that its artist has sculpted further."""
+    obj = opened("first", tmp_path)
+    obj.data.shape_keys.key_blocks["Canonical Form"].data[0].co.x += 5
+    obj.vertex_groups["Patch 1"].add(range(len(obj.data.vertices)), 0.125, "REPLACE")
+    return obj
+
+
+@pytest.fixture
+def last(blender, tmp_path):
+    """The object of the newer file."""
+    return opened("last", tmp_path)
 
 
 def users_own(obj):
@@ -44,14 +66,14 @@ def test_an_old_result_is_read(old):
     assert record.straightened in ([], [True, False, True, True, True])
 
 
-def test_an_old_result_is_cleared_wholly(old):
-    before = np.array([vertex.co for vertex in old.data.vertices])
+def test_an_old_result_is_cleared_wholly(last):
+    before = np.array([vertex.co for vertex in last.data.vertices])
     assert bpy.ops.object.canonical_form_clear() == {"FINISHED"}
-    groups, keys, colours, attributes, properties = users_own(old)
+    groups, keys, colours, attributes, properties = users_own(last)
     assert (groups, keys, colours) == (["Mine"], None, [])
     assert not any("Canonical" in name or "canonical" in name for name in attributes)
     assert properties == []
-    after = np.array([vertex.co for vertex in old.data.vertices])
+    after = np.array([vertex.co for vertex in last.data.vertices])
     assert np.array_equal(before, after)
     assert np.allclose(after, shapes.figure(11)[0], atol=1e-6)
 
@@ -69,10 +91,21 @@ def test_limbs_and_in_betweens_of_an_old_result(old):
     assert users_own(old)[:2] == (["Mine"], None)
 
 
-def test_a_new_run_replaces_an_old_result(old):
+def test_a_new_run_replaces_an_old_result(last):
     assert bpy.ops.object.canonical_form(**QUICK) == {"FINISHED"}
-    names = [key.name for key in old.data.shape_keys.key_blocks]
+    names = [key.name for key in last.data.shape_keys.key_blocks]
     assert [name for name in names if "%" not in name] == ["Basis", "Canonical Form"]
-    assert old.vertex_groups.keys().count("Feature Points") == 1
+    assert last.vertex_groups.keys().count("Feature Points") == 1
     assert bpy.ops.object.canonical_form_clear() == {"FINISHED"}
-    assert users_own(old)[:3] == (["Mine"], None, [])
+    assert users_own(last)[:3] == (["Mine"], None, [])
+
+
+def test_what_no_fingerprint_confirms_stays(first):
+    before = users_own(first)[0], [key_fingerprint(key) for key in first.data.shape_keys.key_blocks]
+    assert bpy.ops.object.canonical_form(**QUICK) == {"FINISHED"}
+    warnings = require_record(first.data).report.warnings
+    assert any("Canonical Form, Feature Points, Patch 1" in warning for warning in warnings)
+    assert "Canonical Form.001" in first.data.shape_keys.key_blocks
+    assert bpy.ops.object.canonical_form_clear() == {"FINISHED"}
+    assert (users_own(first)[0], [key_fingerprint(key) for key in first.data.shape_keys.key_blocks]) == before
+    assert users_own(first)[4] == []

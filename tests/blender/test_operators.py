@@ -357,7 +357,7 @@ def test_the_panel_shows_what_was_found(figure_object):
     assert any("feature points and patches" in line for line in lines)
     assert any("before it converged" in line for line in lines)
     assert lines[-1] == "Clear"
-    assert drawn(panels.VIEW3D_PT_canonical_form_patches) == ["canonical_form_patches"]
+    assert drawn(panels.VIEW3D_PT_canonical_form_patches) == ["canonical_form_patches", "All Limbs"]
     assert lines[-2] == "show_points"
     shown = [name for panel in panels.CLASSES[1:] for name in drawn(panel)]
     assert set(METHOD_NAMES) - set(shown) == set()

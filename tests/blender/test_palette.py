@@ -37,3 +37,13 @@ def test_patches_look_different_to_the_colour_blind(count, apart):
     for looks in seen:
         distances = np.linalg.norm(looks[:, None] - looks[None], axis=2)
         assert distances[~np.eye(count, dtype=bool)].min() > apart
+
+
+def test_neighbours_among_thousands_of_patches_look_different_to_everybody():
+    rows = 45
+    cells = np.arange(rows * rows).reshape(rows, rows)
+    one, two, three, four = (each.ravel() for each in (cells[:-1, :-1], cells[:-1, 1:], cells[1:, :-1], cells[1:, 1:]))
+    faces = np.concatenate([np.column_stack([one, two, three]), np.column_stack([four, three, two])])
+    looks = as_seen(patch_colours(np.arange(rows * rows), faces)[:, :3])
+    ends = np.concatenate([faces[:, :2], faces[:, 1:]])
+    assert np.linalg.norm(looks[:, ends[:, 0]] - looks[:, ends[:, 1]], axis=2).min() > 0.05

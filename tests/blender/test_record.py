@@ -2,15 +2,20 @@
 
 import json
 import random
+from types import SimpleNamespace
 from typing import Any
 
 import bpy
 import pytest
 
 from addon.blender.distance_record import DISTANCES_PROPERTY, read_distances
-from addon.blender.record import RECORD_PROPERTY, Record, read_record
+from addon.blender.fingerprints import colour_fingerprint, group_fingerprints, key_fingerprint
+from addon.blender.former_records import FORMER_PROPERTY
+from addon.blender.record import RECORD_PROPERTY, Record, read_record, require_record
+from addon.blender.transfer_record import TRANSFERS_PROPERTY, read_transfers
 from addon.interface import panels
 from addon.interface.overlay import feature_labels
+from addon.interface.properties import chosen_value, hand_over, settings_of
 from tests.blender.conftest import QUICK, drawn
 from tests.blender.test_tools import select
 
@@ -139,7 +144,60 @@ def spoilt(record, rng):
     return copy
 
 
-def test_a_spoilt_record_is_none_or_can_be_shown_and_cleared(figure_object):
+def users_own(obj):
+    """What the user has of each kind, with what it holds."""
+    mesh = obj.data
+    keys = {} if mesh.shape_keys is None else {key.name: key_fingerprint(key) for key in mesh.shape_keys.key_blocks}
+    colours = {each.name: colour_fingerprint(each) for each in mesh.color_attributes}
+    others = [each.name for each in mesh.attributes if each.name not in colours and "canonical_form" not in each.name]
+    return group_fingerprints(obj, obj.vertex_groups.keys()), keys, colours, sorted(others)
+
+
+@pytest.fixture
+def painted_object(figure_object):
+    """An object with something of the user's of each kind."""
+    mesh = figure_object.data
+    figure_object.vertex_groups.new(name="My Weights").add([0, 1, 2], 0.5, "REPLACE")
+    figure_object.shape_key_add(name="Basis")
+    figure_object.shape_key_add(name="My Sculpt").data[0].co.x += 1
+    mesh.attributes.new("my_attribute", "FLOAT", "POINT")
+    mesh.attributes.new("sharp_face", "BOOLEAN", "FACE")
+    mesh.color_attributes.new("My Paint", "FLOAT_COLOR", "POINT").data[0].color = (1, 0, 1, 1)
+    mesh.uv_layers.new(name="UVMap")
+    return figure_object
+
+
+MADE_UP: dict[str, Any] = {  # as a stranger may write it: everything of the user's is said to be ours
+    "report": {"vertices": 1, "faces": 1, "feature_points": [], "patch_sizes": [], "timings": {}, "warnings": []},
+    "before": {},
+    "basis": "Basis",
+    "groups": {"My Weights": None},
+    "colours": {"My Paint": None},
+    "hidden": dict.fromkeys(("my_attribute", "UVMap", "sharp_face", "position", ".corner_vert")),
+}
+
+
+@pytest.mark.parametrize(
+    ("name", "record"),
+    [
+        (RECORD_PROPERTY, {**MADE_UP, "key": {"My Sculpt": None}}),
+        (FORMER_PROPERTY, {**MADE_UP, "shape_key": "My Sculpt", "groups": ["My Weights"], "colours": ["My Paint"]}),
+    ],
+)
+def test_a_made_up_record_takes_nothing_of_the_users(painted_object, name, record):
+    before = users_own(painted_object)
+    for operator, options in ((bpy.ops.object.canonical_form_clear, {}), (bpy.ops.object.canonical_form, QUICK)):
+        painted_object.data[name] = json.dumps(record)
+        assert read_record(painted_object.data) is not None
+        assert operator(**options) == {"FINISHED"}
+    warnings = require_record(painted_object.data).report.warnings
+    assert any("My Sculpt, My Weights, My Paint" in warning for warning in warnings)
+    assert bpy.ops.object.canonical_form_clear() == {"FINISHED"}
+    assert users_own(painted_object) == before
+
+
+def test_a_spoilt_record_is_none_or_can_be_shown_and_cleared(painted_object):
+    figure_object, before = painted_object, users_own(painted_object)
     bpy.ops.object.canonical_form(**QUICK)
     bpy.ops.object.canonical_form_limb(patch=1)
     bpy.ops.object.canonical_form_in_betweens(count=2)
@@ -153,8 +211,55 @@ def test_a_spoilt_record_is_none_or_can_be_shown_and_cleared(figure_object):
         feature_labels(figure_object, bpy.context.evaluated_depsgraph_get())
         read += read_record(figure_object.data) is not None
     assert 20 < read < 300
-    figure_object.data[RECORD_PROPERTY] = "[" * 100_000
-    assert read_record(figure_object.data) is None
+    for text in ("[" * 100_000, json.dumps(record).replace("Patch 1", "\\ud800")):
+        figure_object.data[RECORD_PROPERTY] = text
+        assert read_record(figure_object.data) is None
     figure_object.data[RECORD_PROPERTY] = json.dumps(record)
     assert bpy.ops.object.canonical_form_clear() == {"FINISHED"}
-    assert figure_object.data.shape_keys is None
+    assert users_own(figure_object) == before
+
+
+def test_clearing_by_a_spoilt_record_keeps_what_is_the_users(painted_object, tmp_path):
+    before, rng, cleared = users_own(painted_object), random.Random(1), 0
+    assert bpy.ops.object.canonical_form(**QUICK) == {"FINISHED"}
+    assert bpy.ops.object.canonical_form_in_betweens(count=2) == {"FINISHED"}
+    record, path = json.loads(painted_object.data[RECORD_PROPERTY]), str(tmp_path / "painted.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    for _ in range(40):
+        bpy.ops.wm.open_mainfile(filepath=path)
+        obj = bpy.data.objects["Figure"]
+        bpy.context.view_layer.objects.active = obj
+        obj.data[RECORD_PROPERTY] = json.dumps(spoilt(record, rng))
+        if read_record(obj.data) is None:
+            continue
+        assert bpy.ops.object.canonical_form_clear() == {"FINISHED"}
+        cleared += 1
+        for had, has in zip(before, users_own(obj), strict=True):
+            assert set(had) <= set(has) if isinstance(had, list) else had.items() <= has.items()
+    assert cleared > 5
+
+
+def test_a_choice_that_this_version_has_not_is_the_default(figure_object):
+    scene = bpy.context.scene
+    chosen, names = scene.canonical_form, ("method", "quality", "pieces", "mesh", "distance", "orientation")
+    known = {name: getattr(chosen, name) for name in names}
+    stored = scene.bl_system_properties_get(do_create=True) if hasattr(scene, "bl_system_properties_get") else scene
+    for name in names:
+        stored["canonical_form"][name] = 99
+    assert [getattr(chosen, name) for name in names] == [""] * len(names)
+    assert {name: chosen_value(chosen, name) for name in names} == known
+    for panel in panels.CLASSES:
+        if issubclass(panel, bpy.types.Panel):
+            drawn(panel)
+    settings = settings_of(chosen)
+    assert (settings.method, settings.quality, settings.pieces) == (known["method"], known["quality"], known["pieces"])
+    handed = SimpleNamespace()
+    hand_over(chosen, handed)
+    assert (handed.method, handed.mesh) == (known["method"], known["mesh"])
+
+
+@pytest.mark.parametrize("text", ["[" * 100_000, "[]", '{"groups": {"a": 3}}', '{"groups": {"a": "\\ud800"}}'])
+def test_spoilt_records_of_distances_and_of_what_was_taken_over(figure_object, text):
+    figure_object.data[DISTANCES_PROPERTY] = figure_object.data[TRANSFERS_PROPERTY] = text
+    assert read_distances(figure_object.data) == {}
+    assert not any(read_transfers(figure_object.data).values())

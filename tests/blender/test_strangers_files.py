@@ -8,21 +8,26 @@ import struct
 import subprocess
 import sys
 import threading
+from contextlib import suppress
 from pathlib import Path
 
 import bpy
+import numpy as np
 import pytest
 
+from addon.batch.lines import complain
+from addon.blender.replacing_files import replaced
 from tests.meshes import shapes
 
 ROOT = Path(__file__).resolve().parents[2]
 QUICK = ["--max-iterations", "2", "--eigenpairs", "20", "--landmark-count", "12", "--format", "obj"]
 
 
-def run(*words):
+def run(*words, command="compute"):
     """Run the command; its exit code, its lines, and what it complained of."""
+    named = "--format" in words or command == "match"
     done = subprocess.run(
-        [sys.executable, "-m", "addon", "compute", *map(str, words), *QUICK],
+        [sys.executable, "-m", "addon", command, *map(str, words), *(QUICK[:-2] if named else QUICK)],
         capture_output=True, text=True, check=False, cwd=ROOT, timeout=120,
     )  # fmt: skip
     assert "Traceback" not in done.stderr, done.stderr
@@ -71,7 +76,26 @@ def test_scripts_run_where_the_user_trusts_them(scripted, tmp_path):
     code, [line], _ = run(scripted, "--output", tmp_path / "out", "--trust-scripts")
     assert code == 0
     assert (tmp_path / "by-script").exists()
+    assert (tmp_path / "by-driver").exists()
     assert not any("left off" in warning for warning in line["warnings"])
+
+
+def test_only_files_with_scripts_are_told_to_have_them(scripted, sound, tmp_path):
+    """Blender keeps the flag of the last .blend while it imports others."""
+    _, lines, _ = run(scripted, sound, "--output", tmp_path / "out")
+    told = {Path(line["input"]): any("left off" in warning for warning in line["warnings"]) for line in lines}
+    assert told == {scripted: True, sound: False}
+
+
+@pytest.mark.parametrize("command", ["compute", "pose-like", "match"])
+@pytest.mark.parametrize("trusted", [False, True])
+def test_the_file_of_a_reference_is_trusted_as_all_others(scripted, sound, tmp_path, command, trusted):
+    files = (sound, scripted) if command == "match" else (sound, "--reference", scripted)
+    trust = ("--trust-scripts",) if trusted else ()
+    code, [line], complaints = run(*files, *trust, "--output", tmp_path / "out", command=command)
+    assert code == 0, line
+    assert (tmp_path / "by-script").exists() == trusted
+    assert ("scripted.blend: Scripts or Python drivers" in complaints) != trusted
 
 
 def glb(path, described):
@@ -186,10 +210,137 @@ def test_what_is_written_holds_nothing_of_other_files(tmp_path, sound):
     assert b"topsecretword" not in written
 
 
+def png(path, colour):
+    """Write a picture of one colour."""
+    image = bpy.data.images.new("made", 8, 8)
+    image.pixels.foreach_set(np.tile(np.array([*colour, 1], dtype=np.float32), 64))
+    image.filepath_raw, image.file_format = str(path), "PNG"
+    image.save()
+    bpy.data.images.remove(image)
+    return path
+
+
+def textured(path, picture):
+    """Write an .obj whose material names a picture."""
+    path.parent.mkdir(exist_ok=True)
+    path.with_suffix(".mtl").write_text(f"newmtl skin\nKd 1 1 1\nmap_Kd {picture}\n")
+    vertices, faces = shapes.figure(12)
+    lines = [f"mtllib {path.stem}.mtl", *(f"v {x} {y} {z}" for x, y, z in vertices), "vt 0 0", "usemtl skin"]
+    path.write_text("\n".join([*lines, *(f"f {a + 1}/1 {b + 1}/1 {c + 1}/1" for a, b, c in faces)]))
+    return path
+
+
+def test_pictures_from_elsewhere_stay_out(tmp_path, blender):
+    """A picture beside the file comes along in a .glb; one from elsewhere only where the user trusts the file."""
+    (tmp_path / "private").mkdir()
+    secret = png(tmp_path / "private" / "passport.png", (1, 0, 0))
+    curious = textured(tmp_path / "theirs" / "curious.obj", secret)
+    own = textured(tmp_path / "theirs" / "own.obj", png(tmp_path / "theirs" / "skin.png", (0, 1, 0)).name)
+    _, lines, _ = run(curious, own, "--output", tmp_path / "out", "--format", "glb")
+    told = {Path(line["input"]): any("passport.png" in warning for warning in line["warnings"]) for line in lines}
+    assert told == {curious: True, own: False}
+    held = {path.stem: b"\x89PNG" in path.read_bytes() for path in (tmp_path / "out").glob("*.glb")}
+    assert held == {"curious": False, "own": True}
+    _, [line], _ = run(curious, "--output", tmp_path / "trusted", "--format", "glb", "--trust-scripts")
+    assert b"\x89PNG" in Path(line["output"]).read_bytes()
+
+
+def test_no_pictures_are_copied_beside_usd(tmp_path, blender):
+    """Those of two files may have one name, and a link that lies there would be followed."""
+    own = textured(tmp_path / "theirs" / "own.obj", png(tmp_path / "theirs" / "skin.png", (0, 1, 0)).name)
+    _, [line], _ = run(own, "--output", tmp_path / "out", "--format", "usdc")
+    assert [path.name for path in (tmp_path / "out").iterdir()] == [Path(line["output"]).name]
+
+
+def test_files_from_elsewhere_are_not_read_as_numbers(tmp_path, sound):
+    (tmp_path / "theirs").mkdir()
+    vertices, faces = shapes.figure(12)
+    arrays = np.float32(vertices).tobytes() + np.uint32(faces).tobytes()
+    (tmp_path / "own.bin").write_bytes(arrays)
+    size = 12 * len(vertices)
+    described = {
+        "asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "scene": 0, "nodes": [{"mesh": 0}],
+        **primitive(indices=1), "buffers": [{"byteLength": len(arrays), "uri": "%2e%2e/own.bin"}],
+        "bufferViews": [{"buffer": 0, "byteLength": size},
+                        {"buffer": 0, "byteOffset": size, "byteLength": len(arrays) - size}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": len(vertices), "type": "VEC3",
+                       "min": vertices.min(axis=0).tolist(), "max": vertices.max(axis=0).tolist()},
+                      {"bufferView": 1, "componentType": 5125, "count": faces.size, "type": "SCALAR"}],
+    }  # fmt: skip
+    path = tmp_path / "theirs" / "curious.gltf"
+    path.write_text(json.dumps(described))
+    code, lines, _ = run(path, sound, "--output", tmp_path / "out")
+    assert code == 1
+    assert "outside its folder" in lines[0]["error"]
+    code, [line], _ = run(path, "--output", tmp_path / "out", "--trust-scripts")
+    assert code == 0, line
+
+
+def test_saving_takes_in_no_other_file(tmp_path, blender):
+    """A .blend may ask to be saved with every file that it names."""
+    secret = png(tmp_path / "passport.png", (1, 0, 0))
+    mesh = bpy.data.meshes.new("Figure")
+    vertices, faces = shapes.figure(12)
+    mesh.from_pydata(vertices.tolist(), [], faces.tolist())
+    bpy.context.scene.collection.objects.link(bpy.data.objects.new("Figure", mesh))
+    picture = bpy.data.images.load(str(secret))
+    picture.use_fake_user, picture.filepath = True, str(tmp_path / "later.png")
+    bpy.data.use_autopack = True
+    (tmp_path / "theirs").mkdir()
+    path = tmp_path / "theirs" / "packing.blend"
+    with suppress(RuntimeError):  # there is nothing to pack yet
+        bpy.ops.wm.save_as_mainfile(filepath=str(path), copy=True)
+    bpy.data.use_autopack = False
+    secret.rename(tmp_path / "later.png")
+    _, [line], _ = run(path, "--output", tmp_path / "out", "--format", "blend")
+    bpy.ops.wm.open_mainfile(filepath=line["output"])
+    assert [image.packed_file for image in bpy.data.images if image.filepath] == [None]
+
+
+def test_materials_that_were_read_are_not_written_over(tmp_path):
+    folder = tmp_path / "sub"
+    path = textured(folder / "figure.obj", "skin.png")
+    path.write_text(path.read_text().replace("mtllib figure.mtl", "mtllib ../figure.mtl"))
+    precious = tmp_path / "figure.mtl"
+    (folder / "figure.mtl").rename(precious)
+    before = precious.read_text()
+    for _ in range(2):
+        _, [line], _ = run(path, "--output", tmp_path)
+        assert precious.read_text() == before
+        assert "mtllib figure-2.mtl" in Path(line["output"]).read_text()
+    assert not (tmp_path / "figure-3.mtl").exists()
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs symbolic links")
+def test_a_link_at_the_place_of_an_unfinished_file_is_not_followed(tmp_path):
+    treasure = tmp_path / "treasure"
+    treasure.write_text("mine")
+    (tmp_path / ".a.mark.partial.obj").symlink_to(treasure)
+    replaced(tmp_path / "a.obj", lambda partial: partial.write_text("ours"), "mark")
+    assert treasure.read_text() == "mine"
+    assert (tmp_path / "a.obj").read_text() == "ours"
+
+
+def test_names_do_not_command_the_terminal(capsys):
+    complain("A\x1b]0;title\x07\x1b[2J\rfake\nline\u202eleg: no.")
+    assert capsys.readouterr().err == "canonical_form: A?]0;title??[2J?fake line?leg: no.\n"
+
+
 def test_arrays_that_are_not_what_they_seem_are_refused_by_the_plain_readers(tmp_path):
     from addon.batch.plain_files import read_plain
 
-    for path in bombs(tmp_path):
+    head = "ply\nformat {} 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face "
+    lists, points = "property list char int vertex_indices\nend_header\n", "0 0 0 1 0 0 0 1 0\n"
+    odd = {
+        "bare": head.format("ascii") + "4000000000000\nend_header\n" + points,
+        "negative": head.format("ascii") + "1\n" + lists + points + "-3 0 1 2\n",
+        "infinite": head.format("ascii") + "1\n" + lists + points + "3 0 inf 2\n",
+        "single": head.format("ascii") + "1\nproperty int vertex_indices\nend_header\n" + points + "3\n",
+        "many": head.format("binary_little_endian") + "4000000000000\n" + lists + "\0" * 36 + "\x7f" * 1000,
+    }
+    for name, text in odd.items():
+        (tmp_path / f"{name}.ply").write_bytes(text.encode())
+    for path in (*bombs(tmp_path), *(tmp_path / f"{name}.ply" for name in odd)):
         if path.suffix in (".off", ".ply", ".obj"):
             with pytest.raises(Exception, match=path.name) as caught:
                 read_plain(path)

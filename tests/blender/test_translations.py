@@ -10,7 +10,7 @@ import pytest
 
 from addon.blender import wording
 from addon.blender.advice import advised, explained
-from addon.core import CanonicalFormError, canonical_form
+from addon.core import CanonicalFormError, InvalidMeshError, canonical_form
 from addon.core.run.errors import TooLargeError
 from addon.core.run.messages import message
 from addon.interface import menus, panels
@@ -39,13 +39,25 @@ def test_blender_is_handed_every_language():
     assert sorted(found) == [path.stem for path in sorted(LANGUAGES.glob("*.json"))]
     assert {"de_DE", "fr_FR"} <= set(found)
     for words in found.values():
-        assert words["*", "Compute"] == words["Canonical Form", "Compute"] != "Compute"
+        assert words["Canonical Form", "Compute"] != "Compute"
+
+
+def test_only_tooltips_are_known_without_our_context():
+    """A label known there would translate that of every other extension."""
+    for words in catalogues().values():
+        tooltips = {english for context, english in words if context == "*"}
+        assert "Mesh that the form is computed from" in tooltips
+        assert tooltips.isdisjoint({"Compute", "Weights", "Keys", "Clear", "Materials", "Patch", "Value", "Mesh"})
+        labels = [each.bl_label for kind in (bpy.types.Operator, bpy.types.Panel, bpy.types.Menu)
+                  for each in kind.__subclasses__() if each.__module__.startswith("addon.")]  # fmt: skip
+        assert labels
+        assert tooltips.isdisjoint(labels)
 
 
 def test_sentences_keep_their_values_in_every_language():
     for words in catalogues().values():
         for (context, english), said in words.items():
-            if context == "*":
+            if context == wording.CONTEXT:
                 assert sorted(re.findall(r"\{[^}]*\}", said)) == sorted(re.findall(r"\{[^}]*\}", english)), english
 
 
@@ -79,6 +91,16 @@ def test_messages_of_the_core_are_translated(another_language):
     assert explained(MemoryError()).startswith("⟦Not enough memory.")
     error = TooLargeError("mesh_memory", vertices=10, needed=3.0, limit=message("limit_given", limit=2.0))
     assert "⟦the limit of 2 GB⟧" in explained(error)
+
+
+def test_stages_of_several_objects_and_errors_of_the_other_mesh_are_translated(another_language):
+    assert wording.told_stage("Distances") == "⟦Distances⟧"
+    stage = wording.named_stage("Cube {0}", "Distances")
+    assert stage == "Cube {0}: Distances"
+    assert wording.told_stage(stage) == "⟦Cube {0}: ⟦Distances⟧⟧"
+    error = InvalidMeshError("not_finite", count=3).about(message("other_mesh"))
+    assert (error.kind, error.numbers["count"]) == ("not_finite", 3)
+    assert explained(error).startswith("⟦⟦The other mesh⟧: ⟦3 vertices have coordinates")
 
 
 def test_a_name_with_braces_is_no_place_for_a_value(figure_object):

@@ -58,7 +58,8 @@ class CanonicalFormError(Exception):
         >>> print(InvalidMeshError("no_faces").about("The other mesh"))
         The other mesh: The mesh has no faces. Choose a mesh with a surface.
         """
-        return type(self)(Message(f"{what}: {self}", self.kind, self.numbers))
+        said = message("about", what=what, error=self.args[0])
+        return type(self)(Message(said, self.kind, {**self.numbers, **said.numbers}, said.sentence))
 
 
 class InvalidMeshError(CanonicalFormError):

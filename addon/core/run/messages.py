@@ -135,6 +135,8 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
 }
 
 _PHRASES = {  # parts of these sentences
+    "about": "{what}: {error}",
+    "other_mesh": "The other mesh",
     "limit_given": "the limit of {limit:g} GB",
     "limit_free": "{limit:.1f} GB, which is {share:.0%} of the free memory",
     "pairs_of_points": "of points",
