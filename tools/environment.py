@@ -64,6 +64,8 @@ def find_python() -> str:
 
 
 def make_venv(python: str) -> None:
+    if VENV.is_symlink():
+        sys.exit(f"{VENV} is a link to {VENV.readlink()}, whose packages are others. Remove the link first.")
     shutil.rmtree(VENV, ignore_errors=True)
     made = subprocess.run([python, "-m", "venv", VENV], capture_output=True, text=True)
     if made.returncode:

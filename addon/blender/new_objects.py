@@ -52,7 +52,7 @@ def add_result_object(obj: bpy.types.Object, reading: Reading, called: str) -> b
         record.keys, record.groups, record.colours = map(dict.fromkeys, (record.keys, record.groups, record.colours))
         record.in_betweens = None
         write_record(mesh, record)
-        clear_results(added)
+        clear_results(added, unconfirmed=True)
     if mesh.shape_keys is not None:
         remove_all_keys(added)
     mesh.vertices.foreach_set("co", reading.vertices.astype(np.float32).ravel())

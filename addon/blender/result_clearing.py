@@ -37,15 +37,15 @@ def clear_from(obj: bpy.types.Object) -> list[str]:
         return clear_results(obj)
 
 
-def clear_results(obj: bpy.types.Object, *, unfinished: bool = False) -> list[str]:
+def clear_results(obj: bpy.types.Object, *, unconfirmed: bool = False) -> list[str]:
     """Remove the results of the last run from a mesh and activate what was active before it.
 
     Parameters
     ----------
     obj : bpy.types.Object
         The object, in Object Mode.
-    unfinished : bool
-        Whether the run is this one and failed: what it has not finished is removed, too.
+    unconfirmed : bool
+        Whether items without a fingerprint are removed, too: of a run that failed just now, or of a copy.
 
     Returns
     -------
@@ -57,7 +57,7 @@ def clear_results(obj: bpy.types.Object, *, unfinished: bool = False) -> list[st
     if record is None:
         return []
     active, elsewhere = active_items(obj), active_keys_elsewhere(obj)
-    left = remove_results(obj, record, unfinished=unfinished)
+    left = remove_results(obj, record, unconfirmed=unconfirmed)
     restore_active_items(obj, active.replaced(record.written_items().without(left), by=record.active_before))
     restore_active_keys(elsewhere)
     mesh.update()
@@ -65,7 +65,7 @@ def clear_results(obj: bpy.types.Object, *, unfinished: bool = False) -> list[st
 
 
 def remove_results(
-    obj: bpy.types.Object, record: Record, *, keep_key: bool = False, unfinished: bool = False
+    obj: bpy.types.Object, record: Record, *, keep_key: bool = False, unconfirmed: bool = False
 ) -> list[str]:
     """Remove the items of a record that are unchanged, and the record.
 
@@ -79,8 +79,8 @@ def remove_results(
         The record.
     keep_key : bool
         Keep the form's shape key and the Basis.
-    unfinished : bool
-        Whether the record is that of a run that failed just now: then an item without a fingerprint is half written.
+    unconfirmed : bool
+        Whether items without a fingerprint are removed, too: of a run that failed just now, or of a copy.
 
     Returns
     -------
@@ -91,16 +91,16 @@ def remove_results(
     release(mesh.shape_keys)
     left = remove_in_betweens(obj)
     if not keep_key:
-        left += _remove_keys(obj, record, unfinished)
+        left += _remove_keys(obj, record, unconfirmed)
     found = group_fingerprints(obj, record.groups)
     for name, known in record.groups.items():
-        if name in found and _is_ours(known, found[name], unfinished):
+        if name in found and _is_ours(known, found[name], unconfirmed):
             obj.vertex_groups.remove(obj.vertex_groups[name])
         elif name in found:
             left.append(name)
     for name, known in record.colours.items():
         attribute = mesh.color_attributes.get(name)
-        if attribute is not None and _is_ours(known, colour_fingerprint(attribute), unfinished):
+        if attribute is not None and _is_ours(known, colour_fingerprint(attribute), unconfirmed):
             mesh.color_attributes.remove(attribute)
         elif attribute is not None:
             left.append(name)
@@ -111,19 +111,19 @@ def remove_results(
     return left
 
 
-def _is_ours(known: str | None, now: str, unfinished: bool) -> bool:
-    """Return whether an item is as a run wrote it, or was being written when the run failed."""
-    return known == now or (unfinished and known is None)
+def _is_ours(known: str | None, now: str, unconfirmed: bool) -> bool:
+    """Return whether an item is as a run wrote it, or may be removed without its fingerprint."""
+    return known == now or (unconfirmed and known is None)
 
 
-def _remove_keys(obj: bpy.types.Object, record: Record, unfinished: bool) -> list[str]:
+def _remove_keys(obj: bpy.types.Object, record: Record, unconfirmed: bool) -> list[str]:
     """Remove the form's key, and the Basis if the run added it and nothing else is left; list what stays."""
     keys, left = obj.data.shape_keys, []
     for name, known in record.keys.items():
         key = keys.key_blocks.get(name) if keys is not None else None
         if key is None:
             continue
-        if key != keys.reference_key and _is_ours(known, key_fingerprint(key), unfinished):
+        if key != keys.reference_key and _is_ours(known, key_fingerprint(key), unconfirmed):
             remove_drivers(key)
             obj.shape_key_remove(key)
         else:

@@ -135,7 +135,7 @@ def write_results(
     finally:
         write_record(mesh, record)
         if not done:
-            clear_results(obj, unfinished=True)
+            clear_results(obj, unconfirmed=True)
     restore_active_items(obj, active.kept(existing_items(obj), otherwise=record.active_before))
     if form is not None and active.shape_key is None:
         obj.active_shape_key_index = mesh.shape_keys.key_blocks.find(next(iter(record.keys)))

@@ -200,7 +200,7 @@ class CanonicalFormProperties(
         default="DETECTED",
     )
     like: StringProperty(  # type: ignore[valid-type]
-        name="Reference",
+        name="Like",
         translation_context=CONTEXT,
         description="Object of a like body in the pose that is wanted, whatever its vertices and faces",
     )

@@ -154,7 +154,7 @@ def another_pose():
     yield from hand.over_view()
     yield from hand.click(*hand.below_top(HEADERS["pose"], 0.3))
     yield 0.7
-    run("canonical_form_pose_like", pose="T")
+    run("canonical_form_pose_like", pose="T", side=1)  # its feet alone tell front from back, and come out second
     hand.area().spaces.active.shading.color_type = "VERTEX"
     with in_view():
         bpy.ops.view3d.view_selected()

@@ -1,6 +1,7 @@
 """The main job on a sample: `make run`.
 
-Builds a posed figure, runs the operator on it, and leaves a .blend and a picture in `build/`.
+Builds a posed figure, runs the operator on it, and leaves a .blend and a picture in `build/`, with a clothed character
+under a rig to try in a window.
 """
 
 import sys
@@ -14,8 +15,10 @@ sys.path.insert(0, str(ROOT))
 
 import addon  # noqa: E402
 from addon.blender.mesh_reading import read_mesh  # noqa: E402
+from addon.blender.reading_files import quiet  # noqa: E402
 from addon.blender.record import require_record  # noqa: E402
 from addon.blender.writing_files import Shown, save_forms  # noqa: E402
+from tools.sample import clothed_figure  # noqa: E402
 from tools.sample.picture import render  # noqa: E402
 from tools.sample.posed_figure import build  # noqa: E402
 
@@ -46,9 +49,17 @@ def main(levels: int) -> None:
     bpy.ops.wm.save_as_mainfile(filepath=str(blend))
     render(figure, picture)
     addon.unregister()
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    clothed_figure.build(levels=levels)
+    with quiet():
+        bpy.ops.export_scene.gltf(
+            filepath=str(OUTPUT / "clothed.glb"), export_animations=False, export_rest_position_armature=False
+        )
     print(
         f"Open in Blender {bpy.app.version[0]}.{bpy.app.version[1]} or later: {blend}\n"
-        f"Posed, for any Blender: {OUTPUT / 'figure-posed.obj'}\nBefore and after: {picture}"
+        f"To try, in any Blender: {OUTPUT / 'figure-posed.obj'}\n"
+        f"A clothed character under a rig, to import: {OUTPUT / 'clothed.glb'}\n"
+        f"Before and after: {picture}"
     )
 
 
