@@ -98,6 +98,8 @@ def a_clothed_character():
     yield from hand.over_view()
     yield 0.7
     hand.area().spaces.active.region_3d.view_distance *= 1.25  # the form's arms reach higher
+    bpy.context.scene.canonical_form.mesh = "BASE"
+    yield 0.7
     yield from hand.picture("1-tab")
 
     bpy.context.scene.canonical_form.mesh = "SHOWN"
