@@ -1,5 +1,8 @@
 """Makes ``blender --background --command canonical_form …`` known to Blender."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 import bpy
 
 
@@ -11,7 +14,29 @@ def _run(arguments: list[str]) -> int:
     from ..batch.command import main
     from ..result_lines import claim_output
 
-    return main(arguments, claim_output(), alone=True)
+    with in_english():
+        return main(arguments, claim_output(), alone=True)
+
+
+@contextmanager
+def in_english() -> Iterator[None]:
+    """Say everything in English for a while, whatever language Blender is set to: programs read the lines.
+
+    Yields
+    ------
+    None
+        Meanwhile Blender translates nothing of its interface and reports.
+    """
+    view = bpy.context.preferences.view
+    names = [name for name in ("use_translate_interface", "use_translate_reports") if hasattr(view, name)]
+    kept = {name: getattr(view, name) for name in names}
+    try:
+        for name in names:
+            setattr(view, name, False)
+        yield
+    finally:
+        for name, value in kept.items():
+            setattr(view, name, value)
 
 
 def register() -> None:
