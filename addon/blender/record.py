@@ -20,6 +20,7 @@ from .stored_values import flag, listed, maybe, named, real, whole, words
 from .wording import told
 
 RECORD_PROPERTY = "canonical_form_record"
+_LONGEST = 10**7  # characters of a record; ours have thousands, and a panel reads it again and again
 
 Fingerprints = dict[str, str | None]  # by name; None while it is written, and in records of the first builds
 
@@ -251,7 +252,7 @@ def read_record(mesh: bpy.types.Mesh, *, containing: str = "") -> Record | None:
         The record; None if there is no result.
     """
     text = mesh.get(RECORD_PROPERTY) or mesh.get(FORMER_PROPERTY)
-    if not isinstance(text, str) or containing not in text:
+    if not isinstance(text, str) or len(text) > _LONGEST or containing not in text:
         return None
     try:
         return Record.from_json(json.loads(text))

@@ -211,7 +211,8 @@ def test_a_spoilt_record_is_none_or_can_be_shown_and_cleared(painted_object):
         feature_labels(figure_object, bpy.context.evaluated_depsgraph_get())
         read += read_record(figure_object.data) is not None
     assert 20 < read < 300
-    for text in ("[" * 100_000, json.dumps(record).replace("Patch 1", "\\ud800")):
+    longer = json.dumps({**record, "more": "x" * 10**7})
+    for text in ("[" * 100_000, json.dumps(record).replace("Patch 1", "\\ud800"), longer):
         figure_object.data[RECORD_PROPERTY] = text
         assert read_record(figure_object.data) is None
     figure_object.data[RECORD_PROPERTY] = json.dumps(record)
