@@ -22,7 +22,7 @@ import bpy  # noqa: E402
 import polib  # noqa: E402
 
 import addon  # noqa: E402
-from addon.blender import advice, transfer_task, wording  # noqa: E402
+from addon.blender import advice, transfer_item, wording  # noqa: E402
 from addon.core.method_api.catalogue import methods  # noqa: E402
 from addon.core.run.messages import sentences  # noqa: E402
 from addon.interface import pose_operators, tool_operators  # noqa: E402
@@ -74,7 +74,7 @@ def messages() -> tuple[list[str], set[str]]:
     addon.unregister()
     tooltips = {tooltip for _, tooltip in pairs} | {method.help for method in methods().values()}
     found = [*(each for pair in pairs for each in pair), *literals(), *sentences(), "Starting", wording.NAMED_STAGE]
-    found += [*advice.ADVICE.values(), advice._NO_MEMORY, *transfer_task._CALLED.values()]
+    found += [*advice.ADVICE.values(), advice._NO_MEMORY, *transfer_item.CALLED.values()]
     found += [*pose_operators._DESCRIPTIONS.values(), *tool_operators._DESCRIPTIONS.values()]
     for method in methods().values():
         found += [method.label, method.help]

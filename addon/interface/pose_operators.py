@@ -8,7 +8,7 @@ import bpy
 from bpy.props import EnumProperty, IntProperty, StringProperty
 
 from ..blender.likeness import MANNEQUINS
-from ..blender.meant_objects import meant_object, require_object
+from ..blender.meant_objects import meant_object
 from ..blender.mesh_reading import refusal
 from ..blender.wording import CONTEXT, told
 from ..core import CanonicalFormError
@@ -101,7 +101,7 @@ class OBJECT_OT_canonical_form_pose_like(JobOperator, MethodProperties, RequestP
 
 
 class OBJECT_OT_canonical_form_transfer(JobOperator, MethodProperties, bpy.types.Operator):
-    """Take over what the reference has: to the point of the mesh that is its like, in whatever pose"""  # noqa: D400
+    """Take over what another object has: every vertex of the selected meshes from its matching point"""  # noqa: D400 (tooltip)
 
     bl_idname = "object.canonical_form_transfer"
     bl_label = "Transfer"
@@ -132,16 +132,16 @@ class OBJECT_OT_canonical_form_transfer(JobOperator, MethodProperties, bpy.types
         return allowed(cls, cls.busy() or refusal(meant_object(context)))
 
     def task(self, context: bpy.types.Context) -> "TransferTask":
-        """Read the active object and the reference."""
+        """Read the reference, then the active and the other selected meshes."""
         from ..blender.transfer_task import TransferTask, side_of
 
-        obj = require_object(context)
-        side = side_of(obj, self.like) if self.side < 0 else self.side
-        return TransferTask(obj, bpy.data.objects.get(self.like), self.kinds, settings_of(self), side)
+        objects, self._refused = chosen_objects(context)
+        side = side_of(objects[0], self.like) if self.side < 0 else self.side
+        return TransferTask(objects, bpy.data.objects.get(self.like), self.kinds, settings_of(self), side)
 
     def written(self, context: bpy.types.Context, task: "TransferTask", outcome: None, interactive: bool) -> None:
         """Report the warnings, then what was taken over."""
-        self.warn(task.warnings)
+        self.warn([*self._refused, *task.warnings])
         things = ", ".join(task.told) or told("nothing")
         self.report({"INFO"}, told("Taken over from {like}: {things}.", like=self.like, things=things))
 

@@ -8,6 +8,7 @@ import pytest
 
 from addon.blender.transfer_reading import read_source
 from addon.blender.transfer_record import TRANSFERS_PROPERTY, read_transfers
+from addon.core import CanonicalFormError
 from addon.interface import panels
 from addon.interface.pose_panel import VIEW3D_PT_canonical_form_pose_like
 from tests.blender.conftest import QUICK, add_object, drawn, snapshot
@@ -207,3 +208,56 @@ def test_an_object_that_its_transform_mirrors_takes_over_too(pair, small):
     bpy.ops.object.canonical_form_transfer(**TRANSFER, kinds={"KEYS"})
     grown = points_of(keys_of(scan)["Grow"])
     assert np.linalg.norm(grown - 1.2 * small[0][old] * [-1, 1, 1], axis=1).mean() < 0.03
+
+
+def test_all_selected_objects_take_over_those_that_touch_as_one_body(pair, small, capfd):
+    """A button on the hand, with a scale of its own, and another scan far away, beside the scan and the base."""
+    scan, base, old = pair
+    vertices = small[0]
+    hand = vertices[np.argmax(vertices[:, 0])]
+    balls, ball_faces = shapes.sphere(2)
+    button = add_object("Button", balls, ball_faces)
+    button.scale = (0.05, 0.05, 0.05)
+    button.location = np.array(scan.location) + hand
+    other = add_object("Other", np.array([vertex.co for vertex in scan.data.vertices]), read_faces(scan))
+    other.location = (-9.0, 3.0, 0.0)
+    for obj in (base, button, other):
+        obj.select_set(True)
+    bpy.context.view_layer.objects.active = scan
+    bpy.context.view_layer.update()
+    untouched = snapshot(base)
+    assert bpy.ops.object.canonical_form_transfer(**TRANSFER, kinds={"GROUPS", "KEYS"}) == {"FINISHED"}
+    assert "vertex groups: 2, shape keys: 1" in capfd.readouterr().out
+    assert snapshot(base) == untouched
+    placed = vertices[old]
+    inner = np.abs(placed[:, 0]) > 0.4
+    for each in (scan, other):
+        np.testing.assert_allclose(read_source(each).groups["Left"][inner], 0.75 * (placed[inner, 0] < 0), atol=0.01)
+    assert np.linalg.norm(points_of(keys_of(other)["Grow"]) - 1.2 * placed, axis=1).mean() < 0.03
+    weights = read_source(button).groups
+    np.testing.assert_allclose(weights["Right"], 0.75, atol=0.01)
+    np.testing.assert_allclose(weights["Left"], 0.0, atol=0.01)
+    grown = 0.05 * points_of(keys_of(button)["Grow"]) + np.array(button.location) - np.array(scan.location)
+    assert np.linalg.norm(grown.mean(axis=0) - 1.2 * hand) < 0.1  # it goes with the hand
+
+
+def test_nothing_is_written_where_one_of_several_objects_was_changed(pair):
+    from addon.blender.transfer_task import TransferTask
+    from addon.core import Settings
+
+    scan, base, _ = pair
+    other = add_object("Other", np.array([vertex.co for vertex in scan.data.vertices]), read_faces(scan))
+    settings = Settings(**{name: value for name, value in QUICK.items() if name in Settings.__dataclass_fields__})
+    task = TransferTask([scan, other], base, {"GROUPS"}, settings, -1)
+    task.compute()
+    other.data.vertices[0].co.x += 1
+    before = snapshot(scan)
+    with pytest.raises(CanonicalFormError, match="Other"):
+        task.write()
+    assert snapshot(scan) == before
+    assert not other.vertex_groups
+
+
+def read_faces(obj):
+    """The triangles of an object."""
+    return np.array([list(polygon.vertices) for polygon in obj.data.polygons])
