@@ -1,10 +1,11 @@
 """Draws the figures of the paper with our own results: ``make figures [DATA=folder]``.
 
-DATA is a folder with one subfolder a shape and one .obj a pose; ../shared/data where it is left out and that is there,
-otherwise the tests' own figures.
+DATA is a folder with one subfolder a shape and one .obj a pose; where it is left out, that of CANONICAL_FORM_DATA, or
+the tests' own figures.
 """
 
 import json
+import os
 import sys
 from pathlib import Path
 
@@ -28,8 +29,8 @@ FIGURES = {
 
 
 def main(data=None, only=""):
-    shared = ROOT.parent / "shared" / "data"
-    found = models(Path(data) if data else shared)
+    named = data or os.environ.get("CANONICAL_FORM_DATA")
+    found = models(Path(named) if named else None)
     folder = ROOT / "docs" / "pictures" / "paper"
     folder.mkdir(parents=True, exist_ok=True)
     for name, draw in FIGURES.items():
