@@ -226,7 +226,7 @@ def test_clearing_by_a_spoilt_record_keeps_what_is_the_users(painted_object, tmp
     assert bpy.ops.object.canonical_form_in_betweens(count=2) == {"FINISHED"}
     record, path = json.loads(painted_object.data[RECORD_PROPERTY]), str(tmp_path / "painted.blend")
     bpy.ops.wm.save_as_mainfile(filepath=path)
-    for _ in range(40):
+    for _ in range(80):
         bpy.ops.wm.open_mainfile(filepath=path)
         obj = bpy.data.objects["Figure"]
         bpy.context.view_layer.objects.active = obj
