@@ -112,15 +112,11 @@ def faults(texts: polib.POFile) -> list[str]:
 
 
 def _fits(entry: polib.POEntry) -> bool:
-    """Tell whether a translation takes the values of its sentence; a sentence without values may hold any braces."""
+    """Tell whether a translation takes the values of its sentence."""
     try:
-        wanted = places(entry.msgid)
-    except ValueError:
-        return True
-    try:
-        return places(entry.msgstr) == wanted
-    except ValueError:
-        return not wanted
+        return places(entry.msgstr) == places(entry.msgid)
+    except ValueError:  # a brace without its other
+        return False
 
 
 def main(check: bool) -> int:

@@ -72,7 +72,7 @@ def plain(text: str) -> str:
 
     Examples
     --------
-    >>> plain("Leg[2J")
+    >>> plain("Leg\x1b[2J")
     'Leg?[2J'
     """
     return "".join(each if each.isprintable() else "?" for each in text.replace("\n", " "))

@@ -205,8 +205,7 @@ def combined(readings: Sequence[Reading]) -> Combined:
     for reading in readings:
         require_thick(reading.name, reading.placement)
     faces = [
-        (each.faces[:, ::-1] if np.linalg.det(place[:3, :3]) < 0 else each.faces) + start
-        for each, place, start in zip(objects, placements, starts[:-1], strict=True)
+        outward(each.faces, place) + start for each, place, start in zip(objects, placements, starts[:-1], strict=True)
     ]
     whole = Combined(np.zeros((0, 3)), np.concatenate(faces), starts, objects, placements)
     return whole._replace(vertices=whole.put_together([each.vertices for each in readings]))
@@ -267,6 +266,24 @@ def moved(points: FloatArray, transform: FloatArray) -> FloatArray:
         Where they go.
     """
     return points @ transform[:3, :3].T + transform[:3, 3]
+
+
+def outward(faces: IntArray, transform: FloatArray) -> IntArray:
+    """Turn triangles so that they are seen from outside as before where a transform mirrors them.
+
+    Parameters
+    ----------
+    faces : (m, 3) ndarray of int
+        The triangles.
+    transform : (4, 4) ndarray of float
+        The transform of their vertices.
+
+    Returns
+    -------
+    (m, 3) ndarray of int
+        The triangles, in the other order of corners where it mirrors.
+    """
+    return faces[:, ::-1] if np.linalg.det(transform[:3, :3]) < 0 else faces
 
 
 def require_thick(name: str, placement: FloatArray) -> None:

@@ -230,9 +230,7 @@ class FormItem:
             )
             for obj in former
         ]
-        for deformed in (False, True):
-            alike = [obj for obj, each in zip(objects, self.readings, strict=True) if each.deformed == deformed]
-            warnings += object_warnings(alike, deformed, scaled=len(objects) > 1) if alike else []
+        warnings += object_warnings(objects, self.readings[0].deformed, scaled=len(objects) > 1)
         if resized and not new:
             warnings.append(
                 told(

@@ -13,7 +13,7 @@ from .combining import touching
 from .form_item import FormItem
 from .object_states import muted_results, object_mode
 from .request import Request
-from .wording import named_stage, told
+from .wording import progress_of, told
 
 if TYPE_CHECKING:
     from ..core.results import AnyResult
@@ -112,13 +112,8 @@ class FormTask:
         self._join(cancelled)
         count = len(self.items)
         for number, item in enumerate(self.items):
-
-            def report(done: float, stage: str, number: int = number, name: str = item.name) -> None:
-                if progress is not None:
-                    progress((number + done) / count, stage if count == 1 else named_stage(name, stage))
-
             try:
-                item.compute(self.request, report, cancelled)
+                item.compute(self.request, progress_of(progress, item.name, number, count), cancelled)
             except CanonicalFormError as error:
                 if count == 1 or (cancelled is not None and cancelled()):
                     raise

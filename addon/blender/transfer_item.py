@@ -160,25 +160,21 @@ class TransferItem:
         CanonicalFormError
             If so; the message says what to do.
         """
-        require_unchanged(find_object(self.reading), self.reading)
+        obj = find_object(self.reading)
+        with object_mode(obj):
+            require_unchanged(obj, self.reading)
 
     def write(self, source: Source) -> None:
-        """Write what was carried over, on the main thread.
+        """Write what was carried over, on the main thread, once `require_unchanged` has let it pass.
 
         Parameters
         ----------
         source : Source
             What the other object has.
-
-        Raises
-        ------
-        CanonicalFormError
-            If the object is gone or was changed; the message says why.
         """
         assert self.carried is not None
         obj = find_object(self.reading)
         with object_mode(obj):
-            require_unchanged(obj, self.reading)
             written, active = read_transfers(obj.data), active_items(obj)
             with _recording(obj.data, written):
                 self._write_groups(obj, source, self.carried, written)

@@ -13,7 +13,7 @@ import numpy as np
 from ..core import CanonicalFormError, TooLargeError
 from ..core.numerics.arrays import FloatArray, IntArray
 from .advice import all_advised
-from .combining import moved, require_thick, touching
+from .combining import moved, outward, require_thick, touching
 from .mesh_reading import read_mesh
 from .object_states import object_mode
 from .placement import placement_of
@@ -21,7 +21,7 @@ from .pose_reading import reference_refusal
 from .record import read_record
 from .transfer_item import TransferItem
 from .transfer_reading import Source, read_source
-from .wording import named_stage, told
+from .wording import progress_of, told
 
 if TYPE_CHECKING:
     from ..core import Match, Settings
@@ -112,13 +112,7 @@ class TransferTask:
             groups = touching(readings, together=self._settings.together, cancelled=cancelled)
         for number, group in enumerate(groups):
             items = [self._items[index] for index in group]
-
-            def report(done: float, stage: str, number: int = number, name: str = items[0].reading.name) -> None:
-                if progress is not None:
-                    told_stage = stage if len(groups) == 1 else named_stage(name, stage)
-                    progress((number + done) / len(groups), told_stage)
-
-            self._carry_to(items, report, cancelled)
+            self._carry_to(items, progress_of(progress, items[0].reading.name, number, len(groups)), cancelled)
 
     def write(self) -> None:
         """Write what was carried over, on the main thread.
@@ -135,7 +129,7 @@ class TransferTask:
             self.warnings += item.warnings
             self.told += [each for each in item.told if each not in self.told]
 
-    def _carry_to(self, items: list[TransferItem], progress: Progress, cancelled: Cancelled | None) -> None:
+    def _carry_to(self, items: list[TransferItem], progress: Progress | None, cancelled: Cancelled | None) -> None:
         """Match the objects of one body and carry over to them."""
         from ..core import match, pose_like
 
@@ -232,7 +226,7 @@ def _in_the_rig(posed: FloatArray, found: Match, there: FloatArray) -> FloatArra
 
 def _placed(points: FloatArray, faces: IntArray, placement: FloatArray) -> tuple[FloatArray, IntArray]:
     """Place a mesh in the scene, its triangles seen from outside as before."""
-    return moved(points, placement), faces if np.linalg.det(placement[:3, :3]) > 0 else faces[:, ::-1]
+    return moved(points, placement), outward(faces, placement)
 
 
 def side_of(obj: bpy.types.Object, source: str) -> int:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import bpy
 
 from ..core.run.messages import Message
+
+if TYPE_CHECKING:
+    from ..core.run.monitor import Progress
 
 CONTEXT = "Canonical Form"  # what is ours among the words that Blender knows: its "Normal" is a direction
 NAMED_STAGE = "{name}: {stage}"
@@ -75,6 +78,33 @@ def named_stage(name: str, stage: str) -> Message:
     """
     numbers = {"name": name, "stage": Message(stage, sentence=stage)}
     return Message(NAMED_STAGE.format(**numbers), numbers=numbers, sentence=NAMED_STAGE)
+
+
+def progress_of(progress: Progress | None, name: str, number: int, count: int) -> Progress | None:
+    """Report the progress of one of several objects as a share of that of all.
+
+    Parameters
+    ----------
+    progress : callable or None
+        Takes the share done of all, and the stage, which names the object where there are several.
+    name : str
+        Name of the object.
+    number, count : int
+        Which it is, from 0, and how many there are.
+
+    Returns
+    -------
+    callable or None
+        Takes the share done of the object, and the stage; None where nobody asks.
+
+    Examples
+    --------
+    >>> progress_of(lambda done, stage: print(done, stage), "Cube", 1, 2)(0.5, "Distances")
+    0.75 Cube: Distances
+    """
+    if progress is None:
+        return None
+    return lambda done, stage: progress((number + done) / count, stage if count == 1 else named_stage(name, stage))
 
 
 def told_stage(stage: str) -> str:

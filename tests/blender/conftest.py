@@ -118,12 +118,19 @@ def snapshot(obj):
         "colours": {each.name: (each.data_type, each.domain, flat(each.data, "color", 4)) for each in colours},
         "active colours": colours.active_color and colours.active_color.name,
         "attributes": sorted(each.name for each in mesh.attributes),
-        "properties": sorted((name, name == RECORD_PROPERTY or str(value)) for name, value in mesh.items())
+        "properties": sorted((name, name == RECORD_PROPERTY or str(plain(value))) for name, value in mesh.items())
         + sorted(obj.keys()),
         "animation": keys and keys.animation_data and [curve.data_path for curve in keys.animation_data.drivers],
         "pinned": obj.show_only_shape_key,
         "materials": [slot and slot.name for slot in mesh.materials],
     }  # fmt: skip
+
+
+def plain(value):
+    """What a property of Blender's holds, without the places in memory that its text would tell."""
+    if isinstance(value, list):
+        return [plain(each) for each in value]
+    return value.to_dict() if hasattr(value, "to_dict") else value
 
 
 class Layout:

@@ -2,6 +2,7 @@
 
 from typing import Any
 
+import bmesh
 import bpy
 import numpy as np
 import pytest
@@ -241,7 +242,8 @@ def test_all_selected_objects_take_over_those_that_touch_as_one_body(pair, small
     assert np.linalg.norm(grown.mean(axis=0) - 1.2 * hand) < 0.1  # it goes with the hand
 
 
-def test_nothing_is_written_where_one_of_several_objects_was_changed(pair):
+@pytest.mark.parametrize("mode", ["OBJECT", "EDIT"])
+def test_nothing_is_written_where_one_of_several_objects_was_changed(pair, mode):
     from addon.blender.transfer_task import TransferTask
     from addon.core import Settings
 
@@ -250,7 +252,12 @@ def test_nothing_is_written_where_one_of_several_objects_was_changed(pair):
     settings = Settings(**{name: value for name, value in QUICK.items() if name in Settings.__dataclass_fields__})
     task = TransferTask([scan, other], base, {"GROUPS"}, settings, -1)
     task.compute()
-    other.data.vertices[0].co.x += 1
+    if mode == "OBJECT":
+        other.data.vertices[0].co.x += 1
+    else:  # the mesh knows of it once the mode is left
+        bpy.context.view_layer.objects.active = other
+        bpy.ops.object.mode_set(mode="EDIT")
+        next(iter(bmesh.from_edit_mesh(other.data).verts)).co.x += 1
     before = snapshot(scan)
     with pytest.raises(CanonicalFormError, match="Other"):
         task.write()
