@@ -20,6 +20,7 @@ from .run.monitor import Monitor
 from .symmetry.limbs import Limbs
 from .symmetry.upright import upright_rotation
 
+_ROUNDED = 1e-4  # share of the size to which positions may be rounded where the reference lies
 _UNLIKE = 0.3  # mismatch from which on two bodies count as unlike
 
 
@@ -146,6 +147,11 @@ def in_place(
     order : (k,) ndarray of int
         Which feature point comes first, second, …: as in the reference, where there is one.
 
+    Raises
+    ------
+    InvalidSettingsError
+        If positions so far away as the reference are too coarse for a surface of this size.
+
     Examples
     --------
     >>> from addon.core.method_api.surface_features import detected
@@ -168,6 +174,8 @@ def in_place(
             monitor.warn("reference_unlike")
         elif len(laying.image) != len(reference.tips) or (laying.image < 0).any():
             monitor.warn("reference_features", count=len(laying.image), others=len(reference.tips))
+        if np.spacing(np.abs(reference.centre).max()) > _ROUNDED * found.unit:
+            raise InvalidSettingsError("reference_far")
         if settings.feature_points is None:
             order = np.argsort(np.where(laying.image < 0, len(reference.tips), laying.image), kind="stable")
         return (form @ laying.rotation + laying.shift) * found.unit + reference.centre, order

@@ -251,6 +251,7 @@ ONCE = {
     "far away": made(333),
     "spikes far away": made(10820),
     "spikes, far away, with spikes": damaged(1, 0, spikes, far_away, far_away, spikes),
+    "edges of no length beside spikes": damaged(0, 0, spikes, same_places, stretched),
     "a spike of 10³": spiked(1e3),
     "a spike of 10⁶": spiked(1e6),
 }

@@ -147,6 +147,16 @@ def test_an_unlike_body_and_bodies_too_many_are_told(real_mesh, figure):
     assert found.vertices[len(vertices) :, 0].mean() > 90
 
 
+def test_a_reference_that_is_too_far_for_the_size_of_the_mesh_is_refused(figure):
+    vertices, faces = figure
+    reference = form_of(figure, DRAFT)
+    with pytest.raises(InvalidSettingsError, match="so far away"):
+        canonical_form(1e-20 * vertices, faces, DRAFT, reference=reference)
+    far = replace(reference, vertices=reference.vertices + 1e6)
+    near = canonical_form(vertices, faces, DRAFT, reference=far).vertices
+    np.testing.assert_allclose(near - 1e6, reference.vertices, atol=1e-6 * float(np.ptp(vertices)))
+
+
 def test_a_form_without_limbs_is_no_reference(figure):
     with pytest.raises(InvalidSettingsError, match="Compute its form again"):
         form_of(figure, DRAFT, reference=replace(form_of(figure, DRAFT), bodies=[]))

@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ..mesh.connectivity import component_labels
 from ..mesh.geometry import area_vectors, of_unit_area
 from ..numerics.arrays import FloatArray, IntArray
 from ..run.monitor import Monitor
 from .pieces import Piece
 
+if TYPE_CHECKING:
+    from scipy.spatial import KDTree
+
 SPACING = 0.008  # of the samples, in sqrt(area) of all pieces; vertices alone miss contacts of large faces
 FARTHEST = 0.1  # up to which distances between pieces are measured, in the same unit
 _FEWEST = 24  # samples of a piece
+_ROUGH = 0.02  # spacing of the samples that tell what may belong together, in sqrt(area) of the piece
 _GOLDEN = np.array([0.7548776662466927, 0.5698402909980532])  # of a plane: 1 / p, 1 / p² with p³ = p + 1
 
 
@@ -176,7 +179,9 @@ def contacts_between(
 
 
 def neighbourhoods(pieces: Sequence[Piece]) -> list[list[Piece]]:
-    """Group the pieces that may belong together: their bounding boxes are near each other, for their size.
+    """Group the pieces that may belong together: they are near each other, for the size of the larger.
+
+    Bounding boxes, which depend on how the mesh is turned, only spare the measuring.
 
     Parameters
     ----------
@@ -198,13 +203,33 @@ def neighbourhoods(pieces: Sequence[Piece]) -> list[list[Piece]]:
     low = np.array([piece.points.min(axis=0) for piece in pieces])
     high = np.array([piece.points.max(axis=0) for piece in pieces])
     sizes = np.array([of_unit_area(piece.points, piece.faces)[2] for piece in pieces])
-    near = []
+    clouds: dict[int, KDTree] = {}
+    label = np.arange(len(pieces))
     for i in range(len(pieces) - 1):
         beside = np.maximum(np.maximum(low[i + 1 :] - high[i], low[i] - high[i + 1 :]), 0.0)
-        here = np.linalg.norm(beside, axis=1) < FARTHEST * np.maximum(sizes[i], sizes[i + 1 :])
-        near.append(np.column_stack([np.full(np.count_nonzero(here), i), i + 1 + np.flatnonzero(here)]))
-    label = component_labels(len(pieces), np.concatenate([np.empty((0, 2), dtype=np.int64), *near]))
+        within = FARTHEST * np.maximum(sizes[i], sizes[i + 1 :])
+        for j in (i + 1 + np.flatnonzero(np.linalg.norm(beside, axis=1) < within)).tolist():
+            if label[i] == label[j]:
+                continue
+            for piece in {i, j} - clouds.keys():
+                clouds[piece] = _cloud(pieces[piece], float(sizes.max()))
+            if _come_near(clouds[i], clouds[j], FARTHEST * max(sizes[i], sizes[j]) / sizes.max()):
+                label[label == label[j]] = label[i]
     groups: dict[int, list[Piece]] = {}
     for piece, each in zip(pieces, label.tolist(), strict=True):
         groups.setdefault(each, []).append(piece)
     return list(groups.values())
+
+
+def _cloud(piece: Piece, unit: float) -> KDTree:
+    """Spread some samples over a piece, in a unit in which no distance underflows."""
+    from scipy.spatial import KDTree
+
+    points, centre, size = of_unit_area(piece.points, piece.faces)
+    return KDTree(sampled(points, piece.faces, _ROUGH).points * (size / unit) + centre / unit)
+
+
+def _come_near(one: KDTree, two: KDTree, within: float) -> bool:
+    """Tell whether a point of one cloud lies within a distance of one of the other."""
+    few, many = sorted((one, two), key=lambda cloud: cloud.n)
+    return bool(np.isfinite(many.query(few.data, distance_upper_bound=within)[0]).any())

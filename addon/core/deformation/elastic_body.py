@@ -23,6 +23,7 @@ _WIDE = 0.01  # diffusion time of the first rotations, as a share of the area: w
 _SMALL = 0.0005  # diffusion time of the rotations between a stretched form and the body, as a share of the area
 _ROUNDING = 1e-9  # stiffness against its sign that is none: beyond it, bridges that no flip made Delaunay push
 _TORN = 4.0  # stretch of an edge beyond which it says nothing about a limb: bridges between parts may open so far
+_BEYOND = 1e200  # stretch that counts for edges of no length
 _HARDLY = 1e-6  # a pull that only says where a form lies
 _NEAR = 0.0015  # diffusion time of the frames that carry detail, as a share of the area: two edges of the coarse mesh
 
@@ -201,7 +202,8 @@ class ElasticBody:
         turned = np.einsum("ij,ijk->ik", self._vectors, turn[self._i] + turn[self._j])
         tiny, length = np.finfo(float).tiny, np.linalg.norm(self._vectors, axis=1)
         turned *= (length / np.maximum(np.linalg.norm(turned, axis=1), tiny))[:, None]
-        longer = np.linalg.norm(stretched, axis=1) / np.maximum(length, tiny)
+        now = np.linalg.norm(stretched, axis=1)
+        longer = np.divide(now, length, out=np.full_like(now, _BEYOND), where=length * _BEYOND > now)
         stretched_by = np.maximum(longer / _TORN, 1.0)[:, None]
         shrink = stretch_between(self._spreads(stretched / stretched_by, share), self._spreads(turned, share))
         edges = np.einsum("ij,ijk->ik", self._weight[:, None] * stretched, shrink[self._i] + shrink[self._j]) / 2

@@ -16,11 +16,8 @@ from ..symmetry.limbs import Limbs
 _BANDS = (40, 80)  # eigenfunctions to which the curvature is smoothed
 _OUTLIERS = 0.02  # share of the curvatures at either end that are cut off
 _EIGENPAIRS = 120  # of the map: limbs turn about their axes where there are fewer
-_SIGNED, _ENERGIES, _WIDTH = (
-    80,
-    40,
-    7.0,
-)  # eigenpairs of the wave kernel signature, its energies, and their width in steps
+_SIGNED, _ENERGIES = 80, 40  # eigenpairs of the wave kernel signature, and its energies,
+_WIDTH = 7.0  # their width in steps
 
 
 class Unfolded(NamedTuple):
@@ -40,7 +37,7 @@ class Unfolded(NamedTuple):
         Eigenfunctions, orthonormal under the areas, lowest first.
     curvature : (c, 2) ndarray of float
         Mean curvature of the pose, smoothed over wide and over narrower surroundings.
-    signature : (c, 10) ndarray of float
+    signature : (c, 40) ndarray of float
         Logarithm of the wave kernel signature, over the root of their number.
     features : (k,) ndarray of int
         Feature points.

@@ -71,6 +71,8 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
     "reference_without_limbs": "The reference has no feature points to go by. Compute its form again and use that.",
     "reference_bodies": "This mesh has {count} bodies and the reference {others}; only those that both have, the "
     "largest first, were laid onto it.",
+    "reference_far": "The reference lies so far away that a mesh of this size would lose its shape there. Bring both "
+    "to one unit, and the reference near the origin.",
     "reference_unlike": "This body is unlike the reference. Check how the form lies, or choose another reference.",
     "reference_features": "This body has {count} feature points and the reference {others}; where the like of one is "
     "missing, those after it have other numbers.",

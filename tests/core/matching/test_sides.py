@@ -1,0 +1,71 @@
+"""Which side of one surface is which of another."""
+
+import numpy as np
+import pytest
+
+from addon.core.matching import sides as module
+from addon.core.matching.sides import sides
+from addon.core.measures.alignment import rigid_fit
+from addon.core.run.monitor import Monitor
+
+
+def test_a_body_is_most_like_itself_and_the_best_way_comes_first(body, renumbered):
+    other, old = renumbered
+    ways = sides(body, other, Monitor())
+    scores = [way.score for way in ways]
+    assert scores == sorted(scores)
+    assert scores[0] < -4
+    placed = body.form @ ways[0].start.rotation + ways[0].start.shift
+    np.testing.assert_allclose(placed[old], other.form, atol=1e-6)
+
+
+def test_progress_ends_at_the_last_way(body):
+    told = []
+    sides(body, body, Monitor(lambda share, stage: told.append(share)))
+    assert told == sorted(told)
+    assert told[-1] == pytest.approx(1.0)
+    assert told[0] > 0
+
+
+def test_ways_that_lead_to_one_map_are_one_side(body):
+    rows = np.arange(len(body.form))
+    ways = sides(body, body, Monitor())
+    places = [body.form @ way.start.rotation + way.start.shift for way in ways]
+    assert len(ways) > 1
+    for number, one in enumerate(places):
+        for two in places[:number]:
+            assert np.linalg.norm((one - two)[rows], axis=1).mean() > 0.05
+
+
+def test_the_score_is_distance_signature_and_curvature(body, renumbered):
+    other, old = renumbered
+    rows = np.arange(0, len(body.form), 7)
+    partner = np.argsort(old)[rows]
+    wrong = np.roll(partner, 3)
+    for image in (partner, wrong):
+        turn, shift = rigid_fit(body.form[rows], other.form[image])
+        left = np.sqrt((np.linalg.norm(body.form[rows] @ turn + shift - other.form[image], axis=1) ** 2).mean())
+        changed = np.sqrt((np.linalg.norm(body.signature[rows] - other.signature[image], axis=1) ** 2).mean())
+        alike = [np.corrcoef(body.curvature[rows, k], other.curvature[image, k])[0, 1] for k in (0, 1)]
+        if image is wrong:
+            expected = np.log(left) + 2 * changed - 2 * np.mean(alike)
+            assert module._score(body, other, rows, image) == pytest.approx(expected)
+        else:
+            assert module._score(body, other, rows, image) < np.log(1e-6)
+
+
+def test_correlation_is_that_of_pearson_and_none_of_constants():
+    one, two = np.random.default_rng(0).normal(size=(2, 50)) + 3
+    assert module._correlation(one, two + one) == pytest.approx(np.corrcoef(one, two + one)[0, 1])
+    assert module._correlation(np.ones(4), np.arange(4.0)) == 0.0
+
+
+def test_samples_are_the_farthest_from_each_other():
+    points = np.random.default_rng(1).normal(size=(200, 3)) + 5
+    chosen = [int(np.argmax(np.linalg.norm(points - points.mean(axis=0), axis=1)))]
+    while len(chosen) < 20:
+        far = np.min([np.linalg.norm(points - points[each], axis=1) for each in chosen], axis=0)
+        chosen.append(int(np.argmax(far)))
+    assert module._spread(points, 20).tolist() == sorted(chosen)
+    assert module._spread(points, 200).tolist() == list(range(200))
+    assert module._spread(points, 300).tolist() == list(range(200))
