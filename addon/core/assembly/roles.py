@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from heapq import heapify, heappop, heappush
 from typing import NamedTuple
 
 import numpy as np
 
 from ..mesh.connectivity import border_labels, component_labels, edge_table
 from ..numerics.arrays import FloatArray, IntArray
+from .carriers import carriers
 from .contacts import Contact, Samples
 from .pieces import Piece
 
@@ -193,29 +193,20 @@ def _is_held(cast: _Cast, piece: int, hosts: Iterable[int]) -> bool:
 
 
 def _with_riders(cast: _Cast, bodies: list[list[int]], others: list[int]) -> Roles:
-    """Let the other pieces ride, those that lie closest first, each on the one piece that it lies on most."""
-    placed = {piece for body in bodies for piece in body}
+    """Let each of the other pieces ride on the one that it lies on most; what lies on no body is one of its own."""
+    hosts = {piece for body in bodies for piece in body}
+    hold: dict[int, dict[int, float]] = {piece: {} for piece in others}
+    for (i, j), contact in cast.contacts.items():
+        if i in hold:
+            on_it = float(np.mean(np.exp(-((contact.distances / TOUCH) ** 2))))
+            hold[i][j] = on_it + 1e-9 / (contact.gap + 1e-3)
+    carrier = carriers(hold, hosts)
     riders: list[tuple[int, int]] = []
-    hold = {
-        (i, j): float(np.mean(np.exp(-((contact.distances / TOUCH) ** 2))) + 1e-9 / (contact.gap + 1e-3))
-        for (i, j), contact in cast.contacts.items()
-        if i in others
-    }
-    ways = [(-how, i, j) for (i, j), how in hold.items() if j in placed]
-    heapify(ways)
-    beside: dict[int, list[int]] = {}
-    for i, j in hold:
-        beside.setdefault(j, []).append(i)
-    while ways:
-        _, i, j = heappop(ways)
-        if i in placed:
-            continue
-        riders.append((i, j))
-        placed.add(i)
-        for other in beside.get(i, ()):
-            heappush(ways, (-hold[other, i], other, i))
-    bodies += [[piece] for piece in others if piece not in placed]
-    return Roles(bodies, riders)
+    placed = set(hosts)
+    while ready := [(i, j) for i, j in carrier.items() if i not in placed and j in placed]:
+        riders += sorted(ready, key=lambda rider: (-hold[rider[0]][rider[1]], rider))
+        placed |= {i for i, _ in ready}
+    return Roles(bodies + [[piece] for piece in others if piece not in placed], riders)
 
 
 def _border_loops(faces: IntArray) -> list[IntArray]:

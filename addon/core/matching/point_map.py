@@ -108,7 +108,7 @@ def _confidence(
     one: Unfolded, other: Unfolded, partner: IntArray, places: FloatArray, rotation: FloatArray, monitor: Monitor
 ) -> FloatArray:
     """Tell how sure a map is: the way back leads home, normals agree, and triangles keep their area and side."""
-    back = refined(other, one, _first_back(one, other, partner), _COUNTS[-2:], _NEAR, monitor)
+    back = refined(other, one, _first_back(other, partner), _COUNTS[-2:], _NEAR, monitor)
     home = np.linalg.norm(one.form[back[partner]] - one.form, axis=1)
     facing = np.einsum("ij,ij->i", one.normals @ rotation, other.normals[partner])
     before, after = area_vectors(one.form @ rotation, one.faces), area_vectors(places, one.faces)
@@ -125,7 +125,7 @@ def _confidence(
     )
 
 
-def _first_back(one: Unfolded, other: Unfolded, partner: IntArray) -> IntArray:
+def _first_back(other: Unfolded, partner: IntArray) -> IntArray:
     """Begin the way back: each vertex of the other surface goes where the nearest that is mapped comes from."""
     from scipy.spatial import cKDTree
 

@@ -1,10 +1,13 @@
 """Bridges between the parts of a body."""
 
 import numpy as np
+import pytest
 
+from addon.core.assembly import bridges as module
 from addon.core.assembly.bridges import bridges_between
 from addon.core.assembly.contacts import sampled
 from addon.core.mesh.geometry import of_unit_area
+from tests.meshes import shapes
 
 AROUND = 48
 
@@ -40,3 +43,96 @@ def test_a_neck_that_its_collar_holds_in_front_and_behind_is_joined_on_both_side
     sides = points[np.unique(bridges_between(points, faces, part, surfaces)), 1]
     assert sides.min() < -0.05
     assert sides.max() > 0.05
+
+
+def put_together(*meshes):
+    """Some meshes as parts of unit area: points, triangles, parts, dense samples."""
+    starts = np.cumsum([0, *(len(vertices) for vertices, _ in meshes)])
+    faces = np.concatenate([own + start for (_, own), start in zip(meshes, starts[:-1], strict=True)])
+    points = of_unit_area(np.concatenate([vertices for vertices, _ in meshes]), faces)[0]
+    part = np.repeat(np.arange(len(meshes)), np.diff(starts))
+    return points, faces, part, [sampled(points[part == at], own).points for at, (_, own) in enumerate(meshes)]
+
+
+def joined_parts(part, bridges):
+    """Which parts the bridges join, as pairs."""
+    ends = np.sort(part[bridges], axis=1)
+    return {(int(low), int(high)) for low, high in ends[:, [0, 2]]}
+
+
+def ball(place):
+    vertices, faces = shapes.sphere(2)
+    return vertices + np.asarray(place, dtype=float), faces
+
+
+def test_parts_that_touch_nowhere_are_linked_where_they_are_nearest():
+    points, faces, part, surfaces = put_together(ball([0, 0, 0]), ball([9, 0, 0]), ball([4, 4, 0]))
+    bridges = bridges_between(points, faces, part, surfaces)
+    assert joined_parts(part, bridges) == {(0, 2), (1, 2)}
+    for one, other in ((0, 2), (1, 2)):
+        here = bridges[np.isin(part[bridges], [one, other]).all(axis=1)]
+        assert 2 <= len(here) <= 6  # two for each of three links, fewer where they share a triangle
+        between = np.linalg.norm(points[part == one][:, None] - points[part == other], axis=2)
+        links = np.linalg.norm(points[here[:, 0]] - points[here[:, 1]], axis=1)
+        assert links.min() == pytest.approx(between.min())
+        assert links.max() < between.min() + 0.02
+
+
+def test_each_part_is_linked_to_the_nearest_of_those_that_hang_together():
+    row = put_together(*(ball([2.6 * at, 0, 0]) for at in (0, 2, 1, 3)))
+    assert joined_parts(row[2], bridges_between(*row)) == {(0, 2), (1, 2), (1, 3)}
+
+
+def test_one_part_has_no_bridges():
+    points, faces, part, surfaces = put_together(ball([0, 0, 0]))
+    assert bridges_between(points, faces, part, surfaces).shape == (0, 3)
+
+
+def half_ring(turn, radius, gap=0.0):
+    """Half of a ring in the plane z = 0, of a tube of radius 1; its ends are open."""
+    vertices, faces = shapes.cylinder(24, 80, 1.0, np.pi)
+    angle = np.interp(vertices[:, 2], [vertices[:, 2].min(), vertices[:, 2].max()], [gap, np.pi - gap]) + turn
+    out = radius + vertices[:, 0]
+    return np.column_stack([out * np.cos(angle), out * np.sin(angle), vertices[:, 1]]), faces
+
+
+def test_a_ring_of_two_halves_stays_open_at_one_end():
+    """Both ends meet: one joins the halves, and the way round from there to the other is long."""
+    points, faces, part, surfaces = put_together(half_ring(0, 6.0, 0.002), half_ring(np.pi, 6.0, 0.002))
+    bridges = bridges_between(points, faces, part, surfaces)
+    sides = np.sign(points[bridges[:, 0], 0])
+    assert len(np.unique(sides)) == 1
+    assert len(np.unique(bridges[part[bridges] == 0])) >= 24
+
+
+def test_two_ends_near_each_other_are_both_joined():
+    """A short tube between two plates with two holes: beside the one that joins the other is a short way."""
+    points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 0.01], [1, 0, 0.01], [0, 1, 0.01]]) * 0.1
+    pairs = np.array([[0, 1], [0, 2], [1, 2], [3, 4], [3, 5], [4, 5]])
+    part = np.repeat([0, 1], 3)
+
+    def contact(links, around, score):
+        lengths = np.linalg.norm(np.subtract(*points[np.array(links).T]), axis=1)
+        return module._Contact(np.array(links), lengths, around, score)
+
+    first, beside, touch = contact([[0, 3]], 0.5, 3.0), contact([[1, 4]], 0.5, 2.0), contact([[2, 5]], 0.1, 1.0)
+    assert module._chosen(points, pairs, part, [first, beside, touch]).tolist() == [[0, 3], [1, 4]]
+    assert module._chosen(10 * points, pairs, part, [first, beside, touch]).tolist() == [[0, 3]]
+    assert module._chosen(points, pairs, part, [touch]).tolist() == [[2, 5]]
+
+
+def test_every_link_has_a_triangle_at_either_end_and_none_twice():
+    vertices, triangles = shapes.grid(9, 9)
+    points, faces, part, surfaces = put_together((vertices, triangles), (vertices + np.array([0, 0, 0.01]), triangles))
+    bridges = bridges_between(points, faces, part, surfaces)
+    assert len(np.unique(np.sort(bridges, axis=1), axis=0)) == len(bridges)
+    assert all(part[start] != part[end] for start, end, _ in bridges)
+    links = {tuple(sorted(each)) for each in np.concatenate([bridges[:, :2], bridges[:, 1:]]).tolist()}
+    for vertex in range(len(points)):
+        apart = np.linalg.norm(points[part != part[vertex]] - points[vertex], axis=1)
+        linked = [pair for pair in links if vertex in pair]
+        nearest = int(np.flatnonzero(part != part[vertex])[apart.argmin()])
+        assert tuple(sorted((vertex, nearest))) in linked
+    edges = {tuple(sorted(each)) for face in faces.tolist() for each in zip(face, face[1:] + face[:1], strict=True)}
+    for start, end, beside in bridges.tolist():
+        assert (min(start, beside), max(start, beside)) in edges or (min(end, beside), max(end, beside)) in edges

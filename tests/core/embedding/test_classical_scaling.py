@@ -2,7 +2,12 @@
 
 import numpy as np
 
-from addon.core.embedding.classical_scaling import classical_scaling, landmark_scaling, least_squares_scaling
+from addon.core.embedding.classical_scaling import (
+    classical_scaling,
+    landmark_scaling,
+    leading_scaling,
+    least_squares_scaling,
+)
 from addon.core.run.monitor import Monitor
 
 
@@ -65,3 +70,22 @@ def test_a_flat_start_stays_flat():
     wanted = 1.3 * np.linalg.norm(points[:, None] - points[:9], axis=2)
     layout = least_squares_scaling(wanted, np.arange(9), points - points.mean(axis=0), depth=0.0)
     assert not layout[:, 2].any()
+
+
+def test_the_leading_axes_are_those_of_all_whatever_the_size_and_the_same_each_time():
+    points = np.random.default_rng(2).normal(size=(450, 3)) * [0.03, 0.02, 0.01]
+    wanted = np.linalg.norm(points[:, None] - points, axis=2)
+    embedding = leading_scaling(wanted)
+    np.testing.assert_allclose(np.linalg.norm(embedding[:, None] - embedding, axis=2), wanted, atol=1e-9)
+    whole, _ = classical_scaling(wanted)
+    signs = np.sign((embedding * whole).sum(axis=0))
+    np.testing.assert_allclose(embedding * signs, whole, atol=1e-9)
+    np.testing.assert_array_equal(leading_scaling(wanted), embedding)
+
+
+def test_axes_that_are_none_have_no_length():
+    """On a circle with the distances of its arcs the third axis is that of the second pair, in a line there is none."""
+    line = np.linspace(0, 1, 450)
+    embedding = leading_scaling(np.abs(line[:, None] - line))
+    assert np.ptp(embedding[:, 0]) > 0.99
+    assert np.abs(embedding[:, 1:]).max() < 1e-6

@@ -195,3 +195,15 @@ def test_v_of_many_tiles_is_that_of_the_weights():
     upper = np.triu(weights, 1) + np.triu(weights, 1).T
     np.testing.assert_allclose(pairs.laplacian(), np.diag(upper.sum(axis=1)) - upper, atol=1e-12)
     np.testing.assert_allclose(pairs.scaled(2.0).laplacian(), 2 * pairs.laplacian(), atol=1e-11)
+
+
+def test_the_tolerance_decides_where_it_ends():
+    points = np.random.default_rng(4).normal(size=(40, 6))  # which do not fit into space
+    wanted = np.linalg.norm(points[:, None] - points, axis=2)
+    start = np.random.default_rng(5).normal(size=(40, 3))
+    steps = [len(smacof(wanted, start, tolerance=tolerance, max_iterations=60)[1]) for tolerance in (0.5, 1e-3, 0)]
+    assert steps[0] < steps[1] < steps[2]
+    history = smacof(wanted, start, tolerance=1e-3)[1]
+    drops = -np.diff(history) / history[:-1]
+    assert (drops[:-1] >= 1e-3).all()
+    assert drops[-1] < 1e-3

@@ -5,7 +5,8 @@ import pytest
 
 from addon.core.distances.farthest_points import farthest_points
 from addon.core.distances.heat import HeatMethod
-from addon.core.embedding.start import handedness, laid_out, landmark_distances
+from addon.core.distances.spectral import GreensFunction
+from addon.core.embedding.start import handedness, input_start, laid_out, landmark_distances
 from addon.core.measures.alignment import rigid_fit
 from addon.core.run.monitor import Monitor
 from addon.core.surface.laplacian import mass, stiffness
@@ -44,3 +45,21 @@ def test_a_mirrored_mesh_has_the_mirrored_layout(figure):
     mirrored = layout_of(vertices * [-1, 1, 1], faces[:, ::-1])
     turn, shift = rigid_fit(mirrored, layout * [-1, 1, 1])
     assert np.abs(mirrored @ turn + shift - layout * [-1, 1, 1]).max() < 1e-6
+
+
+def test_the_start_from_the_input_wants_biharmonic_distances_in_the_measure_of_geodesic_ones(figure):
+    points, surface = prepared(*figure)
+    green = GreensFunction(stiffness(surface), mass(surface))
+    features = np.array([3, 50, 200, 400])
+    to_features = HeatMethod(surface, 0.005, refine=False).distances(features)
+    start = input_start(points, features, to_features, green, np.ones(len(points)))
+    assert start.points is points
+    assert start.depth == 1.0
+    assert start.landmarks is features
+    assert start.between is not None
+    wanted, geodesic = start.between.targets[0], to_features[features]
+    scales = wanted[np.triu_indices(4, 1)] / green.biharmonic_distances(features)[np.triu_indices(4, 1)]
+    np.testing.assert_allclose(scales, scales[0])
+    assert np.vdot(wanted, geodesic) == pytest.approx(np.vdot(wanted, wanted))  # least squares
+    alone = input_start(points, features[:1], to_features[:, :1], green, np.ones(len(points)))
+    assert (alone.between, alone.share, alone.depth) == (None, 0.0, 1.0)

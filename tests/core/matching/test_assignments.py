@@ -1,9 +1,10 @@
 """Which feature point is which on another surface."""
 
 import numpy as np
+import pytest
 from scipy.spatial.distance import cdist
 
-from addon.core.matching.assignments import feature_assignments
+from addon.core.matching.assignments import MOST_FEATURES, feature_assignments
 from addon.core.symmetry.limbs import limbs_of
 
 FOUR_LEGS = np.array([[1.0, 3, 0], [-1, 3, 0], [1.2, -3, 0], [-1.2, -3, 0], [0, 5, 1], [0, -6, 1]]) / 5
@@ -58,3 +59,31 @@ def test_dozens_of_like_limbs_take_no_longer_than_a_moment():
     angle = np.linspace(0, 2 * np.pi, 30, endpoint=False)
     star = limbs(np.column_stack([np.cos(angle), np.sin(angle), 0 * angle]))
     assert len(feature_assignments(star, star)) <= 6
+
+
+def test_thickness_that_differs_speaks_against_an_assignment():
+    even = np.ones(6)
+    mismatches = [feature_assignments(limbs(FOUR_LEGS, even), limbs(FOUR_LEGS, f * even))[0][1] for f in (1, 1.1, 1.2)]
+    assert mismatches[0] < 1e-9
+    np.testing.assert_allclose(mismatches, 0.1 * np.log([1, 1.1, 1.2]), atol=1e-9)
+
+
+def test_between_like_ways_thickness_decides():
+    thick = np.array([1.0, 1.2, 1.0, 1.2, 1, 1])
+    mirrored = [1, 0, 3, 2, 4, 5]
+    image, _ = feature_assignments(limbs(FOUR_LEGS, thick), limbs(FOUR_LEGS[mirrored], thick[mirrored]))[0]
+    assert image.tolist() == mirrored
+
+
+@pytest.mark.parametrize(("own", "others", "ways"), [(0, 3, 0), (3, 0, 0), (0, 0, 0), (1, 1, 1), (1, 3, 3), (3, 1, 3)])
+def test_few_points_on_either_side(own, others, ways):
+    points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 2, 0]])
+    one, other = (limbs(points[: max(count, 1)]).sorted_by(np.arange(count)) for count in (own, others))
+    found = feature_assignments(one, other)
+    assert len([image for image, _ in found if (image >= 0).any()]) == ways
+
+
+def test_too_many_points_are_not_assigned():
+    points = np.random.default_rng(0).normal(size=(MOST_FEATURES + 1, 3))
+    assert feature_assignments(limbs(points), limbs(points[:5])) == []
+    assert feature_assignments(limbs(points[:5]), limbs(points)) == []

@@ -1,0 +1,99 @@
+"""Who is part of a body, and who rides."""
+
+import numpy as np
+import pytest
+
+from addon.core.assembly.contacts import contacts_between, sampled
+from addon.core.assembly.pieces import Piece
+from addon.core.assembly.roles import roles_of
+from addon.core.mesh.geometry import of_unit_area
+from addon.core.run.monitor import Monitor
+from tests.meshes import shapes
+
+
+def roles(*meshes):
+    """Roles of some meshes, the largest first, with all lengths in the square root of their whole area."""
+    starts = np.cumsum([0, *(len(vertices) for vertices, _ in meshes)])
+    faces = np.concatenate([own + start for (_, own), start in zip(meshes, starts[:-1], strict=True)])
+    points, _, unit = of_unit_area(np.concatenate([vertices for vertices, _ in meshes]), faces)
+    pieces = [
+        Piece(np.arange(start, end), points[start:end], own)
+        for start, end, (_, own) in zip(starts[:-1], starts[1:], meshes, strict=True)
+    ]
+    samples = [sampled(piece.points, piece.faces) for piece in pieces]
+    return roles_of(pieces, samples, contacts_between(pieces, samples, Monitor())), unit
+
+
+def ball(radius, x=0.0, y=0.0, z=0.0):
+    vertices, faces = shapes.sphere(3)
+    return radius * vertices + np.array([x, y, z]), faces
+
+
+def tube(radius, start, length, x=0.0):
+    vertices, faces = shapes.cylinder(24, 60, radius, length)
+    return vertices - [0, 0, vertices[:, 2].min() - start] + np.array([x, 0, 0]), faces
+
+
+@pytest.mark.parametrize(
+    ("radius", "gap", "rides"), [(0.2, 0.06, True), (0.65, 0.06, True), (0.78, 0.06, False), (0.2, 0.2, False)]
+)
+def test_what_is_near_rides_where_it_is_smaller_than_half_and_what_is_far_never(radius, gap, rides):
+    unit = np.sqrt(4 * np.pi * (1 + radius**2))
+    found, _ = roles(ball(1.0), ball(radius, 1 + radius + gap * unit))
+    assert found.riders == ([(1, 0)] if rides else [])
+    assert found.bodies == ([[0]] if rides else [[0], [1]])
+
+
+def test_the_size_that_counts_is_that_of_the_largest_host():
+    """A third body between half of the second and half of the first."""
+    first, second, third = ball(1.0), ball(0.8, 5.0), ball(0.64, -1 - 0.64 - 0.3)
+    found, unit = roles(first, second, third)
+    assert 0.04 < 0.3 / unit < 0.1
+    assert found.riders == [(2, 0)]
+    assert found.bodies == [[0], [1]]
+
+
+@pytest.mark.parametrize(("gap", "bodies"), [(0.01, [[0, 1]]), (0.03, [[0, 1]]), (0.037, [[0, 1]]), (0.06, [[0], [1]])])
+def test_an_arm_in_a_loose_sleeve_belongs_to_the_body(gap, bodies):
+    """A tube that begins inside the end of another, farther from it all around than a touch."""
+    unit = np.sqrt(2 * np.pi * 3.75)
+    found, _ = roles(tube(1, 0, 2), tube(1 - gap * unit, 1.9, 2))
+    assert found == (bodies, [])
+
+
+@pytest.mark.parametrize(("gap", "bodies"), [(0.01, [[0, 1]]), (0.03, [[0], [1]])])
+def test_ends_that_face_each_other_hold_only_where_they_touch(gap, bodies):
+    unit = np.sqrt(2 * np.pi * 3.9)
+    found, _ = roles(tube(1, 0, 2), tube(1, 2 + gap * unit, 1.9))
+    assert found == (bodies, [])
+
+
+def test_tubes_side_by_side_are_two_bodies_and_a_much_smaller_one_rides():
+    for length, bodies, riders in ((3.9, [[0], [1]], []), (2.2, [[0], [1]], []), (1.6, [[0]], [(1, 0)])):
+        found, _ = roles(tube(0.4, 0, 4), tube(0.4, 0, length, 0.81))
+        assert (found.bodies, found.riders) == (bodies, riders)
+
+
+def test_a_body_between_two_is_measured_by_the_larger():
+    """The smaller neighbour is less than twice as large, the larger one more."""
+    found, _ = roles(tube(0.4, 0, 6), tube(0.4, 0, 3.4, 1.62), tube(0.4, 0, 2.2, 0.81))
+    assert found.bodies == [[0], [1]]
+    assert found.riders in ([(2, 0)], [(2, 1)])
+
+
+def test_a_sleeve_rides_and_an_arm_in_its_open_end_is_part():
+    sleeve = tube(0.21, 1.0, 2.0)
+    found, _ = roles(tube(0.2, 0, 6), sleeve)
+    assert found == ([[0]], [(1, 0)])
+    found, _ = roles(tube(0.25, 0, 6), tube(0.23, 5.9, 3.0))
+    assert found == ([[0, 1]], [])
+
+
+def test_riders_come_after_what_carries_them():
+    """A button on a pocket on a ball: the button lies nearest to the pocket."""
+    vertices, faces = shapes.grid(12, 12, 0.5, 0.5)
+    flat = vertices - vertices.mean(axis=0)
+    pocket = flat + np.array([0, 0, 1.03]), faces
+    button = 0.1 * flat + np.array([0, 0, 1.04]), faces
+    found, _ = roles(ball(1.0), pocket, button)
+    assert found == ([[0]], [(1, 0), (2, 1)])

@@ -1,0 +1,107 @@
+"""From the map of the vertices that are worked on to one of all vertices."""
+
+import numpy as np
+import pytest
+
+from addon.core.matching import point_map as module
+from addon.core.matching.point_map import point_map
+from addon.core.matching.sides import sides
+from addon.core.measures.alignment import rigid_fit
+from addon.core.run.errors import CancelledError
+from addon.core.run.monitor import Monitor
+
+
+def confidence(one, other, partner, places):
+    return module._confidence(one, other, partner, places, np.eye(3), Monitor())
+
+
+def distance_home(one, other, partner):
+    back = module.refined(other, one, module._first_back(other, partner), module._COUNTS[-2:], module._NEAR, Monitor())
+    return np.linalg.norm(one.form[back[partner]] - one.form, axis=1)
+
+
+def test_a_body_is_matched_with_itself_vertex_by_vertex_and_surely(body, renumbered):
+    other, old = renumbered
+    side = sides(body, other, Monitor())[0]
+    found = point_map(body, other, side, Monitor())
+    reached = np.einsum(
+        "ij,ijk->ik", found.points.weights, other.whole_form[other.found.whole_faces[found.points.faces]]
+    )
+    back = np.argsort(old)
+    rotation, shift = rigid_fit(body.whole_form, other.whole_form[back])
+    np.testing.assert_allclose(reached, body.whole_form @ rotation + shift, atol=1e-4)
+    assert found.confidence.min() > 0.99
+    assert found.score == side.score
+
+
+def test_nothing_is_less_sure_on_the_map_to_itself(body):
+    every = np.arange(len(body.form))
+    np.testing.assert_allclose(confidence(body, body, every, body.form), 1.0, atol=1e-9)
+
+
+@pytest.mark.parametrize("factor", [0.6, 1.2, 2.0])
+def test_areas_that_change_by_three_count_as_wrong(body, factor):
+    sure = confidence(body, body, np.arange(len(body.form)), factor * body.form)
+    np.testing.assert_allclose(sure, np.exp(-((2 * np.log(factor) / np.log(3)) ** 2)), rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("cosine", "expected"), [(0.9, 0.8**0.5), (0.6, 0.2**0.5), (0.5, 0.0), (0.1, 0.0), (-1.0, 0.0)]
+)
+def test_normals_that_disagree_make_it_less_sure(body, cosine, expected):
+    across = np.cross(body.normals, np.roll(body.normals, 1, axis=1) + np.array([0.1, 0.2, 0.3]))
+    across /= np.linalg.norm(across, axis=1)[:, None]
+    other = body._replace(normals=cosine * body.normals + np.sqrt(1 - cosine**2) * across)
+    every = np.arange(len(body.form))
+    home = distance_home(body, other, every)
+    np.testing.assert_allclose(
+        confidence(body, other, every, body.form), expected * np.exp(-((home / 0.08) ** 2)), atol=1e-7
+    )
+
+
+def test_triangles_turned_over_count_by_their_share(body):
+    places = body.form.copy()
+    tip = int(body.features[0])
+    beside = np.setdiff1d(body.faces[(body.faces == tip).any(axis=1)], tip)
+    centre = body.form[beside].mean(axis=0)
+    normal = body.normals[beside].mean(axis=0)
+    places[tip] = centre - 0.5 * normal / np.linalg.norm(normal)  # through the surface and far out
+    every = np.arange(len(body.form))
+    before, after = (np.cross(at[body.faces[:, 1]] - at[body.faces[:, 0]], at[body.faces[:, 2]] - at[body.faces[:, 0]])
+                     for at in (body.form, places))  # fmt: skip
+    kept = (before * after).sum(axis=1) > 0
+    assert 0 < (~kept).sum() < 12
+    share = np.array([kept[(body.faces == vertex).any(axis=1)].mean() for vertex in every])
+    grown = np.zeros(len(every))
+    for vertex in every:
+        here = (body.faces == vertex).any(axis=1)
+        grown[vertex] = np.log(np.linalg.norm(after[here], axis=1).sum() / np.linalg.norm(before[here], axis=1).sum())
+    expected = share * np.exp(-((grown / np.log(3)) ** 2))
+    np.testing.assert_allclose(confidence(body, body, every, places), expected, atol=1e-9)
+
+
+def test_ways_back_that_end_elsewhere_make_it_less_sure(body):
+    """Half of the vertices go to one of their neighbours: they come home to where that is."""
+    every = np.arange(len(body.form))
+    partner = every.copy()
+    neighbour = dict(body.faces[:, :2].tolist() + body.faces[:, 1:].tolist())
+    for vertex in every[::2]:
+        partner[vertex] = neighbour[vertex]
+    home = distance_home(body, body, partner)
+    facing = np.einsum("ij,ij->i", body.normals, body.normals[partner])
+    expected = np.exp(-((home / 0.08) ** 2)) * np.sqrt(np.clip(2 * facing - 1, 0, 1))
+    assert expected.min() < 0.9
+    np.testing.assert_allclose(confidence(body, body, partner, body.form), expected, atol=1e-9)
+
+
+def test_the_way_back_begins_where_the_nearest_mapped_vertex_comes_from(body):
+    some = np.arange(0, len(body.form), 5)
+    begin = module._first_back(body, some)
+    apart = np.linalg.norm(body.form[:, None] - body.form[some], axis=2)
+    np.testing.assert_array_equal(begin, apart.argmin(axis=1))
+
+
+def test_it_can_be_cancelled(body):
+    side = sides(body, body, Monitor())[0]
+    with pytest.raises(CancelledError):
+        point_map(body, body, side, Monitor(cancelled=lambda: True))
