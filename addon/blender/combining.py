@@ -286,7 +286,7 @@ def outward(faces: IntArray, transform: FloatArray) -> IntArray:
     return faces[:, ::-1] if np.linalg.det(transform[:3, :3]) < 0 else faces
 
 
-def require_thick(name: str, placement: FloatArray) -> None:
+def require_thick(name: str, placement: FloatArray, *, alone: bool = False) -> None:
     """Refuse an object that its transform makes flat.
 
     Parameters
@@ -295,6 +295,8 @@ def require_thick(name: str, placement: FloatArray) -> None:
         Name of the object.
     placement : (4, 4) ndarray of float
         Its transform.
+    alone : bool
+        Whether no other object is worked on.
 
     Raises
     ------
@@ -303,8 +305,11 @@ def require_thick(name: str, placement: FloatArray) -> None:
     """
     axes = placement[:3, :3]
     if not abs(np.linalg.det(axes)) > _FLATTEST * float(np.abs(axes).max()) ** 3:
-        raise CanonicalFormError(
-            told(
+        sentence = (
+            told("{name} is scaled to nothing along an axis. Give it a scale.", name=name)
+            if alone
+            else told(
                 "{name} is scaled to nothing along an axis. Give it a scale, or set Several Objects to Each.", name=name
             )
         )
+        raise CanonicalFormError(sentence)

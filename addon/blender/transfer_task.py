@@ -82,12 +82,13 @@ class TransferTask:
         if not kinds:
             raise CanonicalFormError(told("Nothing is chosen to be transferred."))
         self._items = [TransferItem(obj) for obj in objects]
-        for item in self._items if len(objects) > 1 else ():
-            require_thick(item.reading.name, item.reading.placement)
+        for item in self._items:
+            require_thick(item.reading.name, item.reading.placement, alone=len(objects) == 1)
         with object_mode(source):
             self._there, self._there_faces = read_mesh(source.data)
             self._source: Source = read_source(source)
             self._there_placement = placement_of(source, False)
+        require_thick(source.name, self._there_placement, alone=True)
         self._kinds, self._settings, self._side = kinds, settings, side
         self._rigged = "GROUPS" in kinds and bool(self._source.armature)
         self.warnings: list[str] = []

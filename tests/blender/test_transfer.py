@@ -184,6 +184,17 @@ def test_what_makes_no_sense_is_told(pair, words, sentence):
     assert snapshot(scan) == before
 
 
+@pytest.mark.parametrize("flat", ["Scan", "Base"])
+def test_an_object_without_thickness_is_refused_by_name(pair, flat):
+    scan, _, _ = pair
+    bpy.data.objects[flat].scale = (1.0, 0.0, 1.0)
+    bpy.context.view_layer.update()
+    before = snapshot(scan)
+    with pytest.raises(RuntimeError, match=rf"{flat} is scaled to nothing along an axis. Give it a scale\.$"):
+        bpy.ops.object.canonical_form_transfer(**TRANSFER, kinds={"KEYS"})
+    assert snapshot(scan) == before
+
+
 def test_a_property_of_that_name_of_the_users_own_is_none_of_ours(pair):
     scan, _, _ = pair
     scan.data[TRANSFERS_PROPERTY] = "[1, 2"
