@@ -5,7 +5,7 @@ import pytest
 from sklearn.manifold import smacof as sklearn_smacof
 
 from addon.core import CancelledError
-from addon.core.embedding.smacof import minimise_stress, smacof
+from addon.core.embedding.smacof import minimise_stress, smacof, unit_smacof
 from addon.core.embedding.stress import Stress, pair_set
 from addon.core.embedding.weight_inverse import WeightInverse
 from addon.core.run.monitor import Monitor
@@ -201,8 +201,9 @@ def test_the_tolerance_decides_where_it_ends():
     points = np.random.default_rng(4).normal(size=(40, 6))  # which do not fit into space
     wanted = np.linalg.norm(points[:, None] - points, axis=2)
     start = np.random.default_rng(5).normal(size=(40, 3))
-    steps = [len(smacof(wanted, start, tolerance=tolerance, max_iterations=60)[1]) for tolerance in (0.5, 1e-3, 0)]
-    assert steps[0] < steps[1] < steps[2]
+    for method in (smacof, unit_smacof):
+        steps = [len(method(wanted, start, tolerance=tolerance, max_iterations=60)[1]) for tolerance in (0.5, 1e-3, 0)]
+        assert steps[0] < steps[1] < steps[2]
     history = smacof(wanted, start, tolerance=1e-3)[1]
     drops = -np.diff(history) / history[:-1]
     assert (drops[:-1] >= 1e-3).all()

@@ -9,6 +9,7 @@ from addon.core.matching.sides import sides
 from addon.core.measures.alignment import rigid_fit
 from addon.core.run.errors import CancelledError
 from addon.core.run.monitor import Monitor
+from tests.meshes import shapes
 
 
 def confidence(one, other, partner, places):
@@ -32,6 +33,18 @@ def test_a_body_is_matched_with_itself_vertex_by_vertex_and_surely(body, renumbe
     np.testing.assert_allclose(reached, body.whole_form @ rotation + shift, atol=1e-4)
     assert found.confidence.min() > 0.99
     assert found.score == side.score
+
+
+def test_where_a_limb_has_no_like_the_match_is_unsure(gathered, body):
+    """The same body with a limb cut off: nothing there is sure, and much elsewhere is."""
+    vertices, faces = shapes.figure(15)
+    limb = vertices[:, 0] > np.quantile(vertices[:, 0], 0.85)
+    left, corners = np.unique(faces[~limb[faces].any(axis=1)], return_inverse=True)
+    other = gathered(vertices[left], corners.reshape(-1, 3))
+    found = point_map(body, other, sides(body, other, Monitor())[0], Monitor())
+    assert found.confidence.min() >= 0
+    assert found.confidence[limb].mean() < 0.6 * found.confidence[~limb].mean()
+    assert found.confidence[~limb].mean() > 0.5
 
 
 def test_nothing_is_less_sure_on_the_map_to_itself(body):
