@@ -141,7 +141,7 @@ def coarsened(
         leaving, onto, rank = leaving[chosen], onto[chosen], rank[chosen]
         corners = _corners(faces, leaving, count)
         good = _harmless(points, corners, links, leaving, onto, rank)
-        good &= ~_strands(corners, leaving, onto, np.bincount(faces.ravel(), minlength=count))
+        good &= ~_strands(corners, links, leaving, onto, np.bincount(faces.ravel(), minlength=count))
         patience[leaving[~good]] += 1
         stuck = stuck + 1 if np.count_nonzero(good) < 0.005 * left else 0
         going = np.flatnonzero(good)
@@ -193,6 +193,10 @@ class _Links:
         """Tell which keys are edges."""
         at = np.minimum(np.searchsorted(self.key, key), len(self.key) - 1)
         return self.key[at] == key
+
+    def triangles_on(self, tail: IntArray, head: IntArray) -> IntArray:
+        """Look up on how many triangles some edges lie, up to three."""
+        return self.triangles[np.searchsorted(self.key, tail * self.count + head)]
 
 
 def _quadrics(points: FloatArray, faces: IntArray) -> FloatArray:
@@ -350,9 +354,9 @@ def _spoils(one: FloatArray, two: FloatArray, here: FloatArray, there: FloatArra
 
 
 def _strands(
-    corners: tuple[IntArray, IntArray, IntArray], leaving: IntArray, onto: IntArray, valence: IntArray
+    corners: tuple[IntArray, IntArray, IntArray], links: _Links, leaving: IntArray, onto: IntArray, valence: IntArray
 ) -> np.ndarray:
-    """Tell which removals would leave a vertex without a triangle: the tip of an ear, or where pieces just touch."""
+    """Tell which removals would leave a vertex without a triangle, or take off what hangs on one vertex alone."""
     owner, one, two = corners
     closes = (one == onto[owner]) | (two == onto[owner])
     owner, tip = owner[closes], np.where(one == onto[owner], two, one)[closes]
@@ -360,6 +364,11 @@ def _strands(
     brought = valence[leaving] - np.bincount(owner, minlength=len(leaving))
     stranded = (brought < 1) & (lost[onto] >= valence[onto])
     stranded[owner[lost[tip] >= valence[tip]]] = True
+    kept, edge = np.unique(undirected_keys(onto[owner], tip, len(valence)), return_inverse=True)
+    left = np.zeros(len(kept), dtype=np.int64)  # triangles on the edge between where a vertex goes and the tip
+    left[edge] = links.triangles_on(onto[owner], tip)
+    np.add.at(left, edge, links.triangles_on(leaving[owner], tip) - 2)  # one closes on either of its edges
+    stranded[owner[left[edge] < 1]] = True
     return stranded
 
 

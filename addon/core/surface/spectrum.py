@@ -85,7 +85,8 @@ def compute_spectrum(stiffness: csr_matrix, mass: FloatArray, count: int, monito
     else:
         inverted, vectors = _largest(inverse.solve, n, count + 1, monitor)
     order = np.argsort(-inverted)[1 : count + 1]
-    values, vectors = 1 / inverted[order] + shift, vectors[:, order]
+    least = np.finfo(float).eps * inverted.max()  # below it the sign is rounding
+    values, vectors = 1 / np.maximum(inverted[order], least) + shift, vectors[:, order]
     residual = np.linalg.norm(inverse.solve(np.ascontiguousarray(symmetric @ vectors - vectors * values)), axis=0)
     residual *= values[0] / values  # all that uses them weighs them by 1/λ or less
     if not values[0] > _CONNECTED / mass.sum():

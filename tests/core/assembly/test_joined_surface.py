@@ -6,6 +6,7 @@ import pytest
 from addon.core.assembly.bodies import bodies_of
 from addon.core.mesh.connectivity import component_labels, vertex_pairs
 from addon.core.mesh.geometry import of_unit_area
+from addon.core.run.errors import CancelledError
 from addon.core.run.monitor import Monitor
 from tests.meshes import pieced
 
@@ -33,6 +34,7 @@ def test_it_is_one_surface_whose_bridges_join_the_parts(body, points, target):
     assert component_labels(count, vertex_pairs(surface.faces)).max() == 0
     assert component_labels(count, vertex_pairs(surface.faces[:own])).max() == 2
     np.testing.assert_array_equal(surface.points, points[surface.kept])
+    assert surface.stuck is False
     lengths = np.linalg.norm(surface.points[surface.bridges[:, 0]] - surface.points[surface.bridges[:, 1]], axis=1)
     assert lengths.max() < (0.1 if target is None else 0.2)
     if target is None:
@@ -53,3 +55,29 @@ def test_stages_and_progress_are_told(body, points):
     monitor = Monitor(lambda share, stage: told.append((share, stage)))
     body.working_surface(points, body.faces, 600, monitor=monitor)
     assert {stage for _, stage in told} >= {"Coarse mesh", "Triangulation"}
+
+
+def test_a_surface_that_must_keep_too_much_is_stuck(body, points):
+    surface = body.working_surface(points, body.faces, 300, fixed=np.arange(0, len(points), 2))
+    assert surface.stuck is True
+    assert len(surface.kept) > 600
+
+
+def test_cancelling_reaches_every_step(body, points):
+    """However often it was asked before, the next time it is asked the run ends."""
+    asked = []
+
+    def counting():
+        asked.append(len(asked))
+        return False
+
+    stages = []
+    monitor = Monitor(lambda share, stage: stages.append((len(asked), stage)), cancelled=counting)
+    body.working_surface(points, body.faces, 600, monitor=monitor)
+    for stage in ("Coarse mesh", "Triangulation"):
+        numbers = [number for number, each in stages if each == stage]
+        assert max(numbers) > min(numbers)
+    for number in range(len(asked)):
+        calls = iter(range(len(asked) + 1))
+        with pytest.raises(CancelledError):
+            body.working_surface(points, body.faces, 600, monitor=Monitor(cancelled=lambda: next(calls) >= number))  # noqa: B023

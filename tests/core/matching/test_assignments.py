@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial.distance import cdist
 
 from addon.core.matching.assignments import MOST_FEATURES, feature_assignments
-from addon.core.symmetry.limbs import limbs_of
+from addon.core.symmetry.limbs import limbs_of, sided
 
 FOUR_LEGS = np.array([[1.0, 3, 0], [-1, 3, 0], [1.2, -3, 0], [-1.2, -3, 0], [0, 5, 1], [0, -6, 1]]) / 5
 
@@ -87,3 +87,12 @@ def test_too_many_points_are_not_assigned():
     points = np.random.default_rng(0).normal(size=(MOST_FEATURES + 1, 3))
     assert feature_assignments(limbs(points), limbs(points[:5])) == []
     assert feature_assignments(limbs(points[:5]), limbs(points)) == []
+    assert feature_assignments(limbs(points[:5]), limbs(points[:-1])) != []
+    assert feature_assignments(limbs(points[:-1]), limbs(points[:5])) != []
+
+
+def test_left_and_right_of_the_same_body_are_the_same():
+    raised = FOUR_LEGS + np.array([0, 0, 0.3])
+    own = limbs(raised, np.array([2.0, 2, 3, 3, 1, 4]), volumes(raised))
+    assert sided(own.handedness, own.side, own.along) > 0.1
+    assert feature_assignments(own, own)[0][1] < 1e-9

@@ -43,6 +43,16 @@ def test_the_first_map_goes_by_distances_places_and_normals(body, renumbered):
     assert first_map(body, other, way, Monitor(), rows).tolist() == expected[rows].tolist()
 
 
+def test_one_common_feature_point_is_enough_for_its_distances(body):
+    """The first point of the other surface counts like any other."""
+    image = np.full(len(body.features), -1)
+    image[2] = 0
+    way = Start(image, np.eye(3), np.zeros(3))
+    here = np.column_stack([body.to_features[:, 2], 0.3 * body.form, 0.08 * body.normals])
+    there = np.column_stack([body.to_features[:, 0], 0.3 * body.form, 0.08 * body.normals])
+    assert first_map(body, body, way, Monitor()).tolist() == nearest(here, there).tolist()
+
+
 def test_without_common_feature_points_places_count_and_normals_as_before(body):
     way = Start(np.full(len(body.features), -1), np.eye(3), np.array([0.03, -0.02, 0.01]))
     weight = 0.08 / 0.3

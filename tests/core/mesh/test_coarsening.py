@@ -106,3 +106,19 @@ def test_no_vertex_is_left_without_a_triangle():
     coarse = coarsened(vertices[used], corners.reshape(-1, 3), 250)
     assert len(coarse.kept) < 600
     np.testing.assert_array_equal(np.unique(coarse.faces), np.arange(len(coarse.kept)))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_what_hangs_together_at_single_vertices_goes_on_hanging(seed):
+    """Some triangles left of many hang on one vertex each; drawn onto each other they would let go."""
+    vertices, faces = shapes.grid(24, 24)
+    chance = np.random.default_rng(seed)
+    some = faces[chance.random(len(faces)) < 0.55]
+    label = component_labels(len(vertices), vertex_pairs(some))[some[:, 0]]
+    used, corners = np.unique(some[label == np.bincount(label).argmax()], return_inverse=True)
+    points = vertices[used] + 0.01 * chance.normal(size=(len(used), 3))
+    corners = corners.reshape(-1, 3)
+    for share in (0.8, 0.6, 0.4, 0.2):
+        coarse = coarsened(points, corners, int(share * len(points)))
+        assert component_labels(len(coarse.kept), vertex_pairs(coarse.faces)).max() == 0
+        assert np.unique(coarse.faces).tolist() == list(range(len(coarse.kept)))
