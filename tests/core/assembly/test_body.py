@@ -45,6 +45,10 @@ def test_each_vertex_of_a_rider_is_carried_by_one_near_it(made, bodies):
         assert np.median(apart) < (0.06 if rider.rigid else 0.03)
         assert rider.ground == ([rider.ground[0]] if rider.rigid else [0, 1, 2])
         assert (len(set(rider.carriers)) == 1) == rider.rigid
+        if rider.rigid:  # at the one place where it is nearest
+            carrier = body.points[rider.carriers[0]]
+            nearest = np.linalg.norm(body.points[:, None] - rider.piece.points, axis=2).min(axis=1)
+            assert np.linalg.norm(rider.piece.points - carrier, axis=1).min() / size < nearest.min() / size + 0.03
     assert sorted(rider.rigid for rider in body.riders) == [False, False, True]  # the shirt has a front and a back
 
 

@@ -65,7 +65,7 @@ def test_a_surface_that_must_keep_too_much_is_stuck(body, points):
 
 def test_cancelling_reaches_every_step(body, points):
     """However often it was asked before, the next time it is asked the run ends."""
-    asked = []
+    asked: list[int] = []
 
     def counting():
         asked.append(len(asked))

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from addon.core.assembly import riding as module
 from addon.core.assembly.contacts import sampled
 from addon.core.assembly.riding import Ground, ground_of, is_rigid, ridden
 from addon.core.run.monitor import Monitor
@@ -129,3 +130,19 @@ def test_small_pieces_and_loose_ones_are_rigid(count, half, area, covered, expec
     points *= 2 * half / np.sqrt(14)
     assert is_rigid(points, area, covered) is expected
     assert is_rigid(points + np.array([7.0, -3, 0]), area, covered) is expected
+
+
+def test_a_cloth_hands_its_monitor_on(monkeypatch):
+    """A large cloth is made coarse first, and a cancel ends that too."""
+    handed = []
+
+    def spy(points, faces, target, *, monitor):
+        handed.append(monitor)
+        return reduce(points, faces, target, monitor=monitor)
+
+    reduce = module.working_surface
+    monkeypatch.setattr(module, "working_surface", spy)
+    points, faces = plate(0.4, 16, 0.0, 0.0, 0.008)
+    monitor = Monitor()
+    ridden(points, faces, sampled(points, faces), ground_under(bent), rigid=False, monitor=monitor)
+    assert handed == [monitor]

@@ -35,7 +35,8 @@ def tube(radius, start, length, x=0.0):
 
 
 @pytest.mark.parametrize(
-    ("radius", "gap", "rides"), [(0.2, 0.06, True), (0.65, 0.06, True), (0.78, 0.06, False), (0.2, 0.2, False)]
+    ("radius", "gap", "rides"),
+    [(0.2, 0.03, True), (0.2, 0.06, True), (0.65, 0.06, True), (0.78, 0.06, False), (0.2, 0.2, False)],
 )
 def test_what_is_near_rides_where_it_is_smaller_than_half_and_what_is_far_never(radius, gap, rides):
     unit = np.sqrt(4 * np.pi * (1 + radius**2))
@@ -86,6 +87,17 @@ def test_a_sleeve_rides_and_an_arm_in_its_open_end_is_part():
     found, _ = roles(tube(0.2, 0, 6), sleeve)
     assert found == ([[0]], [(1, 0)])
     found, _ = roles(tube(0.25, 0, 6), tube(0.23, 5.9, 3.0))
+    assert found == ([[0, 1]], [])
+
+
+def test_two_that_touch_a_larger_one_both_ride():
+    found, _ = roles(tube(0.4, 0, 6), tube(0.4, 0, 2, 0.81), tube(0.4, 0, 1.9, -0.81))
+    assert found.bodies == [[0]]
+    assert sorted(found.riders) == [(1, 0), (2, 0)]
+
+
+def test_an_open_end_on_a_closed_ball_is_a_joint():
+    found, _ = roles(ball(1.0), tube(0.3, 0.955, 3.0))
     assert found == ([[0, 1]], [])
 
 

@@ -7,6 +7,7 @@ from addon.core.matching import point_map as module
 from addon.core.matching.point_map import point_map
 from addon.core.matching.sides import sides
 from addon.core.measures.alignment import rigid_fit
+from addon.core.mesh.closest_points import closest_points
 from addon.core.run.errors import CancelledError
 from addon.core.run.monitor import Monitor
 from tests.meshes import shapes
@@ -114,7 +115,17 @@ def test_the_way_back_begins_where_the_nearest_mapped_vertex_comes_from(body):
     np.testing.assert_array_equal(begin, apart.argmin(axis=1))
 
 
-def test_it_can_be_cancelled(body):
+def test_it_can_be_cancelled(body, monkeypatch):
     side = sides(body, body, Monitor())[0]
+    handed = []
+
+    def spy(points, faces, wanted, monitor):
+        handed.append(monitor)
+        return closest_points(points, faces, wanted, monitor)
+
+    monkeypatch.setattr(module, "closest_points", spy)
+    monitor = Monitor()
+    point_map(body, body, side, monitor)
+    assert handed == [monitor]
     with pytest.raises(CancelledError):
         point_map(body, body, side, Monitor(cancelled=lambda: True))

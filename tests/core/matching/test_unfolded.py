@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from addon.core.matching.unfolded import _mean_curvature
+from addon.core.matching.unfolded import _mean_curvature, unfolded
+from addon.core.run.errors import CancelledError
 from addon.core.run.monitor import Monitor
 from addon.core.surface.spectrum import compute_spectrum
 from tests.meshes import shapes
@@ -64,3 +65,10 @@ def test_what_was_found_is_handed_on(body):
     assert body.limbs is body.found.limbs
     np.testing.assert_array_equal(body.form, body.whole_form[body.found.surface.kept])
     np.testing.assert_array_equal(body.to_features, body.found.to_features)
+
+
+def test_more_eigenpairs_are_computed_where_there_are_too_few_and_that_can_be_cancelled(body):
+    few = body.found.spectrum
+    assert len(few.eigenvalues) < 120
+    with pytest.raises(CancelledError):
+        unfolded(body.found, body.found.whole_points, Monitor(cancelled=lambda: True))

@@ -23,7 +23,8 @@ def test_edges_get_longer_until_there_is_a_spectrum_and_it_is_told_once(figure, 
     compute = module.compute_spectrum
     monkeypatch.setattr(module, "compute_spectrum", failing)
     monitor = Monitor()
-    found = detected(*figure, None, Settings(), monitor)
+    vertices, faces = figure
+    found = detected(vertices, faces, None, Settings(), monitor)
     assert len(tried) == failures + 1
     assert (np.diff(tried) >= 0).all()  # longer edges, larger triangles
     assert found.mass.sum() == pytest.approx(tried[-1])
@@ -36,5 +37,6 @@ def test_where_no_length_helps_the_error_is_told(figure, monkeypatch):
         raise SolverError("inaccurate_spectrum", residual=1.0)
 
     monkeypatch.setattr(module, "compute_spectrum", failing)
+    vertices, faces = figure
     with pytest.raises(SolverError, match="accurate"):
-        detected(*figure, None, Settings(), Monitor())
+        detected(vertices, faces, None, Settings(), Monitor())
