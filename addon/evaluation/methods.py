@@ -63,7 +63,7 @@ DEFAULT = tuple(
     name for name in KNOWN if name not in ("input", "ours-draft") and not name.endswith("-full")
 )  # the quick ones
 INPUT = "input"
-_FORMER = {"ours-published": "as-published"}  # names of version 0.1, gone with version 0.3
+_FORMER = {"ours-published": "as-published"}  # names of version 0.1, gone with version 2.0
 
 
 def chosen_methods(words: list[str]) -> list[Method]:

@@ -94,7 +94,7 @@ def _property(name: str, about: Option, default: Any) -> Any:
 
 
 class FormerProperties:
-    """Options under the names that they had in version 0.1, for scripts; gone with version 0.3."""
+    """Options under the names that they had in version 0.1, for scripts; gone with version 2.0."""
 
     __annotations__ = {
         name: {bool: BoolProperty, int: IntProperty, float: FloatProperty}[type(value)](options={"HIDDEN", "SKIP_SAVE"})

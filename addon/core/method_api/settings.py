@@ -334,7 +334,7 @@ def current_options(given: dict[str, Any]) -> dict[str, Any]:
 
 
 def _warn_former(name: str, advice: str) -> None:
-    sentence = f"The setting {name} is deprecated and will be removed in version 0.3; {advice}."
+    sentence = f"The setting {name} is deprecated and will be removed in version 2.0; {advice}."
     warnings.warn(sentence, FutureWarning, stacklevel=4)
 
 
