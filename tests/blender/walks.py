@@ -186,7 +186,7 @@ class Walk:
         ]  # fmt: skip
         self.op(bpy.ops.object.canonical_form, **QUICK, **self.chance.choice(kinds))
         for obj in list(bpy.data.objects):
-            if "Canonical Form" in obj.name:
+            if "Canonical Form" in obj.name and obj.name != self.name:  # which undo may have made the walker
                 bpy.data.meshes.remove(obj.data)
                 bpy.data.orphans_purge()
 

@@ -25,7 +25,8 @@ set -e
 mount -t proc proc "$ROOT/proc"
 for each in /sys /dev /tmp "$CHECKOUT" $EXTRA; do mkdir -p "$ROOT$each"; mount --rbind "$each" "$ROOT$each"; done
 exec chroot "$ROOT" env -i HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8 LIBGL_ALWAYS_SOFTWARE=1 \
-  XDG_RUNTIME_DIR=/tmp BLENDER_USER_RESOURCES="$BLENDER_USER_RESOURCES" "$@"
+  XDG_RUNTIME_DIR=/tmp BLENDER_USER_RESOURCES="$BLENDER_USER_RESOURCES" \
+  CANONICAL_FORM_WALK="${CANONICAL_FORM_WALK:-1:500}" "$@"
 """
 
 
