@@ -182,3 +182,12 @@ def test_loose_vertices_far_away_do_not_matter(character, form):
     made = character[2]
     far = np.vstack([1e-22 * made.vertices, [[1.0, 1, 1]]])
     np.testing.assert_allclose(1e22 * canonical_form(far, made.faces).vertices[:-1], form.vertices, atol=1e-4)
+
+
+def test_feature_points_of_several_bodies_are_numbered_body_by_body(figure):
+    vertices, faces = figure
+    alone = feature_patches(vertices, faces).feature_points
+    beside = np.vstack([0.9 * vertices, vertices + np.array([50.0, 0, 0])])  # the larger body has the later vertices
+    found = feature_patches(beside, np.vstack([faces, faces + len(vertices)]))
+    np.testing.assert_array_equal(found.feature_points, [*(alone + len(vertices)), *alone])
+    np.testing.assert_array_equal(found.patches[found.feature_points], np.arange(2 * len(alone)))

@@ -7,6 +7,7 @@ from addon.core.embedding.classical_scaling import (
     landmark_scaling,
     leading_scaling,
     least_squares_scaling,
+    placed_around,
 )
 from addon.core.run.monitor import Monitor
 
@@ -89,3 +90,13 @@ def test_axes_that_are_none_have_no_length():
     embedding = leading_scaling(np.abs(line[:, None] - line))
     assert np.ptp(embedding[:, 0]) > 0.99
     assert np.abs(embedding[:, 1:]).max() < 1e-6
+
+
+def test_placing_around_landmarks_does_not_depend_on_the_unit():
+    points = np.random.default_rng(6).normal(size=(40, 3))
+    distances = np.linalg.norm(points[:, None] - points[:6], axis=2)
+    start, fixed = points + 0.3, points[:6] * 1.1
+    placed = placed_around(distances, np.arange(6), fixed, start, steps=2)
+    for unit in (1e-4, 1e4):
+        scaled = placed_around(unit * distances, np.arange(6), unit * fixed, unit * start, steps=2)
+        np.testing.assert_allclose(scaled, unit * placed, rtol=1e-9)
