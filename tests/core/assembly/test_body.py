@@ -7,7 +7,7 @@ from addon.core.assembly.bodies import bodies_of
 from addon.core.assembly.pieces import connected_pieces
 from addon.core.mesh.geometry import of_unit_area
 from addon.core.run.errors import InvalidSettingsError
-from tests.meshes import pieced
+from tests.meshes import pieced, shapes
 
 
 @pytest.fixture(scope="module")
@@ -75,3 +75,16 @@ def test_vertices_beyond_the_last_are_refused_and_the_last_is_named(made, bodies
             bodies.sources(given)
         assert raised.value.kind == "source_range"
         assert raised.value.numbers["last"] == last
+
+
+def test_a_stiff_piece_is_carried_where_it_touches():
+    """A plate stands askew on a ball, one edge on it."""
+    vertices, faces = shapes.sphere(4)
+    plate, corners = shapes.grid(8, 8, 0.25, 0.25)
+    askew = np.column_stack([plate[:, 0] / 2, plate[:, 1] - 0.125, 1.0 + plate[:, 0] * np.sqrt(0.75)])
+    (body,) = bodies_of(np.vstack([vertices, askew]), np.vstack([faces, corners + len(vertices)])).bodies
+    (rider,) = body.riders
+    assert rider.rigid
+    assert len(set(rider.carriers)) == 1
+    edge = askew[plate[:, 0] < 1e-9]
+    assert np.linalg.norm(edge - body.points[rider.carriers[0]], axis=1).min() < 0.06

@@ -3,11 +3,13 @@
 import numpy as np
 import pytest
 
+from addon.core.assembly import joined_surface as module
 from addon.core.assembly.bodies import bodies_of
 from addon.core.mesh.connectivity import component_labels, vertex_pairs
 from addon.core.mesh.geometry import of_unit_area
 from addon.core.run.errors import CancelledError
 from addon.core.run.monitor import Monitor
+from addon.core.surface.delaunay import intrinsic_delaunay
 from tests.meshes import pieced
 
 
@@ -81,3 +83,16 @@ def test_cancelling_reaches_every_step(body, points):
         calls = iter(range(len(asked) + 1))
         with pytest.raises(CancelledError):
             body.working_surface(points, body.faces, 600, monitor=Monitor(cancelled=lambda: next(calls) >= number))  # noqa: B023
+
+
+def test_making_it_delaunay_can_be_cancelled(body, points, monkeypatch):
+    handed = []
+
+    def spy(triangulation, monitor):
+        handed.append(monitor)
+        return intrinsic_delaunay(triangulation, monitor)
+
+    monkeypatch.setattr(module, "intrinsic_delaunay", spy)
+    monitor = Monitor()
+    body.working_surface(points, body.faces, 600, monitor=monitor)
+    assert handed == [monitor]
