@@ -81,6 +81,7 @@ def test_a_stiff_piece_is_carried_where_it_touches():
     """A plate stands askew on a ball, one edge on it."""
     vertices, faces = shapes.sphere(4)
     plate, corners = shapes.grid(8, 8, 0.25, 0.25)
+    plate = np.array([0.25, 0.25, 0]) - plate  # the edge that touches has the last vertices
     askew = np.column_stack([plate[:, 0] / 2, plate[:, 1] - 0.125, 1.0 + plate[:, 0] * np.sqrt(0.75)])
     (body,) = bodies_of(np.vstack([vertices, askew]), np.vstack([faces, corners + len(vertices)])).bodies
     (rider,) = body.riders
