@@ -363,7 +363,6 @@ def _strands(
     lost = np.bincount(tip, minlength=len(valence)) + np.bincount(onto[owner], minlength=len(valence))
     brought = valence[leaving] - np.bincount(owner, minlength=len(leaving))
     stranded = (brought < 1) & (lost[onto] >= valence[onto])
-    stranded[owner[lost[tip] >= valence[tip]]] = True
     kept, edge = np.unique(undirected_keys(onto[owner], tip, len(valence)), return_inverse=True)
     left = np.zeros(len(kept), dtype=np.int64)  # triangles on the edge between where a vertex goes and the tip
     left[edge] = links.triangles_on(onto[owner], tip)

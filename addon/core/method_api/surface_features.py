@@ -28,10 +28,7 @@ if TYPE_CHECKING:
 
 DETECTION: Plan = {"Coarse mesh": 28, "Triangulation": 2, "Spectrum": 7, "Feature points": 2, "Patches": 1}
 _SPARE = 4  # times as many candidates as feature points wanted, since some lie too close to others
-_MORE_SLACK = (
-    0.01,
-    0.1,
-)  # of every triangle inequality, in mean edges, one after the other where the least is too little
+_MORE_SLACK = (0.01, 0.1)  # of every triangle inequality, in mean edges, in turn where the least is too little
 
 
 @dataclass(frozen=True, eq=False)
@@ -224,18 +221,17 @@ def _analysed(
     surface: WorkingSurface, eigenpairs: int, monitor: Monitor
 ) -> tuple[WorkingSurface, csr_matrix, FloatArray, Spectrum]:
     """Compute eigenpairs, on slightly longer edges where triangles without width upset the solver."""
-    further, slack = list(_MORE_SLACK), 0.0
     with monitor.stage("Spectrum"):
-        while True:
+        for slack in (0.0, *_MORE_SLACK):
+            if slack:
+                surface = surface.with_slack(slack, monitor)
             L, M = stiffness(surface.triangulation), mass(surface.triangulation)
             try:
                 spectrum = compute_spectrum(L, M, eigenpairs, monitor)
                 break
             except SolverError:
-                if not further:
+                if slack == _MORE_SLACK[-1]:
                     raise
-            slack = further.pop(0)
-            surface = surface.with_slack(slack, monitor)
     if slack:
         monitor.warn("flat_triangles", share=slack)
     if len(spectrum.eigenvalues) < eigenpairs:

@@ -191,3 +191,6 @@ def test_feature_points_of_several_bodies_are_numbered_body_by_body(figure):
     found = feature_patches(beside, np.vstack([faces, faces + len(vertices)]))
     np.testing.assert_array_equal(found.feature_points, [*(alone + len(vertices)), *alone])
     np.testing.assert_array_equal(found.patches[found.feature_points], np.arange(2 * len(alone)))
+    bodies = bodies_of(beside, np.vstack([faces, faces + len(vertices)]))
+    numbers = bodies.feature_numbers([np.array([7, 3]), np.array([5, 1, 2])])  # whatever order they come in stays
+    assert [each.tolist() for each in numbers] == [[0, 1], [2, 3, 4]]

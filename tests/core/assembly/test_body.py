@@ -7,6 +7,7 @@ from addon.core.assembly.bodies import bodies_of
 from addon.core.assembly.pieces import connected_pieces
 from addon.core.mesh.geometry import of_unit_area
 from addon.core.run.errors import InvalidSettingsError
+from addon.core.run.monitor import Monitor
 from tests.meshes import pieced, shapes
 
 
@@ -54,8 +55,6 @@ def test_each_vertex_of_a_rider_is_carried_by_one_near_it(made, bodies):
 
 def test_riders_go_where_the_body_goes(made, bodies, rotation):
     (body,) = bodies.bodies
-    from addon.core.run.monitor import Monitor
-
     for rider, shape in zip(body.riders, body.with_riders(3 + body.points @ rotation, Monitor()), strict=True):
         np.testing.assert_allclose(shape, 3 + rider.piece.points @ rotation, atol=1e-5)
 

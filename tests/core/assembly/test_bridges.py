@@ -106,7 +106,7 @@ def test_a_ring_of_two_halves_stays_open_at_one_end():
 
 
 def test_two_ends_near_each_other_are_both_joined():
-    """A short tube between two plates with two holes: beside the one that joins the other is a short way."""
+    """Beside the contact that joins two triangles the way to another is short; of a touch from one side never."""
     points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 0.01], [1, 0, 0.01], [0, 1, 0.01]]) * 0.1
     pairs = np.array([[0, 1], [0, 2], [1, 2], [3, 4], [3, 5], [4, 5]])
     part = np.repeat([0, 1], 3)

@@ -105,7 +105,7 @@ def test_a_cloth_that_cannot_follow_goes_as_one_and_it_is_told():
     )
 
 
-def test_scale_of_parts_and_order_of_ground_do_not_matter():
+def test_the_ground_is_the_samples_of_all_its_pieces():
     points, faces = plate(1.0, 8)
     samples = [sampled(points, faces, 0.1), sampled(points + 2, faces, 0.1)]
     ground = ground_of(samples, [points @ TURN, (points + 2) @ TURN])

@@ -85,7 +85,7 @@ def test_the_leading_axes_are_those_of_all_whatever_the_size_and_the_same_each_t
 
 
 def test_axes_that_are_none_have_no_length():
-    """On a circle with the distances of its arcs the third axis is that of the second pair, in a line there is none."""
+    """Points on a line have one axis."""
     line = np.linspace(0, 1, 450)
     embedding = leading_scaling(np.abs(line[:, None] - line))
     assert np.ptp(embedding[:, 0]) > 0.99
