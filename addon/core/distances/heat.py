@@ -107,14 +107,14 @@ class HeatMethod:
         self._divergence = csr_matrix((weights.ravel(), columns, start), shape=(2 * m, n)).T.tocsr()
         self._poisson: SuperLU | None = None
         try:
-            reached = self._factor(smooth)
-        except SolverError:  # rounding has the better of them
-            self._poisson, reached = None, True
-        if not reached:
-            raise SolverError("heat_disconnected")
+            self._factor(smooth)
+        except SolverError as error:
+            if not _connected(fine):
+                raise SolverError("heat_disconnected") from error
+            self._poisson = None  # edges without weight, by rounding
 
-    def _factor(self, smooth: float | None) -> bool:
-        """Factor the systems, for the least time in which heat reaches all of the surface; say whether it does."""
+    def _factor(self, smooth: float | None) -> None:
+        """Factor the systems, for the least time in which heat reaches all of the surface."""
         from scipy.sparse import diags
         from scipy.special import k0
 
@@ -137,12 +137,11 @@ class HeatMethod:
                 break
             time *= 2.0
         else:
-            return False
+            raise SolverError("singular")
         if smooth is not None and smooth > time:
             self._smooth = factored(M + smooth * L)
             # a point source in the plane leaves K₀(d / √t) / 2πt after one backward step
             self._share = (smooth / time) * k0(_TAKES_OVER) / k0(_TAKES_OVER * np.sqrt(time / smooth))
-        return True
 
     def distances(self, sources: ArrayLike) -> FloatArray:
         """Measure the distance of every vertex from each of the sources.
@@ -225,6 +224,13 @@ class HeatMethod:
         norm[norm == 0] = 1.0
         flow = np.concatenate([np.divide(along, norm, out=along), np.divide(across, norm, out=across)])
         return np.asarray(self._poisson.solve(self._divergence @ flow)[: self._vertex_count])
+
+
+def _connected(surface: Triangulation) -> bool:
+    """Tell whether edges lead from any vertex to any other."""
+    from scipy.sparse.csgraph import connected_components
+
+    return bool(connected_components(edge_graph(surface), directed=False, return_labels=False) == 1)
 
 
 def _without_negative_weights(stiffness_matrix: csr_matrix) -> csr_matrix:

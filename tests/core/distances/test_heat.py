@@ -4,7 +4,9 @@ import pytest
 
 from addon.core import SolverError
 from addon.core.distance_fields import heat_geodesics
+from addon.core.distances import heat
 from addon.core.distances.heat import HeatMethod
+from addon.core.run.monitor import Monitor
 from addon.core.surface.triangulation import triangulated
 from tests.meshes import shapes
 
@@ -89,3 +91,12 @@ def test_a_surface_in_two_parts_is_refused():
     both = triangulated(np.vstack([vertices, vertices + 5]), np.vstack([faces, faces + len(vertices)]))
     with pytest.raises(SolverError, match="loose parts"):
         HeatMethod(both)
+
+
+def test_a_connected_surface_that_heat_does_not_cross_has_distances_along_its_edges(monkeypatch):
+    monkeypatch.setattr(heat, "_LONGER", 0)  # as where rounding leaves edges without weight
+    vertices, faces = shapes.sphere(1)
+    monitor = Monitor()
+    distances = HeatMethod(triangulated(vertices, faces), monitor=monitor).distances([0])[:, 0]
+    assert [each.kind for each in monitor.warnings] == ["heat_fallback"]
+    assert (distances >= exact(vertices, faces, [0])[:, 0] - 1e-9).all()
