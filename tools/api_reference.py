@@ -18,12 +18,12 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 TARGET = ROOT / "docs" / "api"
 DOORS = (
-    "canonical", "features", "distance_fields", "limbs", "matches", "poses", "mannequins", "transfers", "opening",
-    "placing", "results",
+    "canonical", "features", "distance_fields", "limbs", "matches", "poses", "mannequins", "transfers", "results",
 )  # fmt: skip
 ROOMS = (
     "run", "numerics", "modelling", "mesh", "surface", "distances", "detection", "patching", "deformation", "embedding",
-    "symmetry", "measures", "method_api", "methods", "posing", "matching", "assembly",
+    "symmetry", "measures", "method_api", "methods", "posing", "matching", "placing",
+    "assembly",
 )  # fmt: skip
 HEAD = """# API of the core
 

@@ -22,7 +22,8 @@ import bpy  # noqa: E402
 import polib  # noqa: E402
 
 import addon  # noqa: E402
-from addon.blender import advice, transfer_item, wording  # noqa: E402
+from addon.blender.transfer import transfer_item  # noqa: E402
+from addon.blender.words import advice, wording  # noqa: E402
 from addon.core.method_api.catalogue import methods  # noqa: E402
 from addon.core.run.messages import sentences  # noqa: E402
 from addon.interface import pose_operators, tool_operators  # noqa: E402

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..blender.kinds_of_files import READ, WRITTEN
+from ..blender.files.kinds_of_files import READ, WRITTEN
 from ..core.method_api.catalogue import methods
 from ..core.method_api.options import Option, options_of
 from ..core.method_api.settings import Settings, current_options, former_options

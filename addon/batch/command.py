@@ -12,8 +12,9 @@ from contextlib import redirect_stdout
 from pathlib import Path
 from typing import TextIO
 
-from ..blender.file_access import require_folder, sentence
-from ..blender.likeness import Likeness
+from ..blender.files.file_access import require_folder
+from ..blender.jobs.likeness import Likeness
+from ..blender.words.file_errors import sentence
 from ..core import CanonicalForm, CanonicalFormError
 from ..scheduling.attempts import Failure
 from ..scheduling.crews import Crew, DaskCrew, InThisProcess, LocalCrew

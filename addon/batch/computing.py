@@ -8,16 +8,16 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ..blender.advice import explained
-from ..blender.form_task import FormTask
-from ..blender.frame_keys import keep_for_frame
-from ..blender.kinds_of_files import WRITTEN
-from ..blender.likeness import Likeness
-from ..blender.mesh_reading import refusal
-from ..blender.pose_reading import read_likeness
-from ..blender.reading_files import open_meshes, scripts_left_off
-from ..blender.request import Request
-from ..blender.writing_files import Shown, save_blend, save_forms
+from ..blender.files.kinds_of_files import WRITTEN
+from ..blender.files.reading_files import open_meshes, scripts_left_off
+from ..blender.files.writing_files import Shown, save_blend, save_forms
+from ..blender.jobs.form_task import FormTask
+from ..blender.jobs.likeness import Likeness
+from ..blender.jobs.pose_reading import read_likeness
+from ..blender.jobs.request import Request
+from ..blender.objects.mesh_reading import refusal
+from ..blender.results.frame_keys import keep_for_frame
+from ..blender.words.advice import explained
 from ..core import CanonicalForm, CanonicalFormError
 from ..core.method_api.costs import memory_estimate
 from ..core.numerics.arrays import FloatArray

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
-from ..blender.kinds_of_files import READ
+from ..blender.files.kinds_of_files import READ
 from ..core.run.errors import CanonicalFormError
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from ..blender.file_access import sentence
+from ..blender.words.file_errors import sentence
 from ..core.run.errors import CanonicalFormError
 
 SCHEMA = 1  # version of the fields; higher when one changes its meaning

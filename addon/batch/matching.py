@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ..blender.likeness import Likeness, PoseArrays
-from ..blender.replacing_files import replaced
+from ..blender.files.replacing_files import replaced
+from ..blender.jobs.likeness import Likeness, PoseArrays
 from ..core import Match, match
 from .arguments import settings_of
 from .lines import Line, failure, stage_line

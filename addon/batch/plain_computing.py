@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ..blender.kinds_of_files import PLAIN
-from ..blender.likeness import Likeness
+from ..blender.files.kinds_of_files import PLAIN
+from ..blender.jobs.likeness import Likeness
 from ..core import CanonicalForm, CanonicalFormError, PosedLike, canonical_form
 from ..core.measures.form_measures import summary
 from ..core.method_api.costs import memory_estimate

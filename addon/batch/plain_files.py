@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from ..blender.file_access import require_readable
-from ..blender.kinds_of_files import PLAIN
-from ..blender.off_format import read_off
-from ..blender.replacing_files import replaced
+from ..blender.files.file_access import require_readable
+from ..blender.files.kinds_of_files import PLAIN
+from ..blender.files.off_format import read_off
+from ..blender.files.replacing_files import replaced
 from ..core.numerics.arrays import FloatArray, IntArray
 from ..core.run.errors import InvalidMeshError
 

@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
+from functools import partial
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .assembly.bodies import Chosen
 from .assembly.body import Body
-from .method_api.catalogue import method_named
+from .assembly.gathering import gathered_features, shaped
+from .assembly.opening import OPENING, opened
+from .method_api.catalogue import Method, method_named
 from .method_api.method_result import MethodResult
 from .method_api.settings import Settings
-from .method_api.surface_features import DETECTION
-from .numerics.arrays import FloatArray
-from .opening import OPENING, Found, body_limbs, features_of, opened
-from .placing import ReferenceBody, in_place, reference_bodies
+from .method_api.surface_features import DETECTION, WholeFeatures
+from .numerics.arrays import FloatArray, IntArray
+from .placing.places import in_place
+from .placing.reference import ReferenceBody, reference_bodies
 from .results import CanonicalForm
 from .run.kept_stages import KeptStages
 from .run.monitor import Cancelled, Monitor, Progress
-from .symmetry.limbs import Limbs
 
 
 def canonical_form(
@@ -85,36 +88,53 @@ def canonical_form(
     settings = method.settings(settings)
     monitor = Monitor(progress, cancelled, OPENING, keep)
     bodies = opened(vertices, faces, settings, monitor)
-
-    others: list[ReferenceBody | None] = [None] * len(bodies.bodies)
-    if reference is not None:
-        others = reference_bodies(reference, bodies.faces, [body.vertices for body in bodies.bodies], monitor)
-
-    def work(
-        body: Body, chosen: Chosen | None, other: ReferenceBody | None, own: Monitor
-    ) -> tuple[Found, Limbs, FloatArray, MethodResult]:
-        found = features_of(body, chosen, settings, own)
-        embedded = method.unfold(found, settings, own)
-        with own.stage("Alignment"):
-            form, order = in_place(embedded, found, settings, other, own)
-            shown = own.kept("shown", [found, order], lambda: found.prolonged(own, order))
-            return shown, found.limbs.sorted_by(order), form, embedded
-
+    others = reference_bodies(reference, bodies.faces, [body.vertices for body in bodies.bodies], monitor)
     plan = {**DETECTION, **method.stages, "Alignment": 1}
-    results = bodies.map(work, monitor, plan, bodies.chosen, others)
-    histories = [embedded.history for *_, embedded in results]
+    forms = bodies.map(
+        partial(_body_form, method=method, settings=settings), monitor, plan, bodies.chosen_vertices, others
+    )
+    form = shaped(bodies, [each.points for each in forms], monitor, area_kept=True)
+    features = gathered_features(bodies, [each.features for each in forms])
+    histories = [each.embedded.history for each in forms]
     steps = max(map(len, histories))  # each stays at its end value once it has ended
-    pair_count = sum(embedded.pair_count for *_, embedded in results)
-    found_on_each = [found for found, *_ in results]
+    pair_count = sum(each.embedded.pair_count for each in forms)
     return CanonicalForm(
-        bodies.shaped([form for _, _, form, _ in results], monitor, area_kept=True),
+        form,
         bodies.faces,
-        *bodies.gathered_features(found_on_each),
+        features.points,
+        features.patches,
+        features.adf,
         np.sum([np.pad(each, (0, steps - len(each)), mode="edge") for each in histories], axis=0),
         pair_count,
-        1 - pair_count / len(bodies.vertices) ** 2,
+        1 - pair_count / len(form) ** 2,
         monitor.timings,
         monitor.warnings,
-        float(np.fmax.reduce([embedded.asymmetry for *_, embedded in results])),
-        body_limbs(bodies, found_on_each, [limbs for _, limbs, *_ in results]),
+        float(np.fmax.reduce([each.embedded.asymmetry for each in forms])),
+        features.bodies,
     )
+
+
+class _BodyForm(NamedTuple):
+    """The form of a body in its place, what was found on its surface, and what the method gave."""
+
+    points: FloatArray
+    features: WholeFeatures
+    embedded: MethodResult
+
+
+def _body_form(
+    body: Body,
+    chosen: IntArray | None,
+    reference: ReferenceBody | None,
+    monitor: Monitor,
+    *,
+    method: Method,
+    settings: Settings,
+) -> _BodyForm:
+    """Find the features of a body, unfold it, and put the form in its place."""
+    found = body.features(chosen, settings, monitor)
+    embedded = method.unfold(found, settings, monitor)
+    with monitor.stage("Alignment"):
+        points, order = in_place(embedded, found, settings, reference, monitor)
+        features = monitor.kept("shown", [found, order], lambda: found.prolonged(monitor, order))
+    return _BodyForm(points, features, embedded)

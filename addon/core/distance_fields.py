@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from .assembly.bodies import Bodies, Chosen, bodies_of
 from .assembly.body import Body
+from .assembly.gathering import gathered
 from .distances.costs import require_distance_memory
 from .distances.edge_paths import edge_graph
 from .distances.fast_marching import fast_marching
@@ -100,7 +101,7 @@ def distance_field(
         return _field_of_body(body, np.unique(here.vertices), kind, memory_limit, own)
 
     fields = bodies.map(work, monitor, _BODY_STAGES, chosen)
-    field = bodies.gathered(fields, np.full(len(bodies.vertices), np.inf))
+    field = gathered(bodies, fields, np.full(len(bodies.vertices), np.inf))
     field[np.unique(np.asarray(sources))] = 0.0
     monitor.deliver(warned)
     return field
@@ -171,7 +172,7 @@ def heat_geodesics(
 
     distances = bodies.map(work, monitor, _BODY_STAGES, chosen)
     monitor.deliver(warned)
-    result = bodies.gathered(distances, np.full((len(bodies.vertices), len(columns)), np.inf))
+    result = gathered(bodies, distances, np.full((len(bodies.vertices), len(columns)), np.inf))
     result[columns, np.arange(len(columns))] = 0.0
     return result
 

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from numpy.typing import ArrayLike
 
-from .assembly.bodies import Chosen
 from .assembly.body import Body
+from .assembly.gathering import gathered_features
+from .assembly.opening import OPENING, opened
 from .method_api.catalogue import method_named
 from .method_api.settings import Settings
-from .method_api.surface_features import DETECTION
-from .opening import OPENING, Found, body_limbs, features_of, opened
+from .method_api.surface_features import DETECTION, WholeFeatures
+from .numerics.arrays import IntArray
 from .results import FeaturePatches
 from .run.monitor import Cancelled, Monitor, Progress
-from .symmetry.limbs import Limbs
 
 
 def feature_patches(
@@ -56,15 +56,8 @@ def feature_patches(
     monitor = Monitor(progress, cancelled, OPENING)
     bodies = opened(vertices, faces, settings, monitor)
 
-    def work(body: Body, chosen: Chosen | None, own: Monitor) -> tuple[Found, Limbs]:
-        found = features_of(body, chosen, settings, own)
-        return found.prolonged(own), found.limbs
+    def work(body: Body, chosen: IntArray | None, own: Monitor) -> WholeFeatures:
+        return body.features(chosen, settings, own).prolonged(own)
 
-    results = bodies.map(work, monitor, DETECTION, bodies.chosen)
-    found_on_each = [found for found, _ in results]
-    return FeaturePatches(
-        *bodies.gathered_features(found_on_each),
-        monitor.timings,
-        monitor.warnings,
-        body_limbs(bodies, found_on_each, [limbs for _, limbs in results]),
-    )
+    found = gathered_features(bodies, bodies.map(work, monitor, DETECTION, bodies.chosen_vertices))
+    return FeaturePatches(found.points, found.patches, found.adf, monitor.timings, monitor.warnings, found.bodies)

@@ -7,9 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from .assembly.body import Body
+from .assembly.gathering import shaped
+from .assembly.opening import known_bodies
 from .mesh.geometry import of_unit_area, vertex_areas
 from .numerics.arrays import FloatArray, IntArray
-from .opening import known_bodies
 from .posing.articulation import WORKED_ON, Articulation
 from .posing.limb_amounts import limb_amounts
 from .run.errors import InvalidMeshError, InvalidSettingsError
@@ -86,7 +87,7 @@ def limb_shapes(
         return _shapes_of_body(body, form[here], chosen[here], ways, own)
 
     shapes = bodies.map(work, monitor, _STAGES)
-    return [bodies.shaped(each, monitor) for each in zip(*shapes, strict=True)]
+    return [shaped(bodies, each, monitor) for each in zip(*shapes, strict=True)]
 
 
 def _shapes_of_body(

@@ -8,8 +8,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .assembly.bodies import Bodies, Chosen
+from .assembly.bodies import Bodies
 from .assembly.body import Body
+from .assembly.gathering import gathered
+from .assembly.opening import OPENING, opened
 from .matching.point_map import PointMap, point_map
 from .matching.sides import Side, sides
 from .matching.unfolded import Unfolded, unfolded
@@ -19,7 +21,7 @@ from .method_api.catalogue import method_named
 from .method_api.costs import require_match_memory
 from .method_api.settings import Settings
 from .method_api.surface_features import DETECTION
-from .opening import OPENING, features_of, opened
+from .numerics.arrays import IntArray
 from .results import Match
 from .run.errors import CancelledError, CanonicalFormError, InvalidSettingsError
 from .run.messages import message
@@ -211,12 +213,12 @@ def _unfolded_bodies(
     method = method_named(settings.method)
     bodies = opened(vertices, faces, settings, monitor)
 
-    def work(body: Body, chosen: Chosen | None, own: Monitor) -> Unfolded:
-        found = features_of(body, chosen, settings, own)
+    def work(body: Body, chosen: IntArray | None, own: Monitor) -> Unfolded:
+        found = body.features(chosen, settings, own)
         form = method.unfold(found, settings, own).points
         return unfolded(found, form / np.sqrt(surface_area(form, found.whole_faces)), own)
 
-    return bodies, bodies.map(work, monitor, {**DETECTION, **method.stages}, bodies.chosen)
+    return bodies, bodies.map(work, monitor, {**DETECTION, **method.stages}, bodies.chosen_vertices)
 
 
 def _count(vertices: ArrayLike) -> int:
@@ -252,14 +254,14 @@ def _on_meshes(
         face[here], weights[here] = numbers[found.points.faces], found.points.weights
         confidence[here] = found.confidence
     total = len(bodies.vertices)
-    faces = bodies.gathered(face, np.full(total, -1))
-    at = bodies.gathered(weights, np.zeros((total, 3)))
+    faces = gathered(bodies, face, np.full(total, -1))
+    at = gathered(bodies, weights, np.zeros((total, 3)))
     nearest = others.faces[faces, np.argmax(at, axis=1)]
     return Match(
         np.where(faces < 0, -1, nearest),
         faces,
         at,
-        bodies.gathered(confidence, np.zeros(total)),
+        gathered(bodies, confidence, np.zeros(total)),
         scores,
         others.faces,
         len(others.vertices),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .assembly.gathering import gathered_features, shaped
 from .deformation.elastic_body import ElasticBody
 from .deformation.struts import struts_through
 from .matches import matched_bodies
@@ -90,11 +91,21 @@ def pose_like(
         with own.stage("Pose"):
             places = wanted[found.others.bodies[there].vertices]
             shapes[here] = _posed(found.surfaces[here], found.other_surfaces[there], places, each, own)
-    posed = found.bodies.shaped(shapes, monitor)
+    posed = shaped(found.bodies, shapes, monitor)
     lengths = edge_stretch(found.bodies.vertices, posed, found.bodies.faces)
-    features = found.bodies.gathered_features([each.found.prolonged(monitor) for each in found.surfaces])
+    features = gathered_features(found.bodies, [each.found.prolonged(monitor) for each in found.surfaces])
     distortion = float(np.median(np.abs(lengths - 1)))
-    return PosedLike(posed, found.bodies.faces, *features, found.match, distortion, monitor.timings, monitor.warnings)
+    return PosedLike(
+        posed,
+        found.bodies.faces,
+        features.points,
+        features.patches,
+        features.adf,
+        found.match,
+        distortion,
+        monitor.timings,
+        monitor.warnings,
+    )
 
 
 def _wanted(pose: ArrayLike, vertices: ArrayLike) -> FloatArray:

@@ -3,32 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
 from .numerics.arrays import FloatArray, IntArray
 from .run.messages import Message
-from .symmetry.limbs import Limbs
-
-
-class BodyLimbs(NamedTuple):
-    """A body of a mesh and what tells its feature points apart.
-
-    Attributes
-    ----------
-    vertices : (p,) ndarray of int
-        Vertices of its surface, riders left out.
-    tips : (k,) ndarray of int
-        Its feature points, as places in `vertices`.
-    numbers : (k,) ndarray of int
-        Which of the mesh's feature points are its.
-    limbs : Limbs
-        What tells them apart.
-    """
-
-    vertices: IntArray
-    tips: IntArray
-    numbers: IntArray
-    limbs: Limbs
+from .symmetry.limbs import BodyLimbs
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,7 +10,8 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from ..blender.file_access import require_folder, sentence
+from ..blender.files.file_access import require_folder
+from ..blender.words.file_errors import sentence
 from ..core import CanonicalFormError
 
 _PACKAGE = {"distributed": "dask[distributed]", "pyFM": "pyfmaps"}  # where it has another name than its module

@@ -6,7 +6,8 @@ from dataclasses import dataclass, fields, replace
 from typing import Any
 
 from ..core import InvalidSettingsError, Settings
-from ..core.method_api.catalogue import OURS, methods
+from ..core.method_api.catalogue import methods
+from ..core.method_api.registry import OURS
 from ..core.method_api.settings import current_options, former_options
 
 _PATIENT = 1e-5  # tolerance of the other methods, which need more steps to settle than ours

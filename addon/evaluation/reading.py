@@ -15,7 +15,7 @@ from typing import cast
 import numpy as np
 
 from ..batch.plain_files import has_blender, read_plain
-from ..blender.kinds_of_files import PLAIN
+from ..blender.files.kinds_of_files import PLAIN
 from ..core import InvalidMeshError
 from ..core.numerics.arrays import FloatArray, IntArray
 from ..scheduling.attempts import Failure
@@ -87,8 +87,8 @@ def _read_by_blender(path: Path) -> tuple[FloatArray, IntArray]:
             f"{path.name} can only be read by Blender as a module: pip install bpy. Triangles in .off, .obj and .ply "
             "files need none."
         ) from error
-    from ..blender.mesh_reading import read_mesh
-    from ..blender.reading_files import open_meshes
+    from ..blender.files.reading_files import open_meshes
+    from ..blender.objects.mesh_reading import read_mesh
 
     try:
         with _blender_silenced():

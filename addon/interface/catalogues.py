@@ -7,7 +7,7 @@ from pathlib import Path
 
 import bpy
 
-from ..blender.wording import CONTEXT
+from ..blender.words.wording import CONTEXT
 from .preferences import PACKAGE
 
 LANGUAGES = Path(__file__).parents[1] / "languages"  # a file for each, named after Blender's name for it

@@ -8,9 +8,9 @@ from typing import Any, ClassVar
 
 import bpy
 
-from ..blender.advice import explained
-from ..blender.jobs import Job
-from ..blender.wording import CONTEXT, told, told_stage
+from ..blender.jobs.job import Job
+from ..blender.words.advice import explained
+from ..blender.words.wording import CONTEXT, told, told_stage
 from ..core import CancelledError, CanonicalFormError, KeptStages
 
 _TICK = 0.1  # seconds between two timer events

@@ -8,22 +8,22 @@ import bpy
 import numpy as np
 from bpy.props import BoolProperty, IntProperty
 
-from ..blender.companions import companions_of, lead
-from ..blender.form_key import form_key
-from ..blender.hidden_attributes import patches_of
-from ..blender.in_betweens import has_in_betweens, remove_in_betweens
-from ..blender.limb_states import limbs_of, variant_refusal
-from ..blender.meant_objects import meant_object, require_object
-from ..blender.mesh_reading import refusal
-from ..blender.object_states import object_mode
-from ..blender.slider import release
-from ..blender.wording import CONTEXT, told
+from ..blender.jobs.meant_objects import meant_object, require_object
+from ..blender.mesh_items.slider import release
+from ..blender.objects.mesh_reading import refusal
+from ..blender.objects.object_states import object_mode
+from ..blender.records.form_key import form_key
+from ..blender.records.hidden_attributes import patches_of
+from ..blender.results.companions import companions_of, lead
+from ..blender.results.in_betweens import has_in_betweens, remove_in_betweens
+from ..blender.results.limb_states import limbs_of, variant_refusal
+from ..blender.words.wording import CONTEXT, told
 from ..core import InvalidSettingsError
 from .job_operator import JobOperator, kept_stages
 from .operators import allowed
 
 if TYPE_CHECKING:
-    from ..blender.variants import VariantTask
+    from ..blender.results.variants import VariantTask
 
 
 class OBJECT_OT_canonical_form_limb(JobOperator, bpy.types.Operator):
@@ -54,7 +54,7 @@ class OBJECT_OT_canonical_form_limb(JobOperator, bpy.types.Operator):
 
     def task(self, context: bpy.types.Context) -> "VariantTask":
         """Read the mesh and change the flags of the patches."""
-        from ..blender.variants import VariantTask
+        from ..blender.results.variants import VariantTask
 
         now = limbs_of(require_object(context).data)
         if self.patch > len(now):
@@ -103,7 +103,7 @@ class OBJECT_OT_canonical_form_in_betweens(JobOperator, bpy.types.Operator):
 
     def task(self, context: bpy.types.Context) -> "VariantTask":
         """Read the mesh."""
-        from ..blender.variants import VariantTask
+        from ..blender.results.variants import VariantTask
 
         obj = require_object(context)
         return VariantTask(obj, in_betweens=self.count, keep=kept_stages(companions_of(obj)))

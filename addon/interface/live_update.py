@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import bpy
 
-from ..blender.advice import explained
-from ..blender.jobs import Job
-from ..blender.meant_objects import meant_object
-from ..blender.mesh_reading import refusal
-from ..blender.record import RECORD_PROPERTY, read_record
-from ..blender.wording import CONTEXT, told
+from ..blender.jobs.job import Job
+from ..blender.jobs.meant_objects import meant_object
+from ..blender.objects.mesh_reading import refusal
+from ..blender.records.record import RECORD_PROPERTY, read_record
+from ..blender.words.advice import explained
+from ..blender.words.wording import CONTEXT, told
 from ..core import CanonicalFormError
 from .job_operator import OBJECT_OT_canonical_form_cancel, kept_stages, redraw_sidebars, user_is_busy
 from .operators import allowed, chosen_objects, request_of
@@ -22,7 +22,7 @@ from .properties import hand_over, list_patches
 from .viewport import show_colours
 
 if TYPE_CHECKING:
-    from ..blender.form_task import FormTask
+    from ..blender.jobs.form_task import FormTask
 
 _TICK, _IDLE = 0.01, 0.1  # seconds between two looks, during a computation and otherwise
 _SETTLED = 0.04  # seconds for which nothing was read or written, so that a slider that is dragged stays fluent
@@ -141,7 +141,7 @@ class LiveUpdate:
 
     def _begin(self, context: bpy.types.Context, choices: dict[str, Any]) -> None:
         """Read the objects and begin to compute."""
-        from ..blender.form_task import FormTask
+        from ..blender.jobs.form_task import FormTask
 
         self._began = perf_counter()
         objects, _ = chosen_objects(context)

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import bpy
 
-from ..blender.likeness import MANNEQUINS
-from ..blender.limb_states import limbs_of
-from ..blender.meant_objects import meant_object
-from ..blender.wording import CONTEXT, told
+from ..blender.jobs.likeness import MANNEQUINS
+from ..blender.jobs.meant_objects import meant_object
+from ..blender.results.limb_states import limbs_of
+from ..blender.words.wording import CONTEXT, told
 from .limb_operators import (
     OBJECT_OT_canonical_form_in_betweens,
     OBJECT_OT_canonical_form_limb,

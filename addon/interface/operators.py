@@ -7,21 +7,21 @@ from typing import TYPE_CHECKING, Any
 import bpy
 from bpy.props import EnumProperty
 
-from ..blender.advice import explained
-from ..blender.meant_objects import meant_object, meant_objects
-from ..blender.mesh_reading import refusal
-from ..blender.new_objects import make_active
-from ..blender.record import read_record
-from ..blender.wording import CONTEXT, told
+from ..blender.jobs.meant_objects import meant_object, meant_objects
+from ..blender.objects.mesh_reading import refusal
+from ..blender.records.record import read_record
+from ..blender.results.new_objects import make_active
+from ..blender.words.advice import explained
+from ..blender.words.wording import CONTEXT, told
 from ..core import CanonicalFormError
 from .job_operator import JobOperator, kept_stages
 from .properties import FormerProperties, MethodProperties, RequestProperties, list_patches, settings_of
 from .viewport import any_result, restore_shading, show_colours
 
 if TYPE_CHECKING:
-    from ..blender.form_report import FormReport
-    from ..blender.form_task import FormTask
-    from ..blender.request import Request
+    from ..blender.jobs.form_task import FormTask
+    from ..blender.jobs.request import Request
+    from ..blender.records.form_report import FormReport
     from ..core import KeptStages
 
 
@@ -61,7 +61,7 @@ class OBJECT_OT_canonical_form(JobOperator, MethodProperties, FormerProperties, 
 
     def task(self, context: bpy.types.Context) -> "FormTask":
         """Read the active and the other selected meshes."""
-        from ..blender.form_task import FormTask
+        from ..blender.jobs.form_task import FormTask
 
         objects, self._refused = chosen_objects(context)
         return FormTask(objects, request_of(self, self.step, kept=kept_stages(objects)))
@@ -89,7 +89,7 @@ class OBJECT_OT_canonical_form_clear(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Remove the results, also of the objects that are of one body with those meant."""
-        from ..blender.result_clearing import clear_from
+        from ..blender.results.result_clearing import clear_from
 
         objects = [obj for obj in meant_objects(context) if obj.type == "MESH" and read_record(obj.data) is not None]
         reasons = [reason for obj in objects if obj.data.polygons and (reason := refusal(obj)) is not None]
@@ -134,8 +134,8 @@ def request_of(owner: Any, step: str = "FORM", *, kept: "KeptStages | None" = No
     CanonicalFormError
         If the options are not allowed, or the reference cannot be used; the message says why.
     """
-    from ..blender.reference import Reference
-    from ..blender.request import Request
+    from ..blender.jobs.reference import Reference
+    from ..blender.jobs.request import Request
 
     return Request(
         settings=settings_of(owner),

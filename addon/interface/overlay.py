@@ -8,10 +8,10 @@ from typing import Any, ClassVar
 
 import bpy
 
-from ..blender.companions import companions_of
-from ..blender.form_key import form_key
-from ..blender.meant_objects import meant_object
-from ..blender.record import Record, read_record
+from ..blender.jobs.meant_objects import meant_object
+from ..blender.records.form_key import form_key
+from ..blender.records.record import Record, read_record
+from ..blender.results.companions import companions_of
 
 _DOT = 5.0  # radius in pixels
 _TEXT = 13.0

@@ -4,17 +4,18 @@ import textwrap
 
 import bpy
 
-from ..blender.chosen_features import CHOSEN_GROUP
-from ..blender.companions import companions_of, slider_is_gone
-from ..blender.form_key import form_key
-from ..blender.in_betweens import PROPERTY, has_in_betweens, renamed_keys
-from ..blender.limb_states import limbs_of
-from ..blender.meant_objects import armature_of, meant_object, meant_objects, require_object
-from ..blender.record import Record, require_record
-from ..blender.wording import CONTEXT, told, told_stage
+from ..blender.jobs.meant_objects import armature_of, meant_object, meant_objects, require_object
+from ..blender.objects.chosen_features import CHOSEN_GROUP
+from ..blender.records.form_key import form_key
+from ..blender.records.record import Record, require_record
+from ..blender.results.companions import companions_of, slider_is_gone
+from ..blender.results.in_betweens import PROPERTY, has_in_betweens, renamed_keys
+from ..blender.results.limb_states import limbs_of
+from ..blender.words.wording import CONTEXT, told, told_stage
 from ..core import Settings
-from ..core.method_api.catalogue import FEATURE_OPTIONS, OURS, methods
+from ..core.method_api.catalogue import FEATURE_OPTIONS, methods
 from ..core.method_api.costs import PIECE_SECONDS, memory_estimate, time_estimate
+from ..core.method_api.registry import OURS
 from ..core.run.load import slowdown
 from .job_operator import OBJECT_OT_canonical_form_cancel
 from .limb_operators import (

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 import bpy
 from bpy.props import EnumProperty, IntProperty, StringProperty
 
-from ..blender.likeness import MANNEQUINS
-from ..blender.meant_objects import meant_object
-from ..blender.mesh_reading import refusal
-from ..blender.wording import CONTEXT, told
+from ..blender.jobs.likeness import MANNEQUINS
+from ..blender.jobs.meant_objects import meant_object
+from ..blender.objects.mesh_reading import refusal
+from ..blender.words.wording import CONTEXT, told
 from ..core import CanonicalFormError
 from .job_operator import JobOperator
 from .operators import allowed, chosen_objects, tell_results
@@ -18,8 +18,8 @@ from .properties import TRANSFER_ITEMS, MethodProperties, RequestProperties, set
 from .viewport import show_colours
 
 if TYPE_CHECKING:
-    from ..blender.form_task import FormTask
-    from ..blender.transfer_task import TransferTask
+    from ..blender.jobs.form_task import FormTask
+    from ..blender.transfer.transfer_task import TransferTask
 
 _DESCRIPTIONS = {
     "OBJECT": "Put the selected meshes into the pose of the reference, and keep the result as a shape key",
@@ -70,10 +70,10 @@ class OBJECT_OT_canonical_form_pose_like(JobOperator, MethodProperties, RequestP
 
     def task(self, context: bpy.types.Context) -> "FormTask":
         """Read the reference, then the active and the other selected meshes."""
-        from ..blender.form_task import FormTask
-        from ..blender.likeness import Likeness
-        from ..blender.pose_reading import read_likeness
-        from ..blender.request import Request
+        from ..blender.jobs.form_task import FormTask
+        from ..blender.jobs.likeness import Likeness
+        from ..blender.jobs.pose_reading import read_likeness
+        from ..blender.jobs.request import Request
 
         likeness = Likeness(self.pose, side=self.side)
         if self.pose == "OBJECT":
@@ -133,7 +133,7 @@ class OBJECT_OT_canonical_form_transfer(JobOperator, MethodProperties, bpy.types
 
     def task(self, context: bpy.types.Context) -> "TransferTask":
         """Read the reference, then the active and the other selected meshes."""
-        from ..blender.transfer_task import TransferTask, side_of
+        from ..blender.transfer.transfer_task import TransferTask, side_of
 
         objects, self._refused = chosen_objects(context)
         side = side_of(objects[0], self.like) if self.side < 0 else self.side
@@ -160,7 +160,7 @@ class OBJECT_OT_canonical_form_match_colours(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Show or remove them."""
-        from ..blender.match_colours import toggle_source_colours
+        from ..blender.results.match_colours import toggle_source_colours
 
         try:
             shown = toggle_source_colours(bpy.data.objects.get(self.like))

@@ -2,10 +2,10 @@
 
 import bpy
 
-from ..blender.likeness import MANNEQUINS
-from ..blender.match_colours import has_source_colours
-from ..blender.meant_objects import meant_objects
-from ..blender.wording import CONTEXT, told
+from ..blender.jobs.likeness import MANNEQUINS
+from ..blender.jobs.meant_objects import meant_objects
+from ..blender.results.match_colours import has_source_colours
+from ..blender.words.wording import CONTEXT, told
 from ..core import Settings
 from ..core.mannequins import VERTEX_COUNT
 from ..core.method_api.costs import match_memory_estimate, match_time_estimate

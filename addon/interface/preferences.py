@@ -5,7 +5,7 @@
 import bpy
 from bpy.props import BoolProperty
 
-from ..blender.wording import CONTEXT
+from ..blender.words.wording import CONTEXT
 
 PACKAGE = (__package__ or "").rpartition(".addon.")[0] or "canonical_form"  # the name that Blender knows us by
 

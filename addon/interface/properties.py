@@ -16,10 +16,10 @@ from bpy.props import (
     StringProperty,
 )
 
-from ..blender.chosen_features import CHOSEN_GROUP
-from ..blender.record import read_record
-from ..blender.result_writing import recolour_patch
-from ..blender.wording import CONTEXT, told
+from ..blender.objects.chosen_features import CHOSEN_GROUP
+from ..blender.records.record import read_record
+from ..blender.results.result_writing import recolour_patch
+from ..blender.words.wording import CONTEXT, told
 from ..core import InvalidSettingsError, Settings
 from ..core.distances.kinds import KINDS
 from ..core.method_api.catalogue import methods

@@ -2,8 +2,8 @@
 
 import bpy
 
-from ..blender.meant_objects import meant_object
-from ..blender.record import Record, read_record
+from ..blender.jobs.meant_objects import meant_object
+from ..blender.records.record import Record, read_record
 
 
 class Tab:

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 import bpy
 from bpy.props import EnumProperty, IntProperty, StringProperty
 
-from ..blender.advice import explained
-from ..blender.chosen_features import CHOSEN_GROUP, choose_features
-from ..blender.meant_objects import meant_object, require_object
-from ..blender.mesh_reading import refusal
-from ..blender.wording import CONTEXT, told
+from ..blender.jobs.meant_objects import meant_object, require_object
+from ..blender.objects.chosen_features import CHOSEN_GROUP, choose_features
+from ..blender.objects.mesh_reading import refusal
+from ..blender.words.advice import explained
+from ..blender.words.wording import CONTEXT, told
 from ..core import CanonicalFormError
 from .job_operator import JobOperator
 from .operators import allowed, chosen_objects
@@ -19,7 +19,7 @@ from .properties import DISTANCES
 from .viewport import show_colours
 
 if TYPE_CHECKING:
-    from ..blender.distance_fields import DistanceTask
+    from ..blender.jobs.distance_fields import DistanceTask
 
 _DESCRIPTIONS = {
     "SET": "Take the selected vertices for the feature points, one at the tip of each limb",
@@ -105,7 +105,7 @@ class OBJECT_OT_canonical_form_distance(JobOperator, bpy.types.Operator):
 
     def task(self, context: bpy.types.Context) -> "DistanceTask":
         """Read the mesh and its selection, and the other meshes meant."""
-        from ..blender.distance_fields import DistanceTask
+        from ..blender.jobs.distance_fields import DistanceTask
 
         memory_limit = context.scene.canonical_form.memory_limit
         objects = chosen_objects(context)[0]
@@ -113,7 +113,7 @@ class OBJECT_OT_canonical_form_distance(JobOperator, bpy.types.Operator):
 
     def written(self, context: bpy.types.Context, task: "DistanceTask", outcome: str, interactive: bool) -> None:
         """Report where the distances are, with the warnings."""
-        from ..blender.distance_fields import WEIGHTS
+        from ..blender.jobs.distance_fields import WEIGHTS
 
         self.report(
             {"INFO"},

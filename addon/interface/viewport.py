@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import bpy
 
-from ..blender.distance_record import DISTANCES_PROPERTY
-from ..blender.former_records import FORMER_PROPERTY
-from ..blender.record import RECORD_PROPERTY
+from ..blender.records.distance_record import DISTANCES_PROPERTY
+from ..blender.records.former_records import FORMER_PROPERTY
+from ..blender.records.record import RECORD_PROPERTY
 from .preferences import switches_shading
 
 _BEFORE = "canonical_form_shading"  # property of a screen: the earlier colour types of its views

@@ -10,7 +10,7 @@ bpy = pytest.importorskip("bpy")
 from mathutils import Euler, Matrix  # noqa: E402
 
 import addon  # noqa: E402
-from addon.blender.record import RECORD_PROPERTY  # noqa: E402
+from addon.blender.records.record import RECORD_PROPERTY  # noqa: E402
 from tests.meshes import pieced, shapes  # noqa: E402
 
 PLACES = {  # of each object: turned, scaled, mirrored

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from addon.batch.command import main
-from addon.blender.reading_files import importer, open_meshes
-from addon.blender.result_clearing import clear_from
+from addon.blender.files.reading_files import importer, open_meshes
+from addon.blender.results.result_clearing import clear_from
 from addon.core.measures.alignment import rigid_fit
 from tests.meshes import shapes
 

@@ -4,9 +4,9 @@ import bpy
 import numpy as np
 import pytest
 
-from addon.blender.companions import companions_of
-from addon.blender.in_betweens import PROPERTY
-from addon.blender.record import read_record, require_record
+from addon.blender.records.record import read_record, require_record
+from addon.blender.results.companions import companions_of
+from addon.blender.results.in_betweens import PROPERTY
 from tests.meshes import shapes
 
 from .characters import activate, key_of, run

@@ -12,7 +12,7 @@ import pytest
 
 from addon.batch.command import main
 from addon.batch.inputs import output_stems, separators
-from addon.blender.off_format import read_off
+from addon.blender.files.off_format import read_off
 from addon.core import CanonicalFormError, InvalidMeshError
 from tests.meshes import shapes
 

@@ -6,9 +6,9 @@ import bpy
 import numpy as np
 import pytest
 
-from addon.blender.mesh_reading import read_mesh
-from addon.blender.object_warnings import object_warnings
-from addon.blender.record import require_record
+from addon.blender.objects.mesh_reading import read_mesh
+from addon.blender.objects.object_warnings import object_warnings
+from addon.blender.records.record import require_record
 from tests.blender.conftest import QUICK, add_object, flat, snapshot
 from tests.meshes import shapes
 

@@ -7,7 +7,7 @@ import bpy
 import pytest
 
 from addon.batch.command import main
-from addon.blender.record import require_record
+from addon.blender.records.record import require_record
 from tests.meshes import shapes
 
 from .conftest import QUICK

@@ -8,10 +8,10 @@ from typing import Any
 import bpy
 import pytest
 
-from addon.blender.form_task import FormTask
-from addon.blender.jobs import Job
-from addon.blender.request import Request
-from addon.blender.variants import VariantTask
+from addon.blender.jobs.form_task import FormTask
+from addon.blender.jobs.job import Job
+from addon.blender.jobs.request import Request
+from addon.blender.results.variants import VariantTask
 from addon.core import CancelledError, CanonicalFormError, Settings
 from addon.interface import panels
 from addon.interface.job_operator import OBJECT_OT_canonical_form_cancel
@@ -174,7 +174,7 @@ def test_a_variant_of_a_changed_mesh_is_not_written(figure_object):
 def test_the_computation_touches_no_data_of_blender(figure_object, monkeypatch):
     """Blender's data must not be touched by threads: hide it from the modules while the work runs."""
     task = FormTask([figure_object], Request(Settings(**QUICK)))
-    from addon.blender import form_item, form_task
+    from addon.blender.jobs import form_item, form_task
 
     for module in (form_task, form_item):
         monkeypatch.setattr(module, "bpy", None)

@@ -6,11 +6,11 @@ import bpy
 import numpy as np
 import pytest
 
-from addon.blender.hidden_attributes import patches_of, whole_form_of
-from addon.blender.in_betweens import PROPERTY
-from addon.blender.limb_states import limbs_of
-from addon.blender.mesh_reading import read_evaluated
-from addon.blender.record import require_record
+from addon.blender.objects.mesh_reading import read_evaluated
+from addon.blender.records.hidden_attributes import patches_of, whole_form_of
+from addon.blender.records.record import require_record
+from addon.blender.results.in_betweens import PROPERTY
+from addon.blender.results.limb_states import limbs_of
 from addon.core import limb_shapes
 from addon.interface import panels
 from tests.blender.conftest import QUICK, Layout, drawn, flat, snapshot

@@ -9,11 +9,11 @@ import bpy
 import numpy as np
 import pytest
 
-from addon.blender.fingerprints import key_fingerprint
-from addon.blender.form_task import compute_on
-from addon.blender.record import require_record, write_record
-from addon.blender.request import Request
-from addon.blender.variants import VariantTask
+from addon.blender.jobs.form_task import compute_on
+from addon.blender.jobs.request import Request
+from addon.blender.mesh_items.fingerprints import key_fingerprint
+from addon.blender.records.record import require_record, write_record
+from addon.blender.results.variants import VariantTask
 from addon.core import KeptStages, Settings
 from addon.core.posing.articulation import WORKED_ON
 from addon.interface import panels

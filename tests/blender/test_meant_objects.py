@@ -4,8 +4,8 @@ import bpy
 import numpy as np
 import pytest
 
-from addon.blender.meant_objects import meant_object, meant_objects
-from addon.blender.new_objects import make_active
+from addon.blender.jobs.meant_objects import meant_object, meant_objects
+from addon.blender.results.new_objects import make_active
 from tests.meshes import shapes
 
 from .conftest import add_object, drawn
@@ -72,7 +72,7 @@ def test_the_pose_as_shown_is_offered_where_an_armature_moves_the_mesh(rigged):
 
 
 def test_many_warnings_are_folded_under_their_number(figure_object):
-    from addon.blender.record import require_record, write_record
+    from addon.blender.records.record import require_record, write_record
 
     bpy.ops.object.canonical_form(quality="draft")
     record = require_record(figure_object.data)

@@ -4,8 +4,8 @@ import bpy
 import numpy as np
 import pytest
 
-from addon.blender.mesh_reading import read_evaluated, read_mesh
-from addon.blender.record import require_record
+from addon.blender.objects.mesh_reading import read_evaluated, read_mesh
+from addon.blender.records.record import require_record
 from addon.core.mesh.connectivity import component_labels, vertex_pairs
 from addon.interface.overlay import feature_labels
 from tests.meshes import shapes

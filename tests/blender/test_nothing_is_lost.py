@@ -4,11 +4,11 @@ import bpy
 import numpy as np
 import pytest
 
-from addon.blender.distance_fields import DistanceTask
-from addon.blender.form_task import FormTask
-from addon.blender.in_betweens import PROPERTY
-from addon.blender.record import RECORD_PROPERTY, require_record
-from addon.blender.request import Request
+from addon.blender.jobs.distance_fields import DistanceTask
+from addon.blender.jobs.form_task import FormTask
+from addon.blender.jobs.request import Request
+from addon.blender.records.record import RECORD_PROPERTY, require_record
+from addon.blender.results.in_betweens import PROPERTY
 from addon.core import CanonicalFormError, Settings
 from addon.interface import panels
 from tests.blender.conftest import QUICK, add_object, drawn, flat, snapshot

@@ -12,8 +12,8 @@ import bpy
 import numpy as np
 import pytest
 
-from addon.blender.fingerprints import key_fingerprint
-from addon.blender.record import require_record
+from addon.blender.mesh_items.fingerprints import key_fingerprint
+from addon.blender.records.record import require_record
 from tests.blender.conftest import QUICK
 from tests.meshes import shapes
 

@@ -4,8 +4,8 @@ import bpy
 import numpy as np
 import pytest
 
-from addon.blender.mesh_reading import read_mesh
-from addon.blender.record import read_record, require_record
+from addon.blender.objects.mesh_reading import read_mesh
+from addon.blender.records.record import read_record, require_record
 from addon.core import Settings, canonical_form
 from addon.interface import panels
 from addon.interface.properties import METHOD_NAMES, settings_of
@@ -164,7 +164,7 @@ def test_a_second_run_keeps_what_hangs_on_the_key(figure_object):
 
 
 def test_a_failure_half_way_takes_back_what_was_written(furnished, monkeypatch):
-    from addon.blender.hidden_attributes import HiddenAttribute
+    from addon.blender.records.hidden_attributes import HiddenAttribute
 
     before = snapshot(furnished)
     monkeypatch.setattr(HiddenAttribute, "write", lambda *_: 1 / 0)

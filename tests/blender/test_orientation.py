@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from mathutils import Euler, Matrix
 
-from addon.blender.reference import Reference
+from addon.blender.jobs.reference import Reference
 
 from .conftest import QUICK, add_object, snapshot
 

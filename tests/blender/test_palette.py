@@ -5,7 +5,7 @@ import pytest
 
 pytest.importorskip("bpy")
 
-from addon.blender.palette import as_seen, patch_colours, ramp
+from addon.blender.mesh_items.palette import as_seen, patch_colours, ramp
 from tests.meshes import shapes
 
 

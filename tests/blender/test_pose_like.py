@@ -6,10 +6,10 @@ import bpy
 import numpy as np
 import pytest
 
-from addon.blender.form_report import FormReport
-from addon.blender.in_betweens import PROPERTY
-from addon.blender.likeness import Likeness
-from addon.blender.record import require_record
+from addon.blender.jobs.likeness import Likeness
+from addon.blender.records.form_report import FormReport
+from addon.blender.records.record import require_record
+from addon.blender.results.in_betweens import PROPERTY
 from addon.core import Settings, mannequin, pose_like
 from addon.core.measures.alignment import rigid_fit
 from addon.interface import panels, pose_panel

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from addon.blender.mesh_reading import read_object
+from addon.blender.objects.mesh_reading import read_object
 from addon.core import Settings, canonical_form
 from addon.core.measures.alignment import rigid_fit
 from tools.sample import clothed_figure

@@ -8,11 +8,11 @@ from typing import Any
 import bpy
 import pytest
 
-from addon.blender.distance_record import DISTANCES_PROPERTY, read_distances
-from addon.blender.fingerprints import colour_fingerprint, group_fingerprints, key_fingerprint
-from addon.blender.former_records import FORMER_PROPERTY
-from addon.blender.record import RECORD_PROPERTY, Record, read_record, require_record
-from addon.blender.transfer_record import TRANSFERS_PROPERTY, read_transfers
+from addon.blender.mesh_items.fingerprints import colour_fingerprint, group_fingerprints, key_fingerprint
+from addon.blender.records.distance_record import DISTANCES_PROPERTY, read_distances
+from addon.blender.records.former_records import FORMER_PROPERTY
+from addon.blender.records.record import RECORD_PROPERTY, Record, read_record, require_record
+from addon.blender.records.transfer_record import TRANSFERS_PROPERTY, read_transfers
 from addon.interface import panels
 from addon.interface.overlay import feature_labels
 from addon.interface.properties import chosen_value, hand_over, settings_of

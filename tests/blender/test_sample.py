@@ -1,7 +1,7 @@
 import bpy
 import numpy as np
 
-from addon.blender.mesh_reading import read_mesh
+from addon.blender.objects.mesh_reading import read_mesh
 from addon.core.assembly.bodies import bodies_of
 from addon.core.measures.form_measures import enclosed_volume
 from tools.sample.posed_figure import build

@@ -4,8 +4,8 @@ import bpy
 import numpy as np
 import pytest
 
-from addon.blender.mesh_reading import read_evaluated, read_object
-from addon.blender.record import require_record
+from addon.blender.objects.mesh_reading import read_evaluated, read_object
+from addon.blender.records.record import require_record
 from addon.core.assembly.pieces import connected_pieces
 from addon.core.mesh.connectivity import edge_table
 from tests.meshes import shapes

@@ -4,12 +4,12 @@ import bpy
 import numpy as np
 import pytest
 
-from addon.blender.companions import companions_of
-from addon.blender.fingerprints import members_fingerprint
-from addon.blender.in_betweens import PROPERTY
-from addon.blender.meant_objects import meant_objects
-from addon.blender.mesh_reading import read_evaluated, read_mesh
-from addon.blender.record import require_record
+from addon.blender.jobs.meant_objects import meant_objects
+from addon.blender.mesh_items.fingerprints import members_fingerprint
+from addon.blender.objects.mesh_reading import read_evaluated, read_mesh
+from addon.blender.records.record import require_record
+from addon.blender.results.companions import companions_of
+from addon.blender.results.in_betweens import PROPERTY
 from addon.core import Settings, canonical_form
 from addon.interface import panels
 from addon.interface.overlay import feature_labels
@@ -211,8 +211,8 @@ def test_objects_that_share_a_mesh_are_told(character):
 
 
 def test_something_edited_meanwhile_is_not_half_written(character):
-    from addon.blender.form_task import FormTask
-    from addon.blender.request import Request
+    from addon.blender.jobs.form_task import FormTask
+    from addon.blender.jobs.request import Request
     from addon.core import CanonicalFormError
 
     before = snapshot(character["trunk"])

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from addon.batch.lines import complain
-from addon.blender.replacing_files import replaced
+from addon.blender.files.replacing_files import replaced
 from tests.meshes import shapes
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -4,8 +4,8 @@ import bpy
 import numpy as np
 import pytest
 
-from addon.blender.mesh_reading import read_evaluated, read_mesh
-from addon.blender.record import require_record
+from addon.blender.objects.mesh_reading import read_evaluated, read_mesh
+from addon.blender.records.record import require_record
 from addon.core import Settings, canonical_form
 from addon.core.distance_fields import distance_field
 from addon.core.distances.kinds import KINDS

@@ -7,8 +7,8 @@ import bpy
 import numpy as np
 import pytest
 
-from addon.blender.transfer_reading import read_source
-from addon.blender.transfer_record import TRANSFERS_PROPERTY, read_transfers
+from addon.blender.records.transfer_record import TRANSFERS_PROPERTY, read_transfers
+from addon.blender.transfer.transfer_reading import read_source
 from addon.core import CanonicalFormError
 from addon.interface import panels
 from addon.interface.pose_panel import VIEW3D_PT_canonical_form_pose_like
@@ -255,7 +255,7 @@ def test_all_selected_objects_take_over_those_that_touch_as_one_body(pair, small
 
 @pytest.mark.parametrize("mode", ["OBJECT", "EDIT"])
 def test_nothing_is_written_where_one_of_several_objects_was_changed(pair, mode):
-    from addon.blender.transfer_task import TransferTask
+    from addon.blender.transfer.transfer_task import TransferTask
     from addon.core import Settings
 
     scan, base, _ = pair

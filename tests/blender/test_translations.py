@@ -8,8 +8,8 @@ from pathlib import Path
 import bpy
 import pytest
 
-from addon.blender import wording
-from addon.blender.advice import advised, explained
+from addon.blender.words import wording
+from addon.blender.words.advice import advised, explained
 from addon.core import CanonicalFormError, InvalidMeshError, canonical_form
 from addon.core.run.errors import TooLargeError
 from addon.core.run.messages import message

@@ -37,11 +37,11 @@ class Walk:
     """
 
     def __init__(self, package, arrays, seed, undo=False):
-        self.read_record = import_module(f"{package}.blender.record").read_record
-        self.fingerprints = import_module(f"{package}.blender.fingerprints")
+        self.read_record = import_module(f"{package}.blender.records.record").read_record
+        self.fingerprints = import_module(f"{package}.blender.mesh_items.fingerprints")
         self.core = import_module(f"{package}.core")
-        self.form_task = import_module(f"{package}.blender.form_task")
-        self.request = import_module(f"{package}.blender.request")
+        self.form_task = import_module(f"{package}.blender.jobs.form_task")
+        self.request = import_module(f"{package}.blender.jobs.request")
         self.arrays, self.chance, self.undo = arrays, random.Random(seed), undo
         self.steps, self.counts, self.number = [], {}, 0
         self.folder = Path(tempfile.mkdtemp())

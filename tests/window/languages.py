@@ -12,7 +12,7 @@ FILES = Path(__file__).resolve().parents[2] / "addon" / "languages"
 def languages(hand):
     """Show the panel in every language, then in English again."""
     installed = "bl_ext.user_default.canonical_form.addon"
-    told = importlib.import_module(f"{installed}.blender.wording").told
+    told = importlib.import_module(f"{installed}.blender.words.wording").told
     in_english = importlib.import_module(f"{installed}.interface.commands").in_english
     view = bpy.context.preferences.view
     for path in sorted(FILES.glob("*.json")):

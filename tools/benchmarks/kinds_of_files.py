@@ -16,7 +16,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from addon.batch.command import main
-from addon.blender.reading_files import open_meshes
+from addon.blender.files.reading_files import open_meshes
 from tests.meshes import shapes
 
 SOURCES = {  # kind: how Blender writes it

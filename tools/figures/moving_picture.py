@@ -11,8 +11,8 @@ from PIL import Image
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
-from addon.blender.mesh_reading import read_mesh  # noqa: E402
-from addon.blender.palette import colours_of  # noqa: E402
+from addon.blender.mesh_items.palette import colours_of  # noqa: E402
+from addon.blender.objects.mesh_reading import read_mesh  # noqa: E402
 from addon.core import canonical_form, limb_shapes  # noqa: E402
 from tools.sample.picture import camera, light, material  # noqa: E402
 from tools.sample.posed_figure import build  # noqa: E402

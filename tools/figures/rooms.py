@@ -20,6 +20,7 @@ COLUMNS = {  # where a room stands from left to right; its height is its floor
     "doors": 1.5, "methods": 1.5, "method_api": 1.5, "posing": 0.0, "embedding": 1.5, "measures": 3.0,
     "deformation": 0.0, "distances": 1.5, "detection": 3.0, "assembly": 0.0, "surface": 1.5, "patching": 3.0,
     "mesh": 1.5, "numerics": 1.5, "run": 1.5, "symmetry": 4.5, "matching": 3.0, "modelling": 4.5,
+    "placing": 3.0,
 }  # fmt: skip
 SAYS = {
     "doors": "canonical_form, match, pose_like,\nlimb_shapes, distance_field …",
@@ -28,6 +29,7 @@ SAYS = {
     "posing": "shapes between pose\nand form, another's pose",
     "embedding": "start, pairs, stress,\nSMACOF, straight limbs",
     "symmetry": "limbs told apart, left and right,\nforms held to them, upright",
+    "placing": "as posed, upright,\non a reference",
     "matching": "which limbs and points are\nthe same, one form laid on another",
     "measures": "alignment and\nfigures of a form",
     "deformation": "elastic body, struts,\ndetail",

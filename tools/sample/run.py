@@ -14,10 +14,10 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
 import addon  # noqa: E402
-from addon.blender.mesh_reading import read_mesh  # noqa: E402
-from addon.blender.reading_files import quiet  # noqa: E402
-from addon.blender.record import require_record  # noqa: E402
-from addon.blender.writing_files import Shown, save_forms  # noqa: E402
+from addon.blender.files.reading_files import quiet  # noqa: E402
+from addon.blender.files.writing_files import Shown, save_forms  # noqa: E402
+from addon.blender.objects.mesh_reading import read_mesh  # noqa: E402
+from addon.blender.records.record import require_record  # noqa: E402
 from tools.sample import clothed_figure  # noqa: E402
 from tools.sample.picture import render  # noqa: E402
 from tools.sample.posed_figure import build  # noqa: E402

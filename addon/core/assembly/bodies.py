@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
@@ -54,13 +53,15 @@ class Bodies:
         Feature points chosen by hand, one item per body; None where they are to be detected.
     together : bool
         Whether pieces that belong together are one body.
+    given : sequence of int or None
+        Feature points chosen by hand, as vertices of the mesh.
     """
 
     bodies: list[Body]
     pieces: Pieces
     chosen: list[Chosen | None]
     together: bool
-    _given: Sequence[int] | None
+    given: Sequence[int] | None
 
     @property
     def vertices(self) -> FloatArray:
@@ -117,63 +118,6 @@ class Bodies:
             monitor.warn("more_warnings", count=len(warnings) - _SHOWN)
         return results
 
-    def gathered(self, values: Sequence[np.ndarray], others: np.ndarray) -> np.ndarray:
-        """Gather values of the bodies on all vertices of the mesh.
-
-        Parameters
-        ----------
-        values : sequence of (p, ...) ndarray
-            Values on the vertices of each body's surface.
-        others : (n, ...) ndarray
-            Values of vertices that are in no piece.
-
-        Returns
-        -------
-        (n, ...) ndarray
-            Values on all vertices: riders have those of the vertices that carry them.
-        """
-        whole = others.copy()
-        for body, each in zip(self.bodies, values, strict=True):
-            whole[body.vertices] = each
-            for rider in body.riders:
-                whole[rider.piece.vertices] = each[rider.carriers]
-        return self._with_copies(whole)
-
-    def shaped(self, shapes: Sequence[FloatArray], monitor: Monitor, *, area_kept: bool = False) -> FloatArray:
-        """Gather the shapes of the bodies; riders go where what is under them goes.
-
-        Parameters
-        ----------
-        shapes : sequence of (p, 3) ndarray of float
-            Where the vertices of each body's surface are.
-        monitor : Monitor
-            Receives warnings; polled for cancellation.
-        area_kept : bool
-            Whether a body with riders is scaled to the area that it has in the mesh.
-
-        Returns
-        -------
-        (n, 3) ndarray of float
-            Positions of all vertices; those of no piece are where they were.
-
-        Raises
-        ------
-        CancelledError
-            If the run is cancelled.
-        """
-        whole = self.vertices.copy()
-        for body, each in zip(self.bodies, shapes, strict=True):
-            whole[body.vertices] = each
-            for rider, shape in zip(body.riders, body.with_riders(each, monitor), strict=True):
-                whole[rider.piece.vertices] = shape
-            if area_kept and body.riders:
-                used, corners = np.unique(body.all_faces, return_inverse=True)  # loose vertices may be far away
-                corners = corners.reshape(-1, 3)
-                before, after = (of_unit_area(points[used], corners)[2] for points in (self.vertices, whole))
-                centre = whole[used].mean(axis=0)
-                whole[used] = centre + (whole[used] - centre) * (before / after)
-        return self._with_copies(whole)
-
     def sources(self, given: ArrayLike) -> list[Chosen]:
         """Locate the vertices to start from on the bodies.
 
@@ -202,57 +146,10 @@ class Bodies:
             raise InvalidSettingsError("source_range", last=len(self.vertices) - 1)
         return _located(self.bodies, self.pieces.representative, wanted)
 
-    def gathered_features(
-        self, found: Sequence[tuple[IntArray, IntArray, FloatArray]]
-    ) -> tuple[IntArray, IntArray, FloatArray]:
-        """Gather the features of the bodies on the whole mesh.
-
-        Parameters
-        ----------
-        found : sequence of tuple
-            Feature points, cells and Auto Diffusion Function of each body, on the vertices of its surface.
-
-        Returns
-        -------
-        features : (k,) ndarray of int
-            Vertices of the mesh: those chosen by hand in their order, then the others, body by body.
-        patches : (n,) ndarray of int
-            Patch of every vertex; -1 for vertices of no piece.
-        adf : (n,) ndarray of float
-            Auto Diffusion Function of every vertex; 0 for vertices of no piece.
-        """
-        count = len(self.vertices)
-        numbers = self.feature_numbers([points for points, _, _ in found])
-        cells = [number[own] for number, (_, own, _) in zip(numbers, found, strict=True)]
-        points = np.empty(sum(map(len, numbers)), dtype=np.int64)
-        for body, number, (own, _, _) in zip(self.bodies, numbers, found, strict=True):
-            points[number] = body.vertices[own]
-        if self._given is not None:
-            points[: len(self._given)] = self._given  # which may be copies, along a seam, or on riders
-        patches = self.gathered(cells, np.full(count, -1))
-        return points, patches, self.gathered([adf for _, _, adf in found], np.zeros(count))
-
-    def feature_numbers(self, features: Sequence[IntArray]) -> list[IntArray]:
-        """Give the feature points of the bodies numbers: those chosen by hand in their order, then body by body.
-
-        Parameters
-        ----------
-        features : sequence of (k,) ndarray of int
-            Feature points of each body.
-
-        Returns
-        -------
-        list of (k,) ndarray of int
-            Their numbers in the whole mesh.
-        """
-        first = np.cumsum([0, *map(len, features)])
-        place = [
-            len(self.vertices) + start + np.arange(len(each)) if chosen is None else chosen.positions
-            for start, each, chosen in zip(first[:-1], features, self.chosen, strict=True)
-        ]
-        number = np.empty(first[-1], dtype=np.int64)
-        number[np.argsort(np.concatenate(place), kind="stable")] = np.arange(first[-1])
-        return [number[start:end] for start, end in pairwise(first)]
+    @property
+    def chosen_vertices(self) -> list[IntArray | None]:
+        """Feature points chosen by hand, as vertices of each body's surface; None where they are to be detected."""
+        return [None if each is None else each.vertices for each in self.chosen]
 
     @property
     def apart(self) -> list[Message]:
@@ -270,14 +167,7 @@ class Bodies:
     @property
     def detected_elsewhere(self) -> int:
         """Number of bodies without any of the feature points that were chosen by hand."""
-        return 0 if self._given is None else sum(each is None for each in self.chosen)
-
-    def _with_copies(self, whole: np.ndarray) -> np.ndarray:
-        """Give vertices that were taken as one the same values."""
-        representative = self.pieces.representative
-        copies = np.flatnonzero(representative != np.arange(len(whole)))
-        whole[copies] = whole[representative[copies]]
-        return whole
+        return 0 if self.given is None else sum(each is None for each in self.chosen)
 
 
 def bodies_of(

@@ -8,6 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..method_api.settings import Settings
+from ..method_api.surface_features import SurfaceFeatures, detected
 from ..numerics.arrays import FloatArray, IntArray
 from ..run.monitor import Monitor
 from ..surface.working_surface import WorkingSurface, working_surface
@@ -106,6 +108,32 @@ class Body(Piece):
         if len(self.parts) < 2:
             return working_surface(points, faces, target, fixed=fixed, monitor=monitor)
         return joined_surface(points, faces, self.parts, target, fixed=fixed, monitor=monitor or Monitor())
+
+    def features(self, chosen: IntArray | None, settings: Settings, monitor: Monitor) -> SurfaceFeatures:
+        """Find the feature points and patches of the body.
+
+        Parameters
+        ----------
+        chosen : (k,) ndarray of int or None
+            Its feature points, among its vertices, where they are chosen by hand.
+        settings : Settings
+            Options of the method.
+        monitor : Monitor
+            With the stages `DETECTION`; receives warnings.
+
+        Returns
+        -------
+        SurfaceFeatures
+            What was found.
+
+        Raises
+        ------
+        SolverError
+            If the spectrum cannot be computed accurately.
+        CancelledError
+            If the run is cancelled.
+        """
+        return detected(self.points, self.faces, chosen, settings, monitor, reduced=self.working_surface)
 
     def with_riders(self, shape: FloatArray, monitor: Monitor) -> list[FloatArray]:
         """Move the riders with the surface.

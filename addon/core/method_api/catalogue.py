@@ -1,22 +1,20 @@
-"""The methods by name. Every file of the room `methods` is found by itself; none is listed anywhere."""
+"""What a method is, and the methods by name."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from importlib import import_module
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
-from ..run.errors import InvalidSettingsError
 from ..run.monitor import Monitor, Plan
+from .registry import declared_methods, require_method
 
 if TYPE_CHECKING:
     from .method_result import MethodResult
     from .settings import Settings
     from .surface_features import SurfaceFeatures
 
-OURS = "local_features"  # the default
 FEATURE_OPTIONS = ("prominence", "feature_count", "merge_distance", "diffusion_time", "eigenpairs")  # of every method
 MINIMISATION_OPTIONS = ("max_iterations", "tolerance", "extrapolation")
 
@@ -89,13 +87,7 @@ def methods() -> dict[str, Method]:
     >>> list(methods())[:3]
     ['local_features', 'classical', 'least_squares']
     """
-    from pkgutil import iter_modules
-
-    room = import_module("..methods", __package__)
-    found = [
-        each for file in iter_modules(room.__path__) for each in import_module(f"{room.__name__}.{file.name}").METHODS
-    ]
-    return {each.name: each for each in sorted(found, key=lambda each: (each.rank, each.name))}
+    return declared_methods()
 
 
 def method_named(name: str) -> Method:
@@ -121,7 +113,5 @@ def method_named(name: str) -> Method:
     >>> method_named("fast").label
     'Fast MDS'
     """
-    known = methods()
-    if name not in known:
-        raise InvalidSettingsError("unknown_method", names=", ".join(known), value=name)
-    return known[name]
+    require_method(name)
+    return methods()[name]

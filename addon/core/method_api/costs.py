@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from ..run.errors import TooLargeError
 from ..run.memory import limit_in_words, memory_limit, pair_memory
-from .catalogue import OURS, method_named
+from .catalogue import method_named
+from .registry import OURS
 from .settings import Settings
 
 _SMALL = (0.08, 0.4e-6)  # gigabytes, and by vertex: the work on the coarse mesh, measured

@@ -9,8 +9,8 @@ from functools import wraps
 from typing import Any
 
 from ..run.errors import InvalidSettingsError
-from .catalogue import OURS, method_named
 from .options import Choice, option, options_of, require_allowed
+from .registry import OURS, require_method
 
 _COARSE = {"draft": 700, "normal": 1600}  # vertices of the mesh that is worked on
 
@@ -235,8 +235,7 @@ class Settings:
     def __post_init__(self) -> None:
         """Refuse values of a wrong type or outside their range."""
         require_allowed(self)
-        if self.method != OURS:
-            method_named(self.method)
+        require_method(self.method)
 
     @property
     def whole(self) -> bool:

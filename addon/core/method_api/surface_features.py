@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -29,6 +29,27 @@ if TYPE_CHECKING:
 DETECTION: Plan = {"Coarse mesh": 28, "Triangulation": 2, "Spectrum": 7, "Feature points": 2, "Patches": 1}
 _SPARE = 4  # times as many candidates as feature points wanted, since some lie too close to others
 _MORE_SLACK = (0.01, 0.1)  # of every triangle inequality, in mean edges, in turn where the least is too little
+
+
+class WholeFeatures(NamedTuple):
+    """What was found on a surface, on all its vertices.
+
+    Attributes
+    ----------
+    points : (k,) ndarray of int
+        Feature points.
+    cells : (n,) ndarray of int
+        Patch of every vertex.
+    adf : (n,) ndarray of float
+        Auto Diffusion Function of every vertex.
+    limbs : Limbs
+        Head, tail and sides among the feature points.
+    """
+
+    points: IntArray
+    cells: IntArray
+    adf: FloatArray
+    limbs: Limbs
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +115,7 @@ class SurfaceFeatures:
         """Feature points among all vertices, (k,)."""
         return self.surface.kept[self.features]
 
-    def prolonged(self, monitor: Monitor, order: IntArray | None = None) -> tuple[IntArray, IntArray, FloatArray]:
+    def prolonged(self, monitor: Monitor, order: IntArray | None = None) -> WholeFeatures:
         """Interpolate what was found to all vertices.
 
         Parameters
@@ -106,12 +127,8 @@ class SurfaceFeatures:
 
         Returns
         -------
-        features : (k,) ndarray of int
-            Feature points among all vertices.
-        cells : (n,) ndarray of int
-            Patch of every vertex.
-        adf : (n,) ndarray of float
-            Auto Diffusion Function of every vertex.
+        WholeFeatures
+            What was found.
 
         Raises
         ------
@@ -124,8 +141,8 @@ class SurfaceFeatures:
             monitor.check()
             adf = self.surface.prolong(self.adf)
         if order is None:
-            return features, cells, adf
-        return features[order], np.argsort(order)[cells], adf
+            return WholeFeatures(features, cells, adf, self.limbs)
+        return WholeFeatures(features[order], np.argsort(order)[cells], adf, self.limbs.sorted_by(order))
 
 
 def detected(

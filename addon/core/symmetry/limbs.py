@@ -77,6 +77,27 @@ class Limbs(NamedTuple):
         )
 
 
+class BodyLimbs(NamedTuple):
+    """A body of a mesh and what tells its feature points apart.
+
+    Attributes
+    ----------
+    vertices : (p,) ndarray of int
+        Vertices of its surface, riders left out.
+    tips : (k,) ndarray of int
+        Its feature points, as places in `vertices`.
+    numbers : (k,) ndarray of int
+        Which of the mesh's feature points are its.
+    limbs : Limbs
+        What tells them apart.
+    """
+
+    vertices: IntArray
+    tips: IntArray
+    numbers: IntArray
+    limbs: Limbs
+
+
 def limbs_of(
     distances: FloatArray,
     handedness: FloatArray,

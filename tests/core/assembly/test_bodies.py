@@ -7,6 +7,7 @@ from scipy.spatial import KDTree
 from addon.core import Settings, canonical_form, distance_field, feature_patches
 from addon.core.assembly.bodies import bodies_of
 from addon.core.assembly.contacts import sampled
+from addon.core.assembly.gathering import feature_numbers
 from addon.core.limbs import limb_shapes
 from addon.core.measures.alignment import rigid_fit
 from addon.core.measures.form_measures import edge_stretch
@@ -192,5 +193,5 @@ def test_feature_points_of_several_bodies_are_numbered_body_by_body(figure):
     np.testing.assert_array_equal(found.feature_points, [*(alone + len(vertices)), *alone])
     np.testing.assert_array_equal(found.patches[found.feature_points], np.arange(2 * len(alone)))
     bodies = bodies_of(beside, np.vstack([faces, faces + len(vertices)]))
-    numbers = bodies.feature_numbers([np.array([7, 3]), np.array([5, 1, 2])])  # whatever order they come in stays
+    numbers = feature_numbers(bodies, [np.array([7, 3]), np.array([5, 1, 2])])  # whatever order they come in stays
     assert [each.tolist() for each in numbers] == [[0, 1], [2, 3, 4]]

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from addon.core.assembly.bodies import bodies_of
+from addon.core.assembly.gathering import gathered
 from addon.core.assembly.pieces import connected_pieces
 from addon.core.mesh.connectivity import is_closed
 from addon.core.mesh.geometry import surface_area
@@ -32,7 +33,7 @@ def test_pieces_come_largest_first_and_back_together(figure, sphere, together):
     assert [len(piece.vertices) for piece in pieces.pieces] == [len(figure[0]), len(sphere[0])]
     assert surface_area(pieces.pieces[0].points, pieces.pieces[0].faces) == pytest.approx(surface_area(*figure))
     bodies = bodies_of(vertices, faces, together=together)
-    back = bodies.gathered([body.points for body in bodies.bodies], np.zeros_like(vertices))
+    back = gathered(bodies, [body.points for body in bodies.bodies], np.zeros_like(vertices))
     np.testing.assert_array_equal(back[:-1], vertices[:-1])
     assert (back[-1] == 0).all()
     chosen = bodies.sources([0, len(sphere[0]), 3])[1]

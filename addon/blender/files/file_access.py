@@ -1,0 +1,60 @@
+"""Whether a file can be read and a folder written to, found out before the work."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+
+from ...core.run.errors import CanonicalFormError, InvalidMeshError
+from ..words.file_errors import reason
+
+
+def require_readable(path: Path) -> None:
+    """Check that a file is there and may be read.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+
+    Raises
+    ------
+    InvalidMeshError
+        If not.
+    """
+    try:
+        if not path.is_file():
+            raise InvalidMeshError(f"{path} is not a file.")
+        with path.open("rb"):
+            pass
+    except OSError as error:
+        advice = " Change its permissions." if isinstance(error, PermissionError) else ""
+        raise InvalidMeshError(f"{path} cannot be read: {reason(error)}.{advice}") from error
+
+
+def require_folder(folder: Path) -> None:
+    """Make a folder for results, and check that files can be written to it.
+
+    Parameters
+    ----------
+    folder : Path
+        The folder.
+
+    Raises
+    ------
+    CanonicalFormError
+        If it cannot be made, or nothing can be written there.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise CanonicalFormError(
+            f"The folder {folder} for the results cannot be made: {reason(error)}. Choose another --output."
+        ) from error
+    try:
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        raise CanonicalFormError(
+            f"Nothing can be written to {folder}: {reason(error)}. Choose another --output."
+        ) from error

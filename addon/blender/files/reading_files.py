@@ -1,0 +1,250 @@
+"""Opens mesh files in Blender, of every kind that it reads."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+
+from ...core import InvalidMeshError
+from .file_access import require_readable
+from .foreign_files import require_own_buffers
+from .kinds_of_files import IMPORTERS, READ
+from .off_format import read_off
+
+_BONE_SHAPES = "glTF_not_exported"  # collection in which the .glb importer puts the custom shapes of bones
+_KINDS = [  # collections of bpy.data that a file may fill
+    "actions",
+    "armatures",
+    "cache_files",
+    "cameras",
+    "collections",
+    "curves",
+    "grease_pencils",
+    "hair_curves",
+    "images",
+    "lattices",
+    "lightprobes",
+    "lights",
+    "linestyles",
+    "masks",
+    "materials",
+    "meshes",
+    "metaballs",
+    "movieclips",
+    "node_groups",
+    "objects",
+    "paint_curves",
+    "palettes",
+    "particles",
+    "pointclouds",
+    "sounds",
+    "speakers",
+    "texts",
+    "textures",
+    "volumes",
+    "worlds",
+]
+
+
+def open_meshes(
+    path: Path, names: Sequence[str] = (), *, shared: bool = True, trusted: bool = False
+) -> list[bpy.types.Object]:
+    """Open a file in place of the current one and list its mesh objects.
+
+    Parameters
+    ----------
+    path : Path
+        A file of a kind in `kinds_of_files.READ`.
+    names : sequence of str
+        Names of the objects wanted; all where there are none.
+    shared : bool
+        Whether objects that share a mesh count as one: the first of them is listed.
+    trusted : bool
+        Whether the file is one's own: scripts and Python drivers in a .blend run, which could do anything, and what it
+        names outside its folder may come into the results.
+
+    Returns
+    -------
+    list of bpy.types.Object
+        The objects, sorted by name.
+
+    Raises
+    ------
+    InvalidMeshError
+        If the file does not exist, is of a kind that this Blender does not read, cannot be read or holds no mesh.
+    """
+    require_readable(path)
+    if path.suffix.lower() not in READ:
+        raise InvalidMeshError(f"{path.name} is not of a kind that can be read: {', '.join(READ)}.")
+    try:
+        with quiet():
+            if path.suffix.lower() == ".blend":
+                bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False, use_scripts=trusted)
+                if not trusted:
+                    bpy.data.use_autopack = False  # saving would take in every file that it names
+            else:
+                if not trusted and path.suffix.lower() in (".glb", ".gltf"):
+                    require_own_buffers(path)
+                _empty()
+                _import(path)
+    except RuntimeError as error:
+        raise InvalidMeshError(f"Blender cannot read {path.name}: {last_line(error)}") from error
+    found: dict[bpy.types.ID, bpy.types.Object] = {}
+    there = set()
+    for obj in sorted(bpy.data.objects, key=lambda each: each.name):
+        visible = obj.users_scene and not any(each.name == _BONE_SHAPES for each in obj.users_collection)
+        if obj.type == "MESH" and visible and len(obj.data.polygons) and (not names or obj.name in names):
+            there.add(obj.name)
+            found.setdefault(obj.data if shared else obj, obj)
+    missing = sorted(set(names) - there)
+    if missing:
+        raise InvalidMeshError(f"{path.name} holds no mesh object named {', '.join(map(repr, missing))}.")
+    if not found:
+        raise InvalidMeshError(f"{path.name} holds no mesh with faces.")
+    return list(found.values())
+
+
+def scripts_left_off(path: Path) -> bool:
+    """Tell whether the open file has scripts or drivers that would have run in a trusted one.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+
+    Returns
+    -------
+    bool
+        Whether Blender left something off.
+    """
+    return path.suffix.lower() == ".blend" and bool(bpy.app.autoexec_fail)  # of others it tells what the last had
+
+
+def last_line(error: Exception) -> str:
+    r"""Find the sentence in an error of Blender's: of a traceback it is the last line.
+
+    Parameters
+    ----------
+    error : Exception
+        The error.
+
+    Returns
+    -------
+    str
+        The sentence.
+
+    Examples
+    --------
+    >>> last_line(RuntimeError("Error: Python: Traceback:\n  File x\nOSError: full\nLocation: y"))
+    'OSError: full'
+    """
+    reason = str(error).strip()
+    if "Traceback" not in reason:
+        return reason
+    return next((line for line in reversed(reason.splitlines()) if line and line[0] not in " L"), reason)
+
+
+@contextmanager
+def quiet() -> Iterator[None]:
+    """Discard what Blender prints as it reads or writes a file: it raises errors too.
+
+    Yields
+    ------
+    None
+        Meanwhile standard output and standard error lead nowhere.
+    """
+    sys.stderr.flush()
+    terminals = {number: os.dup(number) for number in (1, 2)}
+    try:
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        for number in terminals:
+            os.dup2(nowhere, number)
+        os.close(nowhere)
+        yield
+    finally:
+        _flush()
+        for number, terminal in terminals.items():
+            os.dup2(terminal, number)
+            os.close(terminal)
+
+
+def _flush() -> None:
+    """Flush what Blender has printed so far through the C library, where it can be reached."""
+    if sys.platform != "win32":
+        import ctypes
+
+        ctypes.CDLL(None).fflush(None)
+
+
+def _empty() -> None:
+    """Remove all data of the open file; loading an empty file instead would disable extensions."""
+    fresh = bpy.data.scenes.new("Scene")
+    for window in bpy.context.window_manager.windows:
+        window.scene = fresh
+    old = [scene for scene in bpy.data.scenes if scene != fresh]
+    for kind in _KINDS:
+        old += list(getattr(bpy.data, kind, []))
+    bpy.data.batch_remove(old)
+    fresh.name = "Scene"
+
+
+def _weld(mesh: bpy.types.Mesh) -> None:
+    """Merge vertices at identical positions: glTF stores a copy for every normal and texture coordinate."""
+    import bmesh
+
+    edited = bmesh.new()
+    edited.from_mesh(mesh)
+    first: dict[tuple[float, float, float], Any] = {}
+    kept = {vertex: first.setdefault(tuple(vertex.co), vertex) for vertex in edited.verts}
+    bmesh.ops.weld_verts(edited, targetmap={vertex: target for vertex, target in kept.items() if vertex != target})
+    edited.to_mesh(mesh)
+    edited.free()
+
+
+def importer(kind: str) -> Callable[..., set[str]] | None:
+    """Find the operator by which this Blender reads a kind of file.
+
+    Parameters
+    ----------
+    kind : str
+        A suffix, with its dot, in small letters.
+
+    Returns
+    -------
+    callable or None
+        The operator; None where this Blender was built without it or its add-on is disabled.
+    """
+    for name in IMPORTERS[kind]:
+        group, operator = name.split(".")
+        if operator in dir(getattr(bpy.ops, group)):
+            return getattr(getattr(bpy.ops, group), operator)  # type: ignore[no-any-return]
+    return None
+
+
+def _import(path: Path) -> None:
+    """Import a file into the empty one that is open."""
+    kind = path.suffix.lower()
+    if kind == ".off":
+        vertices, polygons = read_off(path)
+        mesh = bpy.data.meshes.new(path.stem)
+        mesh.from_pydata(np.asarray(vertices).tolist(), [], polygons)
+        obj = bpy.data.objects.new(path.stem, mesh)
+        bpy.context.scene.collection.objects.link(obj)
+        return
+    operator = importer(kind)
+    if operator is None:
+        raise InvalidMeshError(
+            f"This Blender ({bpy.app.version_string}) has no importer for {kind} ({' or '.join(IMPORTERS[kind])}). "
+            "Use another Blender, or another kind of file."
+        )
+    operator(filepath=str(path))
+    if kind in (".glb", ".gltf"):
+        for mesh in bpy.data.meshes:
+            _weld(mesh)

@@ -1,0 +1,266 @@
+"""Writes forms to files of many kinds; a file is replaced only when the new one is complete."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import bpy
+import numpy as np
+
+from ...core import InvalidMeshError
+from ...core.numerics.arrays import FloatArray, IntArray
+from ..mesh_items.key_removal import remove_all_keys
+from .foreign_files import without_foreign_pictures
+from .kinds_of_files import EXPORTERS
+from .reading_files import last_line, quiet
+from .replacing_files import replaced
+
+_USD_MAGIC, _ZSTD_MAGIC, _ZSTD_END = b"PXR-USDC", b"\x28\xb5\x2f\xfd", b"\xb1\xea\x92\x8f"
+_PICTURES_STAY = {"export_textures_mode": "KEEP", "export_textures": False}  # copies of like names would collide
+_TOLD: dict[str, dict[str, Any]] = {  # to the exporters: only what is selected is written, and no animation
+    "glb": {
+        "use_selection": True,
+        "export_format": "GLB",
+        "export_animations": False,
+        "export_vertex_color": "ACTIVE",
+    },
+    "fbx": {"use_selection": True, "object_types": {"MESH"}, "bake_anim": False},
+    "usdc": {"selected_objects_only": True, "export_animation": False},
+}
+_OWN_MTL = "# By Canonical Form"  # first line of a .mtl that a later run may replace
+
+
+class Shown(NamedTuple):
+    """A form on its object, as it is written to a file.
+
+    Attributes
+    ----------
+    obj : bpy.types.Object
+        The object whose polygons, UV maps and materials are written.
+    form : (n, 3) ndarray of float
+        Positions of the vertices of its mesh, in its own space.
+    patches : (n,) ndarray of int
+        Patch of each vertex; -1 for none.
+    colours : (n, 4) ndarray of float
+        Colour of each vertex, by patch.
+    """
+
+    obj: bpy.types.Object
+    form: FloatArray
+    patches: IntArray
+    colours: np.ndarray
+
+
+def save_blend(path: Path, mark: str = "") -> None:
+    """Save the current file as a .blend file.
+
+    Parameters
+    ----------
+    path : Path
+        The file; it is replaced atomically when the new one is complete.
+    mark : str
+        As in `replaced`.
+    """
+
+    def write(partial: Path) -> None:
+        with quiet():
+            bpy.ops.wm.save_as_mainfile(filepath=str(partial), copy=True, compress=True)
+        _require_whole(partial)
+
+    replaced(path, write, mark)
+
+
+def save_forms(path: Path, shown: Sequence[Shown], mark: str = "", *, pictures: Path | None = None) -> list[str]:
+    """Write forms with the polygons, UV maps and materials of their meshes.
+
+    .obj and .ply hold one form, in its own space and in the vertex order of the mesh; .obj has the patches as groups
+    and keeps n-gons, .ply has them as colours and no UV map. The others are written by Blender, in the space of the
+    scene, with the patches as colours.
+
+    Parameters
+    ----------
+    path : Path
+        The file, of a kind in `kinds_of_files.WRITTEN` other than .blend; it is replaced atomically when the new one is
+        complete.
+    shown : sequence of Shown
+        The forms.
+    mark : str
+        As in `replaced`.
+    pictures : Path, optional
+        Folder of which pictures may come into a .glb; all may where it is left out.
+
+    Returns
+    -------
+    list of str
+        Names of the pictures that are left out.
+
+    Raises
+    ------
+    InvalidMeshError
+        If the kind cannot hold the mesh, or this Blender does not write it.
+    """
+    kind = path.suffix[1:]
+    if kind in EXPORTERS:
+        with without_foreign_pictures([each.obj for each in shown], pictures if kind == "glb" else None) as left_out:
+            replaced(path, lambda partial: _export(partial, kind, shown), mark)
+        return left_out
+    (one,) = shown
+    materials = [slot.material for slot in one.obj.material_slots if slot.material is not None]
+    beside = _free_mtl(path)
+    text = _as_obj(one, beside.name) if kind == "obj" else _as_ply(one)
+    if kind == "obj" and materials:
+        lines = [_OWN_MTL, *(line for material in materials for line in _as_mtl(material))]
+        replaced(beside, lambda partial: _write(partial, "\n".join(lines) + "\n"), mark)
+    replaced(path, lambda partial: _write(partial, text), mark)
+    return []
+
+
+def _free_mtl(path: Path) -> Path:
+    """Name the materials of an .obj: never those that lie there and are not ours, which may be those that were read."""
+    number, found = 1, path.with_suffix(".mtl")
+    while found.exists() and not _starts_with(found, _OWN_MTL):
+        number += 1
+        found = path.with_name(f"{path.stem}-{number}.mtl")
+    return found
+
+
+def _starts_with(path: Path, text: str) -> bool:
+    """Return whether a file begins with a text."""
+    if not path.is_file():
+        return False
+    with path.open("rb") as file:
+        return file.read(len(text)) == text.encode()
+
+
+def _write(path: Path, text: str) -> None:
+    """Write a text the same on every system."""
+    path.write_text(text, encoding="utf-8", newline="\n")
+
+
+def _export(path: Path, kind: str, shown: Sequence[Shown]) -> None:
+    """Have Blender write copies of the objects in the shape of their forms."""
+    group, operator = EXPORTERS[kind].split(".")
+    if operator not in dir(getattr(bpy.ops, group)):
+        raise InvalidMeshError(f"This Blender ({bpy.app.version_string}) does not write .{kind}. Choose another kind.")
+    for obj in bpy.context.view_layer.objects:
+        obj.select_set(False)
+    write = getattr(getattr(bpy.ops, group), operator)
+    known = write.get_rna_type().properties
+    told = _TOLD[kind] | {name: value for name, value in _PICTURES_STAY.items() if name in known}
+    copies = [_copy(each) for each in shown]
+    try:
+        with quiet():
+            write(filepath=str(path), **told)
+    except RuntimeError as error:
+        raise InvalidMeshError(f"Blender cannot write {path.suffix}: {last_line(error)}") from error
+    finally:
+        bpy.data.batch_remove([*copies, *(each.data for each in copies)])
+    _require_whole(path)
+
+
+def _require_whole(path: Path) -> None:
+    """Refuse a file that is cut short: on a full disk Blender writes .blend and .usdc in part and says nothing."""
+    whole = path.is_file() and path.stat().st_size > 0
+    if whole and path.suffix in (".blend", ".usdc"):
+        with path.open("rb") as file:
+            head = file.read(24)
+            size = file.seek(0, os.SEEK_END)
+            if head[:8] == _USD_MAGIC:  # then the place of its table of contents, which is at the end
+                whole = int.from_bytes(head[16:24], "little") < size
+            elif head[:4] == _ZSTD_MAGIC:  # the compressed file ends with a table of its frames
+                file.seek(max(size - 4, 0))
+                whole = file.read(4) == _ZSTD_END
+    if not whole:
+        raise OSError(f"Blender could not write all of the {path.suffix} file. Is the disk full?")
+
+
+def _copy(shown: Shown) -> bpy.types.Object:
+    """Add a selected copy of an object in the shape of its form, without modifiers, keys, parent and animation."""
+    mesh = shown.obj.data.copy()
+    copy = bpy.data.objects.new(shown.obj.name, mesh)
+    bpy.context.scene.collection.objects.link(copy)
+    if mesh.shape_keys is not None:
+        remove_all_keys(copy)
+    mesh.vertices.foreach_set("co", shown.form.astype(np.float32).ravel())
+    mesh.update()
+    copy.matrix_world = shown.obj.matrix_world
+    for own, slot in zip(copy.material_slots, shown.obj.material_slots, strict=False):
+        own.material = slot.material
+    copy.select_set(True)
+    bpy.context.view_layer.objects.active = copy
+    return copy
+
+
+def _as_obj(shown: Shown, beside: str) -> str:
+    """Write a form as .obj: vertices, UVs of the active map, polygons with their groups and materials."""
+    mesh = shown.obj.data
+    names = [slot.material.name if slot.material else "" for slot in shown.obj.material_slots]
+    lines = [f"mtllib {beside}"] if any(names) else []
+    lines += [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in shown.form.tolist()]
+    corner_uv: list[int] | None = None
+    if mesh.uv_layers.active is not None:
+        uv = np.empty(2 * len(mesh.loops), dtype=np.float32)
+        mesh.uv_layers.active.data.foreach_get("uv", uv)
+        places, number = np.unique(uv.reshape(-1, 2), axis=0, return_inverse=True)
+        lines += [f"vt {u:.9g} {v:.9g}" for u, v in places.tolist()]
+        corner_uv = (number.ravel() + 1).tolist()
+    group = material = None
+    patches = shown.patches.tolist()
+    for polygon in mesh.polygons:
+        corners = list(polygon.vertices)
+        own = max(patches[corner] for corner in corners)
+        if own != group:
+            group = own
+            lines.append(f"g Patch_{own + 1}" if own >= 0 else "g")
+        called = names[polygon.material_index] if polygon.material_index < len(names) else ""
+        if called and called != material:
+            material = called
+            lines.append(f"usemtl {_word(called)}")
+        if corner_uv is None:
+            lines.append("f " + " ".join(str(corner + 1) for corner in corners))
+        else:
+            uvs = corner_uv[polygon.loop_start : polygon.loop_start + len(corners)]
+            lines.append("f " + " ".join(f"{corner + 1}/{uv}" for corner, uv in zip(corners, uvs, strict=True)))
+    return "\n".join(lines) + "\n"
+
+
+def _as_mtl(material: bpy.types.Material) -> list[str]:
+    """Write the name, the colour and the first image of a material as .mtl does."""
+    red, green, blue, alpha = material.diffuse_color
+    lines = [f"newmtl {_word(material.name)}", f"Kd {red:.6g} {green:.6g} {blue:.6g}", f"d {alpha:.6g}"]
+    nodes = material.node_tree.nodes if material.node_tree is not None else ()
+    images = [node.image for node in nodes if node.type == "TEX_IMAGE" and node.image is not None]
+    if images and images[0].filepath:
+        lines.append(f"map_Kd {bpy.path.abspath(images[0].filepath)}")
+    return [*lines, ""]
+
+
+def _word(name: str) -> str:
+    """Make one word of a name: .obj ends names at spaces."""
+    return "_".join(name.split()) or "_"
+
+
+def _as_ply(shown: Shown) -> str:
+    """Write a form as .ply: vertices with the colours of their patches, and polygons."""
+    polygons = [list(polygon.vertices) for polygon in shown.obj.data.polygons]
+    most = max(map(len, polygons))
+    if most > 255:
+        name = shown.obj.data.name
+        raise InvalidMeshError(f"{name} has a face of {most} corners, and .ply holds 255. Write .obj instead.")
+    lines = ["ply", "format ascii 1.0", f"element vertex {len(shown.form)}"]
+    lines += [f"property double {axis}" for axis in "xyz"] + [
+        f"property uchar {name}" for name in ("red", "green", "blue")
+    ]
+    lines += [f"element face {len(polygons)}", "property list uchar int vertex_indices", "end_header"]
+    linear = np.clip(shown.colours[:, :3], 0, 1)
+    encoded = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)  # sRGB
+    colours = np.round(255 * encoded).astype(int).tolist()
+    lines += [
+        f"{x:.9g} {y:.9g} {z:.9g} {red} {green} {blue}"
+        for (x, y, z), (red, green, blue) in zip(shown.form.tolist(), colours, strict=True)
+    ]
+    lines += [f"{len(corners)} " + " ".join(map(str, corners)) for corners in polygons]
+    return "\n".join(lines) + "\n"

@@ -1,0 +1,379 @@
+"""The form of one object, or of several that are one body: read, computed apart from Blender, written."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+import bpy
+import numpy as np
+
+from ...core import CanonicalFormError, Settings, TooLargeError
+from ..mesh_items.fingerprints import fingerprint
+from ..objects.combining import Combined, combined
+from ..objects.mesh_reading import Reading, find_object, names_of, read_object, require_unchanged
+from ..objects.object_states import object_mode
+from ..objects.object_warnings import object_warnings
+from ..objects.placement import world_rotation
+from ..objects.undeforming import positions_before
+from ..records.record import Part
+from ..results.companions import companions_of, lead, own_sliders, set_free, with_companions
+from ..results.in_betweens import animated, animated_slider, fractions_between, write_in_betweens
+from ..results.new_objects import add_result_object
+from ..results.result_clearing import clear_results
+from ..results.result_writing import key_name, write_results
+from ..words.wording import told
+from .form_result import FormResult, results_of
+from .request import Request
+
+if TYPE_CHECKING:
+    from ...core import CanonicalForm, KeptStages
+    from ...core.numerics.arrays import FloatArray
+    from ...core.results import AnyResult, Shaped
+    from ...core.run.monitor import Cancelled, Progress
+    from ..results.match_colours import Carried
+    from .likeness import Likeness
+
+
+@dataclass(eq=False)
+class FormItem:
+    """One body of a task: an object, or several.
+
+    Attributes
+    ----------
+    readings : list of Reading
+        The arrays of each object.
+    chosen : list of list of int
+        Feature points chosen by hand on each object.
+    settings : Settings
+        Options of the method.
+    in_between_count : int
+        Number of keys between pose and form, of an earlier run, that are computed again.
+    leads : bool
+        Whether the slider of the object is animated, or moves the forms of others: it goes on to.
+    results : list of FormResult
+        What was computed for each object; empty before the computation and where it failed.
+    written_to : list of str
+        Names of the objects that show the results; empty where nothing was written.
+    error : str or None
+        Why there is no result, or why it could not be written.
+    whole_form : CanonicalForm or None
+        The form of all objects together, turned as they stand in the scene: what others can be laid onto.
+    """
+
+    readings: list[Reading]
+    chosen: list[list[int]]
+    settings: Settings
+    in_between_count: int = 0
+    leads: bool = False
+    results: list[FormResult] = field(default_factory=list)
+    written_to: list[str] = field(default_factory=list)
+    error: str | None = None
+    whole_form: CanonicalForm | None = None
+
+    @classmethod
+    def read(cls, obj: bpy.types.Object, request: Request) -> FormItem:
+        """Read an object.
+
+        Parameters
+        ----------
+        obj : bpy.types.Object
+            The object, in Object Mode.
+        request : Request
+            What is to be computed.
+
+        Returns
+        -------
+        FormItem
+            The item, ready for the computation.
+
+        Raises
+        ------
+        CanonicalFormError
+            If the request does not suit the object; the message names the remedy.
+        """
+        settings, in_betweens = request.settings_for(obj), request.in_between_count(obj)
+        chosen = [] if settings.feature_points is None else list(settings.feature_points)
+        body = companions_of(obj)
+        leads = animated_slider(obj.data) or (len(body) > 1 and body[0] == obj)
+        return cls([read_object(obj, request.deformed)], [chosen], settings, in_betweens, leads)
+
+    @classmethod
+    def joined(cls, items: Sequence[FormItem], request: Request) -> FormItem:
+        """Make one body of several items.
+
+        Parameters
+        ----------
+        items : sequence of FormItem
+            The items, at least one.
+        request : Request
+            What is to be computed: feature points are those of the vertex group of every object, or vertices of the
+            first.
+
+        Returns
+        -------
+        FormItem
+            One item with all their objects.
+        """
+        first = items[0]
+        items = sorted(items, key=lambda item: not item.leads)
+        chosen = [item.chosen[0] if request.feature_group or item is first else [] for item in items]
+        readings = [reading for item in items for reading in item.readings]
+        return cls(readings, chosen, first.settings, max(item.in_between_count for item in items))
+
+    @property
+    def name(self) -> str:
+        """Name of the object, or of the first and how many more there are."""
+        more = len(self.readings) - 1
+        return told("{name} and {more} more", name=self.readings[0].name, more=more) if more else self.readings[0].name
+
+    @property
+    def _body(self) -> str:
+        """Fingerprint of the objects together."""
+        parts = str([(each.name, each.fingerprint) for each in self.readings])
+        return fingerprint(np.frombuffer(parts.encode(), dtype=np.uint8))
+
+    def compute(self, request: Request, progress: Progress | None = None, cancelled: Cancelled | None = None) -> None:
+        """Compute the results; touches no data of Blender's.
+
+        Parameters
+        ----------
+        request : Request
+            What is to be computed.
+        progress, cancelled : callable, optional
+            As in `canonical_form`.
+
+        Raises
+        ------
+        CanonicalFormError
+            If the mesh cannot be used, or the run was cancelled; the message names the remedy.
+        """
+        from ...core import feature_patches
+
+        request.require_points(self.name, self.chosen)
+        try:
+            whole = combined(self.readings)
+            settings = self.settings
+            if any(self.chosen) and len(whole.vertices) > len(self.readings[0].vertices):
+                settings = replace(settings, feature_points=whole.numbers_of(self.chosen))
+            found: AnyResult
+            carried = None
+            if request.likeness is not None:
+                found, carried = self._posed_like(whole, request.likeness, settings, progress, cancelled)
+            elif request.step == "FORM":
+                found = self._form(whole, settings, request, progress, cancelled)
+            else:
+                found = feature_patches(whole.vertices, whole.faces, settings, progress=progress, cancelled=cancelled)
+            shapes = self._shapes_between(whole, found, request.keep, cancelled)
+            self.results = results_of(self.readings, whole, found, shapes, request, carried)
+        except MemoryError as error:
+            raise TooLargeError(
+                told("Not enough memory for {name}. Close other files, or decimate the mesh.", name=self.name)
+            ) from error
+
+    def require_unchanged(self) -> None:
+        """Refuse to write to objects that have changed since they were read.
+
+        Raises
+        ------
+        CanonicalFormError
+            If one is gone, was changed, or cannot be written to; the message says which and why.
+        """
+        for reading in self.readings:
+            obj = find_object(reading)
+            with object_mode(obj):
+                require_unchanged(obj, reading)
+
+    def write(self, request: Request, taken: Collection[str]) -> None:
+        """Write the results, on the main thread; the reports get the warnings about the objects.
+
+        Parameters
+        ----------
+        request : Request
+            Where the results go.
+        taken : collection of str
+            Names of all objects of the task: others of an earlier body do not follow it any more.
+
+        Raises
+        ------
+        CanonicalFormError
+            If a result cannot be written; the message says why.
+        """
+        objects = [find_object(reading) for reading in self.readings]
+        for obj in objects if self.in_between_count and not request.new_object else ():
+            reason = animated(obj.data)
+            if reason is not None:
+                raise CanonicalFormError(reason)
+        body = [] if request.new_object else with_companions(objects)
+        former = [obj for obj in body if obj.name not in taken]
+        with ExitStack() as modes:
+            for obj in objects:
+                modes.enter_context(object_mode(obj))
+            self._write_to(objects, former, request)
+        for obj in former:
+            set_free(obj)
+
+    def _write_to(self, objects: list[bpy.types.Object], former: list[bpy.types.Object], request: Request) -> None:
+        """Write the results; the objects are in Object Mode."""
+        warnings = self.results[0].report.warnings  # those of all
+        new = request.new_object
+        resized = [
+            obj.name
+            for obj, reading in zip(objects, self.readings, strict=True)
+            if reading.deformed and len(reading.vertices) != len(obj.data.vertices)
+        ]
+        warnings += [
+            told(
+                "{name} could not take part: its form is of an earlier run and no longer follows the slider.",
+                name=obj.name,
+            )
+            for obj in former
+        ]
+        warnings += object_warnings(objects, self.readings[0].deformed, scaled=len(objects) > 1)
+        if resized and not new:
+            warnings.append(
+                told(
+                    "Modifiers change the number of vertices of {resized}, so that no shape key can "
+                    "hold the form: it is on a new object.",
+                    resized=", ".join(resized),
+                )
+            )
+            new = True
+        if request.step == "FORM" and not new:
+            warnings += own_sliders(objects)
+        found = [(result.found, result.shapes) for result in self.results]
+        if self.readings[0].deformed and request.step == "FORM" and not new:
+            found = [_before_modifiers(obj, *each) for obj, each in zip(objects, found, strict=True)]
+        called = key_name(self.results[0].report)
+        targets: list[bpy.types.Object] = []
+        done = False
+        try:
+            for number, obj in enumerate(objects):
+                targets.append(add_result_object(obj, self.readings[number], called) if new else obj)
+                self._write_one(number, targets[-1], *found[number], request)
+            if request.step == "FORM":
+                lead(targets)
+            done = True
+        finally:
+            for target in targets if not done else ():
+                clear_results(target)
+        self.written_to = [target.name for target in targets]
+
+    def _write_one(
+        self,
+        number: int,
+        target: bpy.types.Object,
+        found: AnyResult,
+        shapes: list[FloatArray],
+        request: Request,
+    ) -> None:
+        """Write the result of one object."""
+        result = self.results[number]
+        placement = self.readings[number].placement.tolist()
+        part = Part(number, placement, self._body) if len(self.readings) > 1 else None
+        patches = request.step != "FEATURES"
+        write_results(
+            target,
+            found,
+            result.colours,
+            result.report,
+            value=request.value,
+            patches=patches,
+            part=part,
+            carried=result.carried,
+            live=request.live,
+        )
+        if shapes:
+            write_in_betweens(target, shapes)
+
+    def _form(
+        self,
+        whole: Combined,
+        settings: Settings,
+        request: Request,
+        progress: Progress | None,
+        cancelled: Cancelled | None,
+    ) -> CanonicalForm:
+        """Compute the form; where it is not to lie as posed, as the objects stand in the scene."""
+        from ...core import canonical_form
+
+        alone = len(self.readings) == 1
+        turn = world_rotation(self.readings[0].placement) if alone else np.eye(3)
+        how: dict[str, Any] = {"progress": progress, "cancelled": cancelled}
+        if request.keep is not None and not settings.whole:  # all pairs would be gigabytes
+            how["keep"] = request.keep.part(names_of(self.readings))
+        if settings.orientation == "posed" and request.reference is None:
+            found = canonical_form(whole.vertices, whole.faces, settings, **how)
+            self.whole_form = replace(found, vertices=found.vertices @ turn.T)
+            return found
+        self._require_no_mirror(
+            told(
+                "{name} has a Mirror modifier, and its form has to stay on the mirror. Set Mesh to As Shown, or "
+                "Orientation to As Posed and no Reference.",
+                name=self.name,
+            )
+        )
+        posed = whole.vertices @ turn.T
+        reference = None if request.reference is None else request.reference(cancelled)
+        found = canonical_form(posed, whole.faces, settings, reference=reference, **how)
+        self.whole_form = found
+        form = found.vertices if alone else found.vertices + (posed.mean(axis=0) - found.vertices.mean(axis=0))
+        return replace(found, vertices=form @ turn)
+
+    def _posed_like(
+        self,
+        whole: Combined,
+        likeness: Likeness,
+        settings: Settings,
+        progress: Progress | None,
+        cancelled: Cancelled | None,
+    ) -> tuple[Shaped, Carried]:
+        """Put the objects into another's pose, turned as that stands in the scene."""
+        self._require_no_mirror(
+            told(
+                "{name} has a Mirror modifier, and what is posed has to stay on the mirror. Set Mesh to As Shown, or "
+                "apply the modifier.",
+                name=self.name,
+            )
+        )
+        alone = len(self.readings) == 1
+        turn = world_rotation(self.readings[0].placement) if alone else np.eye(3)
+        found, carried = likeness.posed(whole.vertices @ turn.T, whole.faces, settings, progress, cancelled)
+        return replace(found, vertices=found.vertices @ turn), carried
+
+    def _require_no_mirror(self, reason: str) -> None:
+        """Refuse base meshes of which a modifier shows the mirror image."""
+        if any(reading.mirrors for reading in self.readings):
+            raise CanonicalFormError(reason)
+
+    def _shapes_between(
+        self, whole: Combined, found: AnyResult, keep: KeptStages | None, cancelled: Cancelled | None
+    ) -> list[FloatArray]:
+        """Compute the shapes between pose and form; their warnings join those of the form."""
+        if not self.in_between_count:
+            return []
+        from ...core.limbs import limb_shapes
+        from ...core.run.monitor import Monitor
+
+        monitor = Monitor(None, cancelled, keep=None if keep is None else keep.part(names_of(self.readings)))
+        shapes = limb_shapes(
+            whole.vertices,
+            whole.faces,
+            found.vertices,  # type: ignore[union-attr]
+            np.ones(len(whole.vertices), dtype=bool),
+            ways=fractions_between(self.in_between_count),
+            together=self.settings.together,
+            monitor=monitor,
+        )
+        found.warnings.extend(monitor.warnings)
+        return shapes
+
+
+def _before_modifiers(
+    obj: bpy.types.Object, found: AnyResult, shapes: list[FloatArray]
+) -> tuple[AnyResult, list[FloatArray]]:
+    """Find the form and the shapes between that the modifiers show as computed."""
+    form, *between = positions_before(obj, [found.vertices, *shapes])  # type: ignore[union-attr]
+    return replace(found, vertices=form), between  # type: ignore[arg-type, call-arg]

@@ -1,0 +1,181 @@
+"""What a run computes for each object of a body: its part of the form, its report, its colours."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from ..mesh_items.palette import Colours, colours_of
+from ..objects.combining import Combined
+from ..objects.mesh_reading import Reading
+from ..records.form_report import FormReport, StressReport
+from ..results.match_colours import Carried
+from ..words.advice import all_advised
+from ..words.wording import told
+from .request import Request
+
+if TYPE_CHECKING:
+    from ...core.numerics.arrays import FloatArray, IntArray
+    from ...core.results import AnyResult
+
+_ASYMMETRIC = 0.02  # units of sqrt(area): halves farther apart deserve a warning
+
+
+class FormResult(NamedTuple):
+    """What was computed for one object.
+
+    Attributes
+    ----------
+    found : CanonicalForm, PosedLike or FeaturePatches
+        The form, the other pose, or the patches where the request stops there, in the object's own space; feature
+        points on another object of the body are -1.
+    report : FormReport
+        The report; writing the result adds warnings about the object.
+    colours : Colours
+        Colours of the fields and patches.
+    shapes : list of (n, 3) ndarray of float
+        Shapes between pose and form, for the keys of an earlier run that are computed again.
+    carried : Carried or None
+        What shows the match with whose pose it was put into.
+    """
+
+    found: AnyResult
+    report: FormReport
+    colours: Colours
+    shapes: list[FloatArray]
+    carried: Carried | None = None
+
+
+def results_of(
+    readings: Sequence[Reading],
+    whole: Combined,
+    found: AnyResult,
+    shapes: Sequence[FloatArray],
+    request: Request,
+    carried: Carried | None = None,
+) -> list[FormResult]:
+    """Split what was computed for a body by object.
+
+    Parameters
+    ----------
+    readings : sequence of Reading
+        The objects.
+    whole : Combined
+        The same as one mesh.
+    found : CanonicalForm, PosedLike or FeaturePatches
+        What was found on it.
+    shapes : sequence of (n, 3) ndarray of float
+        Shapes between its pose and form.
+    request : Request
+        What was to be computed.
+    carried : Carried, optional
+        What shows its match with whose pose it was put into.
+
+    Returns
+    -------
+    list of FormResult
+        One per object. Their reports share the stress, the measures and the list of warnings.
+    """
+    if any(reading.mirrors for reading in readings):
+        found = _folded(found, whole)
+    report = _report(whole, found, request)
+    report.frame = readings[0].frame if report.measures else None
+    colours = colours_of(found.adf, found.patches, whole.faces)
+    if len(readings) == 1 and not readings[0].mirrors:
+        return [FormResult(found, report, colours, list(shapes), carried)]
+    if len(readings) > 1:
+        report.objects = [each.name for each in readings]
+    points = whole.owned(found.feature_points)
+    shown = zip(whole.split(colours.field), whole.split(colours.patches), strict=True)
+    between = [whole.brought_back(shape) for shape in shapes]
+    matched: list[Carried | None] = [None] * len(readings)
+    if carried is not None:
+        matched = [Carried(*each) for each in zip(*map(whole.split, carried), strict=True)]
+    return [
+        FormResult(
+            own,
+            replace(
+                report,
+                vertices=len(reading.vertices),
+                faces=len(reading.faces),
+                feature_points=points[number].tolist(),
+                patch_sizes=_sizes(own.patches, len(report.feature_points)),
+            ),
+            Colours(*each, colours.palette),
+            [shape[number] for shape in between],
+            matched[number],
+        )
+        for number, (reading, own, each) in enumerate(zip(readings, _split(found, readings, whole), shown, strict=True))
+    ]
+
+
+def _folded(found: AnyResult, whole: Combined) -> AnyResult:
+    """Give the patch of a feature point on an image to that of what it is an image of."""
+    sources = np.concatenate([start + each.source for start, each in zip(whole.starts, whole.objects, strict=False)])
+    points, patches = sources[found.feature_points], found.patches
+    own = points == found.feature_points
+    kept = np.where(own | ~own[patches[points]], np.arange(len(points)), patches[points])
+    used, number = np.unique(kept, return_inverse=True)
+    return replace(found, feature_points=points[used], patches=np.append(number, -1)[patches])
+
+
+def _split(found: AnyResult, readings: Sequence[Reading], whole: Combined) -> Sequence[AnyResult]:
+    """Split forms or patches by object."""
+    from ...core import FeaturePatches
+
+    surfaces = list(
+        zip(whole.owned(found.feature_points), whole.split(found.patches), whole.split(found.adf), strict=True)
+    )
+    if isinstance(found, FeaturePatches):
+        return [replace(found, feature_points=points, patches=patches, adf=adf) for points, patches, adf in surfaces]
+    forms = whole.brought_back(found.vertices)
+    return [
+        replace(found, vertices=form, faces=reading.faces, feature_points=points, patches=patches, adf=adf)
+        for form, reading, (points, patches, adf) in zip(forms, readings, surfaces, strict=True)
+    ]
+
+
+def _report(whole: Combined, found: AnyResult, request: Request) -> FormReport:
+    """Report on a whole body."""
+    from ...core import CanonicalForm, FeaturePatches
+    from ...core.measures.form_measures import summary
+
+    report = FormReport(
+        vertices=len(whole.vertices),
+        faces=len(whole.faces),
+        feature_points=found.feature_points.tolist(),
+        patch_sizes=_sizes(found.patches, len(found.feature_points)),
+        timings=found.timings,
+        warnings=all_advised(found.warnings),
+    )
+    if isinstance(found, FeaturePatches):
+        return report
+    apart = max(whole.asymmetries(found.vertices))
+    if apart > _ASYMMETRIC:
+        report.warnings.append(
+            told(
+                "The halves of the mirrored mesh unfold differently, by {apart:.0%} of its size; the "
+                "form is their mean.",
+                apart=apart,
+            )
+        )
+    measures = summary(whole.vertices, found.vertices, found.faces, request.hausdorff)
+    report.measures = {name: None if np.isnan(value) else value for name, value in measures.items()}
+    report.pieces = request.settings.pieces
+    if isinstance(found, CanonicalForm):
+        stress = found.stress
+        report.stress = StressReport(float(stress[0]), float(stress[-1]), len(stress) - 1)
+        report.method = request.settings.method
+        report.pair_count, report.pair_reduction = found.pair_count, found.pair_reduction
+    elif request.likeness is not None:
+        report.like = request.likeness.report(found)
+    return report
+
+
+def _sizes(patches: IntArray, count: int) -> list[int]:
+    """Count the vertices in each patch."""
+    sizes: list[int] = np.bincount(patches[patches >= 0], minlength=count).tolist()
+    return sizes

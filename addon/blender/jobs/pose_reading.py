@@ -1,0 +1,75 @@
+"""Reads the pose of an object, for others to take."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+from ...core import CanonicalFormError
+from ..objects.mesh_reading import read_evaluated, read_mesh
+from ..objects.object_states import object_mode
+from ..words.wording import told
+from .likeness import Likeness, PoseArrays
+
+
+def read_likeness(obj: bpy.types.Object | None, side: int = -1) -> Likeness:
+    """Read the pose of an object as it is shown.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object or None
+        The object.
+    side : int
+        Which way to match: -1 for the likeliest, or its number.
+
+    Returns
+    -------
+    Likeness
+        Its pose.
+
+    Raises
+    ------
+    CanonicalFormError
+        If there is no such object, it has no surface, or it is not shown.
+    """
+    reason = reference_refusal(obj)
+    if obj is None or reason is not None:
+        raise CanonicalFormError(reason or "")
+    return Likeness("OBJECT", obj.name, _read(obj), side)
+
+
+def reference_refusal(obj: bpy.types.Object | None) -> str | None:
+    """Return why the pose of an object cannot be taken.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object or None
+        The object.
+
+    Returns
+    -------
+    str or None
+        A sentence that names the remedy; None if it can.
+    """
+    if obj is None:
+        return told("Choose an object in the pose that is wanted as the reference first.")
+    if obj.type != "MESH":
+        return told("{name} is not a mesh. Choose the mesh that shows the pose as the reference.", name=obj.name)
+    if not obj.data.polygons and obj.mode != "EDIT":
+        return told("{name} has no faces. Choose another reference.", name=obj.name)
+    if obj.data.is_editmode and obj != bpy.context.view_layer.objects.active:
+        return told("{name} is being edited. Leave Edit Mode there first.", name=obj.name)
+    return None
+
+
+def _read(obj: bpy.types.Object) -> PoseArrays:
+    """Read an object as it is modelled, where that has the same vertices as what is shown, and as it is shown."""
+    with object_mode(obj):
+        vertices, faces = read_mesh(obj.data)
+        shown, shown_faces = read_evaluated(obj)
+    if len(shown) != len(vertices):
+        vertices, faces = shown, shown_faces
+    turn = np.array(obj.matrix_world)[:3, :3]
+    if np.linalg.det(turn) < 0:
+        faces = faces[:, ::-1]
+    return PoseArrays(vertices @ turn.T, faces, shown @ turn.T)

@@ -1,0 +1,114 @@
+"""The form of another object as a reference: others are laid onto it, and their limbs numbered as there."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import bpy
+import numpy as np
+
+from ...core import CanonicalFormError, Settings
+from ..objects.combining import combined
+from ..objects.mesh_reading import read_object, refusal
+from ..objects.placement import world_rotation
+from ..records.form_key import require_form_key
+from ..records.record import read_record
+from ..results.companions import companions_of
+from ..words.wording import told
+
+if TYPE_CHECKING:
+    from ...core import CanonicalForm
+    from ...core.numerics.arrays import FloatArray
+    from ...core.run.monitor import Cancelled
+
+
+class Reference:
+    """A form that was computed before. The constructor reads the object, `computed` may run in any thread.
+
+    Parameters
+    ----------
+    name : str
+        Name of the object.
+
+    Raises
+    ------
+    CanonicalFormError
+        If there is no such object, or it has no form.
+    """
+
+    def __init__(self, name: str) -> None:
+        obj = bpy.data.objects.get(name)
+        if obj is None:
+            raise CanonicalFormError(
+                told("There is no object {name} to refer to. Choose another reference, or none.", name=name)
+            )
+        reason = refusal(obj)
+        if reason is not None:
+            raise CanonicalFormError(told("{name} cannot be a reference. {reason}", name=name, reason=reason))
+        record = read_record(obj.data)
+        if record is None or not record.report.has_form:
+            raise CanonicalFormError(
+                told("{name} has no form to refer to. Compute its form first, or choose another one.", name=name)
+            )
+        if record.report.frame is not None and obj.modifiers:
+            raise CanonicalFormError(
+                told(
+                    "The form of {name} is that of the mesh as shown, under modifiers. Compute it "
+                    "with Result set to New Object, and choose that one as the reference.",
+                    name=name,
+                )
+            )
+        objects = companions_of(obj)
+        readings = [read_object(each, False) for each in objects]
+        whole = combined(readings)
+        turn = world_rotation(readings[0].placement) if len(readings) == 1 else np.eye(3)
+        self._vertices, self._faces = whole.vertices @ turn.T, whole.faces
+        self._form = whole.put_together([_form_of(each) for each in objects]) @ turn.T
+        points = record.report.feature_points
+        own = len(readings) == 1 and not readings[0].mirrors and len(points) > 0
+        self._settings = Settings(pieces=record.report.pieces, feature_points=points if own else None)
+        self._computed: CanonicalForm | None = None
+
+    def computed(self, cancelled: Cancelled | None = None) -> CanonicalForm:
+        """Find what tells the limbs of the reference apart.
+
+        Parameters
+        ----------
+        cancelled : callable, optional
+            As in `canonical_form`.
+
+        Returns
+        -------
+        CanonicalForm
+            The form, turned as it stands in the scene.
+
+        Raises
+        ------
+        CanonicalFormError
+            If the mesh cannot be used, or the run was cancelled.
+        """
+        if self._computed is None:
+            from ...core import CanonicalForm, feature_patches
+
+            found = feature_patches(self._vertices, self._faces, self._settings, cancelled=cancelled)
+            self._computed = CanonicalForm(
+                self._form,
+                self._faces,
+                found.feature_points,
+                found.patches,
+                found.adf,
+                np.zeros(1),
+                0,
+                0.0,
+                found.timings,
+                found.warnings,
+                bodies=found.bodies,
+            )
+        return self._computed
+
+
+def _form_of(obj: bpy.types.Object) -> FloatArray:
+    """Read the form of an object, in its own space."""
+    form = np.empty(3 * len(obj.data.vertices), dtype=np.float32)
+    require_form_key(obj.data).data.foreach_get("co", form)
+    return form.reshape(-1, 3).astype(np.float64)

@@ -1,0 +1,40 @@
+"""Weights of vertex groups, many at once."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import bpy
+import numpy as np
+
+from .fingerprints import members_fingerprint
+
+if TYPE_CHECKING:
+    from ...core.numerics.arrays import FloatArray
+
+_STEPS = 1000  # between 0 and 1: a call for each that occurs, whatever the number of vertices
+
+
+def fill_group(group: bpy.types.VertexGroup, weights: FloatArray) -> str:
+    """Give a group the weights of all vertices, in place of those that it has.
+
+    Parameters
+    ----------
+    group : bpy.types.VertexGroup
+        The group of an object in Object Mode.
+    weights : (n,) ndarray of float
+        Weights from 0 to 1, rounded to a thousandth; vertices where they are not finite are no members.
+
+    Returns
+    -------
+    str
+        Fingerprint of the members.
+    """
+    members = np.flatnonzero(np.isfinite(weights))
+    group.remove(np.flatnonzero(~np.isfinite(weights)).tolist())
+    rounded = np.round(np.clip(weights[members], 0.0, 1.0) * _STEPS).astype(np.int64)
+    order = np.argsort(rounded, kind="stable")
+    values, first = np.unique(rounded[order], return_index=True)
+    for value, begin, end in zip(values.tolist(), first, [*first[1:], len(order)], strict=bool(len(order))):
+        group.add(members[order[begin:end]].tolist(), value / _STEPS, "REPLACE")
+    return members_fingerprint(members, rounded / _STEPS)

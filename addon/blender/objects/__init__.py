@@ -1,0 +1,1 @@
+"""Objects read as arrays: their meshes, seams, mirrors and modifiers, alone or several as one mesh."""

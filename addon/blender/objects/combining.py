@@ -1,0 +1,316 @@
+"""Several objects as one mesh, in the space that they share, and back."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from ...core import CanonicalFormError, InvalidSettingsError
+from ...core.mesh.mirroring import Mirrored, mirrored
+from ...core.numerics.arrays import FloatArray, IntArray
+from ..words.wording import told
+from .mesh_reading import Reading
+
+if TYPE_CHECKING:
+    from ...core.run.monitor import Cancelled
+
+_FLATTEST = 1e-9  # smallest determinant of a transform, as a share of its largest scale cubed
+
+
+class Combined(NamedTuple):
+    """Some objects as one mesh, with the images that mirror modifiers show. A single one is as it is in its own space.
+
+    Attributes
+    ----------
+    vertices : (n, 3) ndarray of float
+        Positions of all.
+    faces : (m, 3) ndarray of int
+        Triangles of all.
+    starts : (k + 1,) ndarray of int
+        Where the vertices of each object begin, and their number.
+    objects : list of Mirrored
+        The mesh of each object in its own space, with its images.
+    placements : list of (4, 4) ndarray of float
+        Transforms from each object's own space.
+    """
+
+    vertices: FloatArray
+    faces: IntArray
+    starts: IntArray
+    objects: list[Mirrored]
+    placements: list[FloatArray]
+
+    def split(self, values: np.ndarray) -> list[np.ndarray]:
+        """Split values on all vertices by object.
+
+        Parameters
+        ----------
+        values : (n, ...) ndarray
+            The values.
+
+        Returns
+        -------
+        list of ndarray
+            Those of each object, without its images.
+        """
+        return [values[start : start + each.half] for start, each in zip(self.starts, self.objects, strict=False)]
+
+    def owned(self, vertices: IntArray) -> list[IntArray]:
+        """Find some vertices on each object.
+
+        Parameters
+        ----------
+        vertices : (s,) ndarray of int
+            Vertices of the combined mesh.
+
+        Returns
+        -------
+        list of (s,) ndarray of int
+            Their numbers on each object; -1 for those of another one or of an image.
+        """
+        pairs = zip(self.starts, self.objects, strict=False)
+        return [
+            np.where((start <= vertices) & (vertices < start + each.half), vertices - start, -1)
+            for start, each in pairs
+        ]
+
+    def spread(self, values: Sequence[np.ndarray]) -> np.ndarray:
+        """Put values on the vertices of the objects together; images have those of what they are images of.
+
+        Parameters
+        ----------
+        values : sequence of ndarray
+            Those of each object.
+
+        Returns
+        -------
+        (n, ...) ndarray
+            Values on all vertices.
+        """
+        return np.concatenate([own[each.source] for own, each in zip(values, self.objects, strict=True)])
+
+    def numbers_of(self, vertices: Sequence[Sequence[int]]) -> list[int]:
+        """Find vertices of the objects, and their images, on the combined mesh.
+
+        Parameters
+        ----------
+        vertices : sequence of sequence of int
+            Those of each object.
+
+        Returns
+        -------
+        list of int
+            Their numbers, those of each object in their order, then those of its images.
+
+        Raises
+        ------
+        InvalidSettingsError
+            If one is not a vertex of its object.
+        """
+        found: list[int] = []
+        for start, own, each in zip(self.starts, vertices, self.objects, strict=False):
+            if any(not 0 <= vertex < each.half for vertex in own):
+                raise InvalidSettingsError("feature_range", last=each.half - 1)
+            images = np.flatnonzero(np.isin(each.source, own))
+            images = images[images >= each.half]
+            found += [int(start) + vertex for vertex in (*own, *images.tolist())]
+        return found
+
+    def put_together(self, shapes: Sequence[FloatArray]) -> FloatArray:
+        """Put positions of the objects together.
+
+        Parameters
+        ----------
+        shapes : sequence of (p, 3) ndarray of float
+            Positions of the vertices of each object, in its own space.
+
+        Returns
+        -------
+        (n, 3) ndarray of float
+            Positions of all.
+        """
+        whole = [
+            each.spread(points) if each.mirrors else points for points, each in zip(shapes, self.objects, strict=True)
+        ]
+        if len(whole) == 1:
+            return whole[0]
+        return np.concatenate([moved(points, each) for points, each in zip(whole, self.placements, strict=True)])
+
+    def brought_back(self, shape: FloatArray) -> list[FloatArray]:
+        """Split positions by object, each in its own space; what mirrors show is made symmetric first.
+
+        Parameters
+        ----------
+        shape : (n, 3) ndarray of float
+            Positions of all vertices.
+
+        Returns
+        -------
+        list of ndarray of float
+            Those of each object.
+        """
+        parts = self._own_parts(shape)
+        return [each.symmetrised(own)[: each.half] for own, each in zip(parts, self.objects, strict=True)]
+
+    def asymmetries(self, shape: FloatArray) -> list[float]:
+        """Measure how far the mirrored objects are from their images.
+
+        Parameters
+        ----------
+        shape : (n, 3) ndarray of float
+            Positions of all vertices.
+
+        Returns
+        -------
+        list of float
+            Distance of each object, in units of sqrt(area) of the object; 0 without a mirror.
+        """
+        parts = zip(self._own_parts(shape), self.objects, strict=True)
+        return [each.asymmetry(own) if each.mirrors else 0.0 for own, each in parts]
+
+    def _own_parts(self, shape: FloatArray) -> list[FloatArray]:
+        """Split positions by object, images included, each in its own space."""
+        parts = [shape[start:end] for start, end in pairwise(self.starts)]
+        if len(parts) == 1:
+            return parts
+        return [moved(own, np.linalg.inv(each)) for own, each in zip(parts, self.placements, strict=True)]
+
+
+def combined(readings: Sequence[Reading]) -> Combined:
+    """Put objects together into one mesh.
+
+    Parameters
+    ----------
+    readings : sequence of Reading
+        The objects, at least one.
+
+    Returns
+    -------
+    Combined
+        The mesh.
+
+    Raises
+    ------
+    CanonicalFormError
+        If an object is scaled to nothing along an axis.
+    """
+    objects = [mirrored(each.vertices, each.faces, each.mirrors) for each in readings]
+    starts = np.cumsum([0, *(len(each.vertices) for each in objects)])
+    placements = [each.placement for each in readings]
+    if len(readings) == 1:
+        return Combined(objects[0].vertices, objects[0].faces, starts, objects, placements)
+    for reading in readings:
+        require_thick(reading.name, reading.placement)
+    faces = [
+        outward(each.faces, place) + start for each, place, start in zip(objects, placements, starts[:-1], strict=True)
+    ]
+    whole = Combined(np.zeros((0, 3)), np.concatenate(faces), starts, objects, placements)
+    return whole._replace(vertices=whole.put_together([each.vertices for each in readings]))
+
+
+def touching(readings: Sequence[Reading], *, together: bool, cancelled: Cancelled | None = None) -> list[list[int]]:
+    """Find which objects are one body: those that share one.
+
+    Parameters
+    ----------
+    readings : sequence of Reading
+        The objects, at least one.
+    together : bool
+        Whether pieces that belong together are one body; otherwise every object is by itself.
+    cancelled : callable, optional
+        As in `canonical_form`.
+
+    Returns
+    -------
+    list of list of int
+        Groups of objects; in each, and among them, the order of the objects is kept.
+
+    Raises
+    ------
+    CanonicalFormError
+        If the meshes cannot be used, or the run was cancelled; the message names the remedy.
+    """
+    from ...core.assembly.bodies import bodies_of
+    from ...core.assembly.gathering import gathered
+    from ...core.mesh.connectivity import component_labels
+    from ...core.run.monitor import Monitor
+
+    if not together:
+        return [[index] for index in range(len(readings))]
+    whole = combined(readings)
+    bodies = bodies_of(whole.vertices, whole.faces, Monitor(None, cancelled))
+    labels = [np.full(len(body.vertices), number) for number, body in enumerate(bodies.bodies)]
+    body_of = gathered(bodies, labels, np.full(len(whole.vertices), -1))
+    own = np.repeat(np.arange(len(readings)), np.diff(whole.starts))
+    shared = np.unique(np.column_stack([own, len(readings) + body_of])[body_of >= 0], axis=0)
+    label = component_labels(len(readings) + len(labels), shared)[: len(readings)]
+    _, first = np.unique(label, return_index=True)
+    return [np.flatnonzero(label == label[index]).tolist() for index in np.sort(first)]
+
+
+def moved(points: FloatArray, transform: FloatArray) -> FloatArray:
+    """Transform points.
+
+    Parameters
+    ----------
+    points : (n, 3) ndarray of float
+        The points.
+    transform : (4, 4) ndarray of float
+        The transform, for columns.
+
+    Returns
+    -------
+    (n, 3) ndarray of float
+        Where they go.
+    """
+    return points @ transform[:3, :3].T + transform[:3, 3]
+
+
+def outward(faces: IntArray, transform: FloatArray) -> IntArray:
+    """Turn triangles so that they are seen from outside as before where a transform mirrors them.
+
+    Parameters
+    ----------
+    faces : (m, 3) ndarray of int
+        The triangles.
+    transform : (4, 4) ndarray of float
+        The transform of their vertices.
+
+    Returns
+    -------
+    (m, 3) ndarray of int
+        The triangles, in the other order of corners where it mirrors.
+    """
+    return faces[:, ::-1] if np.linalg.det(transform[:3, :3]) < 0 else faces
+
+
+def require_thick(name: str, placement: FloatArray, *, alone: bool = False) -> None:
+    """Refuse an object that its transform makes flat.
+
+    Parameters
+    ----------
+    name : str
+        Name of the object.
+    placement : (4, 4) ndarray of float
+        Its transform.
+    alone : bool
+        Whether no other object is worked on.
+
+    Raises
+    ------
+    CanonicalFormError
+        If it is scaled to nothing along an axis.
+    """
+    axes = placement[:3, :3]
+    if not abs(np.linalg.det(axes)) > _FLATTEST * float(np.abs(axes).max()) ** 3:
+        sentence = (
+            told("{name} is scaled to nothing along an axis. Give it a scale.", name=name)
+            if alone
+            else told(
+                "{name} is scaled to nothing along an axis. Give it a scale, or set Several Objects to Each.", name=name
+            )
+        )
+        raise CanonicalFormError(sentence)

@@ -1,0 +1,329 @@
+"""Reads meshes as arrays, refuses those that cannot be used, and recognises them after a computation."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import bpy
+import numpy as np
+
+from ...core import CanonicalFormError
+from ..mesh_items.fingerprints import fingerprint
+from ..records.form_key import form_key
+from ..words.wording import told
+from .mirrors import mirrors_of
+from .object_states import muted_results
+from .placement import placement_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from ...core.mesh.mirroring import Mirror
+    from ...core.numerics.arrays import FloatArray, IntArray
+
+
+class Reading(NamedTuple):
+    """The arrays of one object, and what identifies the object after a computation.
+
+    Attributes
+    ----------
+    name : str
+        Name of the object.
+    session_uid : int
+        Blender's identifier of the object in this session.
+    vertices : (n, 3) ndarray of float
+        Positions in the mesh's local space.
+    faces : (m, 3) ndarray of int
+        Triangles.
+    fingerprint : str
+        Fingerprint of positions and polygons of the base mesh.
+    deformed : bool
+        Whether the vertices are those of the evaluated mesh: with modifiers, pose and shape keys.
+    frame : int or None
+        The frame of the evaluated mesh.
+    placement : (4, 4) ndarray of float
+        The transform to the space that the object shares with others.
+    mirrors : sequence of Mirror
+        Mirrors of modifiers, which the vertices and faces are without.
+    """
+
+    name: str
+    session_uid: int
+    vertices: FloatArray
+    faces: IntArray
+    fingerprint: str
+    deformed: bool
+    frame: int | None
+    placement: FloatArray
+    mirrors: Sequence[Mirror]
+
+
+def refusal(obj: bpy.types.Object | None) -> str | None:
+    """Return why an object cannot be given a canonical form, before anything is read or computed.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object or None
+        The object, usually the active one.
+
+    Returns
+    -------
+    str or None
+        A sentence that names the remedy; None if the object can be used.
+    """
+    if obj is None:
+        return told("Select a mesh object first.")
+    if obj.type != "MESH":
+        return told("{name} is not a mesh. Convert it first (Object > Convert > Mesh).", name=obj.name)
+    mesh = obj.data
+    if obj.library is not None or mesh.library is not None or mesh.override_library is not None:
+        return told(
+            "{name} is linked from another file. Make it local first (Object > Relations > Make Local).", name=mesh.name
+        )
+    if not mesh.is_editable:
+        return told("{name} cannot be edited. Make it local first (Object > Relations > Make Local).", name=mesh.name)
+    keys = mesh.shape_keys
+    if keys is not None and keys.library is not None:
+        return told("The shape keys of {name} are linked from another file. Make them local first.", name=mesh.name)
+    if keys is not None and not keys.use_relative:
+        return told(
+            "The shape keys of {name} are absolute. Tick Relative in the Shape Keys panel first.", name=mesh.name
+        )
+    key = form_key(mesh) if keys is not None else None
+    if key is not None and key.lock_shape:
+        return told("The shape key {name} is locked. Unlock it in the Shape Keys panel first.", name=key.name)
+    if obj.mode != "OBJECT" and obj != bpy.context.view_layer.objects.active:
+        return told("{name} is not the active object. Make it active, or leave its mode, and run again.", name=obj.name)
+    if obj.mode != "EDIT" and mesh.is_editmode:
+        return told("{name} is being edited through another object. Leave Edit Mode there first.", name=mesh.name)
+    if obj.mode == "OBJECT" and not mesh.polygons:  # in Edit Mode the mesh may not have its faces yet
+        return told("{name} has no faces. Choose a mesh with a surface.", name=mesh.name)
+    return None
+
+
+def read_mesh(mesh: bpy.types.Mesh) -> tuple[FloatArray, IntArray]:
+    """Read the base mesh: the Basis where there are shape keys, n-gons as triangles.
+
+    Parameters
+    ----------
+    mesh : bpy.types.Mesh
+        The mesh, with its object in Object Mode.
+
+    Returns
+    -------
+    vertices : (n, 3) ndarray of float
+        Positions in the mesh's local space.
+    faces : (m, 3) ndarray of int
+        Triangles.
+    """
+    return basis_positions(mesh).reshape(-1, 3).astype(np.float64), _triangles(mesh)
+
+
+def read_object(obj: bpy.types.Object, deformed: bool = False) -> Reading:
+    """Read an object for a computation that takes a while.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        The object, in Object Mode.
+    deformed : bool
+        Read the evaluated mesh, with modifiers, pose and shape keys at the current frame, not the base mesh.
+
+    Returns
+    -------
+    Reading
+        Its arrays.
+
+    Raises
+    ------
+    CanonicalFormError
+        If the evaluated mesh is wanted and the object is disabled in the viewport.
+    """
+    vertices, faces = read_mesh(obj.data)
+    known = _mesh_fingerprint(obj.data)
+    if deformed:
+        vertices, faces = _read_shown(obj)
+    frame = bpy.context.scene.frame_current if deformed else None
+    placement = placement_of(obj, deformed)
+    mirrors = () if deformed else mirrors_of(obj)
+    return Reading(obj.name, obj.session_uid, vertices, faces, known, deformed, frame, placement, mirrors)
+
+
+def read_evaluated(obj: bpy.types.Object) -> tuple[FloatArray, IntArray]:
+    """Read the evaluated mesh: with modifiers, pose and shape keys at the current frame.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        The object, in Object Mode.
+
+    Returns
+    -------
+    vertices : (n, 3) ndarray of float
+        Positions in the object's local space.
+    faces : (m, 3) ndarray of int
+        Triangles.
+
+    Raises
+    ------
+    CanonicalFormError
+        If Blender does not evaluate the object because it is disabled in the viewport.
+    """
+    graph = bpy.context.evaluated_depsgraph_get()
+    evaluated = obj.evaluated_get(graph)
+    if evaluated.original == evaluated or obj.name not in graph.objects:
+        raise CanonicalFormError(
+            told(
+                "{name} is switched off in the views, so nothing is shown. Switch it on, or set Mesh to Base Mesh.",
+                name=obj.name,
+            )
+        )
+    mesh = evaluated.to_mesh()
+    try:
+        vertices = np.empty(3 * len(mesh.vertices), dtype=np.float32)
+        mesh.vertices.foreach_get("co", vertices)
+        return vertices.reshape(-1, 3).astype(np.float64), _triangles(mesh)
+    finally:
+        evaluated.to_mesh_clear()
+
+
+def selected_vertices(mesh: bpy.types.Mesh) -> IntArray:
+    """List the selected vertices of a mesh.
+
+    Parameters
+    ----------
+    mesh : bpy.types.Mesh
+        The mesh, with its objects in Object Mode.
+
+    Returns
+    -------
+    (s,) ndarray of int
+        Vertex indices.
+    """
+    chosen = np.empty(len(mesh.vertices), dtype=bool)
+    mesh.vertices.foreach_get("select", chosen)
+    return np.flatnonzero(chosen)
+
+
+def names_of(readings: Iterable[Reading]) -> frozenset[str]:
+    """Name the objects of some readings, in no order.
+
+    Parameters
+    ----------
+    readings : iterable of Reading
+        The readings.
+
+    Returns
+    -------
+    frozenset of str
+        The names.
+    """
+    return frozenset(reading.name for reading in readings)
+
+
+def find_object(reading: Reading) -> bpy.types.Object:
+    """Find the object of a reading, to write its result.
+
+    Parameters
+    ----------
+    reading : Reading
+        The reading made before the computation.
+
+    Returns
+    -------
+    bpy.types.Object
+        The object.
+
+    Raises
+    ------
+    CanonicalFormError
+        If it was deleted or renamed, or cannot be written to.
+    """
+    obj = bpy.data.objects.get(reading.name)
+    if obj is None or obj.session_uid != reading.session_uid or not obj.users_scene:
+        raise CanonicalFormError(
+            told(
+                "{name} was deleted or renamed while its form was computed. Nothing was written; run again.",
+                name=reading.name,
+            )
+        )
+    reason = refusal(obj)
+    if reason is not None:
+        raise CanonicalFormError(told("{reason} Nothing was written.", reason=reason))
+    return obj
+
+
+def require_unchanged(obj: bpy.types.Object, reading: Reading) -> None:
+    """Refuse to write a result to a mesh that has changed since it was read.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        The object, in Object Mode.
+    reading : Reading
+        The reading made before the computation.
+
+    Raises
+    ------
+    CanonicalFormError
+        If its vertices or faces have changed.
+    """
+    same = _mesh_fingerprint(obj.data) == reading.fingerprint
+    if same and reading.deformed:
+        vertices, faces = _read_shown(obj)
+        same = np.array_equal(vertices, reading.vertices) and np.array_equal(faces, reading.faces)
+    if not same:
+        raise CanonicalFormError(
+            told("{name} was edited while its form was computed. Nothing was written; run again.", name=reading.name)
+        )
+
+
+def _read_shown(obj: bpy.types.Object) -> tuple[FloatArray, IntArray]:
+    """Read the evaluated mesh without an earlier form; seams of the base mesh are closed where it has more vertices."""
+    from .seams import closed_seams, evaluated_places, has_seams, longest_border_edge
+
+    with muted_results([obj.data]):
+        vertices, faces = read_evaluated(obj)
+        if len(vertices) == len(obj.data.vertices):
+            return vertices, faces
+        base = read_mesh(obj.data)
+        places = evaluated_places(obj) if has_seams(*base) else None
+    if places is not None and len(places) == len(vertices):
+        vertices = closed_seams(vertices, faces, places, longest_border_edge(*base))
+    return vertices, faces
+
+
+def basis_positions(mesh: bpy.types.Mesh) -> np.ndarray:
+    """Read the positions of a mesh without its shape keys.
+
+    Parameters
+    ----------
+    mesh : bpy.types.Mesh
+        The mesh, with its objects in Object Mode.
+
+    Returns
+    -------
+    (3 n,) ndarray of float32
+        The positions.
+    """
+    vertices = np.empty(3 * len(mesh.vertices), dtype=np.float32)
+    if mesh.shape_keys is None:
+        mesh.attributes["position"].data.foreach_get("vector", vertices)  # at once, where `co` goes one by one
+    else:
+        mesh.shape_keys.reference_key.data.foreach_get("co", vertices)
+    return vertices
+
+
+def _mesh_fingerprint(mesh: bpy.types.Mesh) -> str:
+    """Hash positions and the vertex and edge of every corner, which tell the polygons; triangles would take longer."""
+    corners = [np.empty(len(mesh.loops), dtype=np.int32) for _ in range(2)]
+    for name, values in zip((".corner_vert", ".corner_edge"), corners, strict=True):
+        mesh.attributes[name].data.foreach_get("value", values)
+    return fingerprint(basis_positions(mesh), *corners)
+
+
+def _triangles(mesh: bpy.types.Mesh) -> IntArray:
+    mesh.calc_loop_triangles()
+    faces = np.empty(3 * len(mesh.loop_triangles), dtype=np.int32)
+    mesh.loop_triangles.foreach_get("vertices", faces)
+    return faces.reshape(-1, 3).astype(np.int64)

@@ -1,0 +1,151 @@
+"""Warnings about parts of an object that its form leaves out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import bpy
+import numpy as np
+
+from ..records.record import read_record
+from ..words.wording import told
+from .mirrors import is_followed
+
+_LEAST_VALUE = 1e-3  # of a shape key that bends what is shown
+_ADDING = (
+    "ARRAY",
+    "BOOLEAN",
+    "BUILD",
+    "MASK",
+    "MIRROR",
+    "NODES",
+    "REMESH",
+    "SCREW",
+    "SKIN",
+    "SOLIDIFY",
+    "VOLUME_TO_MESH",
+)
+_BENDING = (
+    "CAST",
+    "CURVE",
+    "DISPLACE",
+    "HOOK",
+    "LATTICE",
+    "MESH_DEFORM",
+    "SHRINKWRAP",
+    "SIMPLE_DEFORM",
+    "SURFACE_DEFORM",
+    "WARP",
+    "WAVE",
+)
+
+
+def object_warnings(objects: Sequence[bpy.types.Object], deformed: bool, *, scaled: bool = False) -> list[str]:
+    """List what the form of some objects leaves out: their scale, shape keys and modifiers.
+
+    Parameters
+    ----------
+    objects : sequence of bpy.types.Object
+        The objects of one form.
+    deformed : bool
+        Whether the form is computed of the evaluated meshes, not of the base meshes.
+    scaled : bool
+        Whether the form is computed with the objects' scales, as that of several objects together is.
+
+    Returns
+    -------
+    list of str
+        Sentences that name the objects and the remedy.
+    """
+    warnings = []
+    for obj in objects if not scaled else ():
+        scale = np.abs(np.array(obj.matrix_world.to_scale()))
+        if scale.max() > 1.001 * scale.min():
+            warnings.append(
+                told(
+                    "The scale of {name} is not uniform, and the form was computed on the mesh without "
+                    "it. Apply the scale (Ctrl+A > Scale) and run again for the form of what you see.",
+                    name=obj.name,
+                )
+            )
+    if deformed:
+        return warnings
+    names, keys = _those_with(objects, bending_keys)
+    if keys:
+        warnings.append(
+            told(
+                "Other shape keys of {name} bend the form as they bend the mesh: {keys}. Set their values to 0, or set "
+                "Mesh to As Shown to take out the pose that you see.",
+                name=names,
+                keys=keys,
+            )
+        )
+    names, bending = _those_with(objects, _bending_modifiers)
+    if bending:
+        warnings.append(
+            told(
+                "Some modifiers of {name} bend the form as they bend the mesh: {bending}. Set Mesh "
+                "to As Shown to take out the pose that you see.",
+                name=names,
+                bending=bending,
+            )
+        )
+    names, adding = _those_with(objects, _adding_modifiers)
+    if adding:
+        warnings.append(
+            told(
+                "Some modifiers of {name} add to the mesh, and the form is of it without them: "
+                "{adding}. Apply them, or set Mesh to As Shown.",
+                name=names,
+                adding=adding,
+            )
+        )
+    return warnings
+
+
+def bending_keys(obj: bpy.types.Object) -> list[str]:
+    """Name the shape keys, not ours, that move vertices of an object away from its Basis as it is shown."""
+    keys = obj.data.shape_keys
+    if keys is None or not keys.use_relative or obj.show_only_shape_key:
+        return []
+    record = read_record(obj.data)
+    ours = () if record is None else (*record.keys, *record.in_between_keys)
+    found = []
+    for key in keys.key_blocks:
+        if key != keys.reference_key and key.name not in ours and not key.mute and abs(key.value) > _LEAST_VALUE:
+            places, others = (np.empty(3 * len(each.data), dtype=np.float32) for each in (key, key.relative_key))
+            key.data.foreach_get("co", places)
+            key.relative_key.data.foreach_get("co", others)
+            if not np.array_equal(places, others):
+                found.append(key.name)
+    return found
+
+
+def _those_with(objects: Sequence[bpy.types.Object], what: Callable[[bpy.types.Object], list[str]]) -> tuple[str, str]:
+    """Name the objects that have something, and what they have, each once."""
+    having = {obj.name: found for obj in objects if (found := what(obj))}
+    return ", ".join(having), ", ".join(dict.fromkeys(each for found in having.values() for each in found))
+
+
+def _bending_modifiers(obj: bpy.types.Object) -> list[str]:
+    """Name the modifiers that bend what is shown."""
+    return [
+        each.name
+        for each in obj.modifiers
+        if each.show_viewport and (each.type in _BENDING or (each.type == "ARMATURE" and _in_pose(each)))
+    ]
+
+
+def _adding_modifiers(obj: bpy.types.Object) -> list[str]:
+    """Name the modifiers that add to what is shown."""
+    return [
+        each.name for each in obj.modifiers if each.show_viewport and each.type in _ADDING and not is_followed(each)
+    ]
+
+
+def _in_pose(modifier: bpy.types.ArmatureModifier) -> bool:
+    rig = modifier.object
+    if rig is None or rig.data.pose_position == "REST":
+        return False
+    rest = np.eye(4)
+    return any(not np.allclose(np.array(bone.matrix_basis), rest, atol=1e-4) for bone in rig.pose.bones)

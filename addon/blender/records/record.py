@@ -1,0 +1,311 @@
+"""The record on a mesh of what the last run wrote to it.
+
+It holds names with fingerprints, so that exactly the written items can be removed again: whatever has been renamed,
+replaced or changed since belongs to the user and is never touched.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import bpy
+
+from ...core import CanonicalFormError
+from ..mesh_items.active_items import ActiveItems, ItemNames
+from ..words.wording import told
+from .form_report import FormReport
+from .former_records import FORMER_PROPERTY, brought_up_to_date
+from .stored_values import flag, listed, maybe, named, real, whole, words
+
+RECORD_PROPERTY = "canonical_form_record"
+_LONGEST = 10**7  # characters of a record; ours have thousands, and a panel reads it again and again
+
+Fingerprints = dict[str, str | None]  # by name; None while it is written, and in records of the first builds
+
+
+@dataclass
+class InBetweens:
+    """The shape keys between pose and form.
+
+    Attributes
+    ----------
+    keys : dict of str to str or None
+        Fingerprints of the keys by name, in their order on the way.
+    animated_before : bool
+        Whether the shape keys had animation data before the drivers were added.
+    value : float
+        Value of the form's key before it was driven.
+    """
+
+    keys: Fingerprints
+    animated_before: bool
+    value: float
+
+
+class Part(NamedTuple):
+    """An object as a part of a body of several objects.
+
+    Attributes
+    ----------
+    number : int
+        Its number in the body, from 0: the first has the slider.
+    placement : list of list of float
+        The transform from its own space to that of the body, 4 by 4.
+    body : str
+        Fingerprint of the run, the same for all parts.
+    """
+
+    number: int
+    placement: list[list[float]]
+    body: str
+
+
+@dataclass
+class Record:
+    """What the last run wrote to a mesh.
+
+    Attributes
+    ----------
+    report : FormReport
+        The report, for the panel.
+    active_before : ActiveItems
+        The items that were active before the run.
+    basis : str or None
+        Name of the Basis, if the run added it.
+    basis_fingerprint : str or None
+        Fingerprint of that Basis; None if it is unknown.
+    keys, groups, colours, hidden : dict of str to str or None
+        Fingerprints by name of the form's shape key, the vertex groups, the colour attributes and the hidden
+        attributes. The first group holds the feature points, those after it one patch each; after them that of a
+        match holds its confidence.
+    palette : list of list of float
+        Linear red, green and blue of each patch; empty without patches.
+    limbs : list of bool
+        For each patch whether the key takes the pose out of it; empty while it does so for all.
+    in_betweens : InBetweens or None
+        The keys between pose and form, if there are any.
+    part : Part or None
+        Which part of a body of several objects this one is; None where the form is of this object alone.
+    """
+
+    report: FormReport
+    active_before: ActiveItems
+    basis: str | None = None
+    basis_fingerprint: str | None = None
+    keys: Fingerprints = field(default_factory=dict)
+    groups: Fingerprints = field(default_factory=dict)
+    colours: Fingerprints = field(default_factory=dict)
+    hidden: Fingerprints = field(default_factory=dict)
+    palette: list[list[float]] = field(default_factory=list)
+    limbs: list[bool] = field(default_factory=list)
+    in_betweens: InBetweens | None = None
+    part: Part | None = None
+
+    @property
+    def has_form(self) -> bool:
+        """Whether the run wrote a form or another's pose, not only patches or feature points."""
+        return bool(self.keys)
+
+    @property
+    def has_patches(self) -> bool:
+        """Whether the run wrote patches, not only feature points."""
+        return bool(self.palette)
+
+    @property
+    def patch_count(self) -> int:
+        """Number of patches that were written."""
+        return len(self.palette)
+
+    @property
+    def patch_names(self) -> list[str]:
+        """Names of the patches' vertex groups, in order; empty without patches."""
+        return list(self.groups)[1 : 1 + self.patch_count]
+
+    @property
+    def straightened(self) -> list[bool]:
+        """For each patch whether the key takes the pose out of it; empty without a form."""
+        return (self.limbs or [True] * self.patch_count) if self.has_form else []
+
+    @property
+    def in_between_keys(self) -> Fingerprints:
+        """Fingerprints by name of the keys between pose and form."""
+        return self.in_betweens.keys if self.in_betweens is not None else {}
+
+    def written_items(self) -> ItemNames:
+        """List the items that the run wrote.
+
+        Returns
+        -------
+        ItemNames
+            Their names; None among the shape keys if the run did not add the Basis.
+        """
+        return ItemNames(
+            shape_keys={*self.keys, *self.in_between_keys, self.basis},
+            groups=set(self.groups),
+            colours=set(self.colours),
+        )
+
+    @classmethod
+    def from_json(cls, data: dict[str, Any]) -> Record:
+        """Build a record from its JSON object, as this version or an earlier one wrote it.
+
+        Parameters
+        ----------
+        data : dict
+            As `as_json` returns it.
+
+        Returns
+        -------
+        Record
+            The record.
+
+        Raises
+        ------
+        ValueError
+            If the data are not those of a record.
+        """
+        try:
+            data = brought_up_to_date(data)
+            record = cls(
+                report=FormReport.from_json(data["report"]),
+                active_before=ActiveItems(**named(lambda value: maybe(words, value), data["before"])),
+                basis=maybe(words, data["basis"]),
+                basis_fingerprint=maybe(words, data.get("basis_print")),
+                keys=_fingerprints(data["key"]),
+                groups=_fingerprints(data["groups"]),
+                colours=_fingerprints(data["colours"]),
+                hidden=_fingerprints(data.get("hidden", {})),
+                palette=listed(lambda colour: listed(real, colour, 3), data.get("palette", [])),
+                limbs=listed(flag, data.get("limbs", [])),
+            )
+            if "between" in data:
+                animated, value = flag(data["animated_before"]), real(data["value"])
+                record.in_betweens = InBetweens(_fingerprints(data["between"]), animated, value)
+            if "part" in data:
+                part = data["part"]
+                placement = listed(lambda row: listed(real, row, 4), part["placement"], 4)
+                record.part = Part(whole(part["number"]), placement, words(part["body"]))
+            record._require_agreement()
+        except (AttributeError, KeyError, TypeError) as error:
+            raise ValueError("These are not the data of a record.") from error
+        return record
+
+    def _require_agreement(self) -> None:
+        """Refuse a record whose lists are not of the same patches."""
+        count = self.patch_count
+        if count and not len(self.report.feature_points) == len(self.report.patch_sizes) == count < len(self.groups):
+            raise ValueError("There is not one of each for every patch.")
+        if self.limbs and len(self.limbs) != count:
+            raise ValueError("There is not one limb for every patch.")
+
+    def as_json(self) -> dict[str, Any]:
+        """Convert the record to a JSON object.
+
+        Returns
+        -------
+        dict
+            The keys are those of version 0.1.
+        """
+        data: dict[str, Any] = {
+            "report": self.report.as_json(),
+            "before": self.active_before._asdict(),
+            "basis": self.basis,
+            "key": self.keys,
+            "groups": self.groups,
+            "colours": self.colours,
+            "hidden": self.hidden,
+            "palette": self.palette,
+        }
+        if self.basis is not None:
+            data["basis_print"] = self.basis_fingerprint
+        if self.limbs:
+            data["limbs"] = self.limbs
+        if self.in_betweens is not None:
+            data["between"] = self.in_betweens.keys
+            data["animated_before"] = self.in_betweens.animated_before
+            data["value"] = self.in_betweens.value
+        if self.part is not None:
+            data["part"] = self.part._asdict()
+        return data
+
+
+def _fingerprints(value: Any) -> Fingerprints:
+    """Take fingerprints by name from what is stored."""
+    return named(lambda fingerprint: maybe(words, fingerprint), value)
+
+
+def read_record(mesh: bpy.types.Mesh, *, containing: str = "") -> Record | None:
+    """Read what the last run wrote to a mesh.
+
+    Parameters
+    ----------
+    mesh : bpy.types.Mesh
+        The mesh.
+    containing : str
+        Read only a record whose text contains this.
+
+    Returns
+    -------
+    Record or None
+        The record; None if there is no result.
+    """
+    text = mesh.get(RECORD_PROPERTY) or mesh.get(FORMER_PROPERTY)
+    if not isinstance(text, str) or len(text) > _LONGEST or containing not in text:
+        return None
+    try:
+        return Record.from_json(json.loads(text))
+    except (ValueError, RecursionError):  # the user's own property of that name, or a stranger's
+        return None
+
+
+def require_record(mesh: bpy.types.Mesh) -> Record:
+    """Read the record of a mesh that must have one.
+
+    Parameters
+    ----------
+    mesh : bpy.types.Mesh
+        The mesh.
+
+    Returns
+    -------
+    Record
+        The record.
+
+    Raises
+    ------
+    CanonicalFormError
+        If there is none.
+    """
+    record = read_record(mesh)
+    if record is None:
+        raise CanonicalFormError(told("{name} has no canonical form. Compute it first.", name=mesh.name))
+    return record
+
+
+def write_record(mesh: bpy.types.Mesh, record: Record) -> None:
+    """Write a record to a mesh.
+
+    Parameters
+    ----------
+    mesh : bpy.types.Mesh
+        The mesh.
+    record : Record
+        The record.
+    """
+    remove_record(mesh)
+    mesh[RECORD_PROPERTY] = json.dumps(record.as_json())
+
+
+def remove_record(mesh: bpy.types.Mesh) -> None:
+    """Remove the record of a mesh, if it has one, however old.
+
+    Parameters
+    ----------
+    mesh : bpy.types.Mesh
+        The mesh.
+    """
+    for name in (RECORD_PROPERTY, FORMER_PROPERTY):
+        if name == RECORD_PROPERTY or read_record(mesh) is not None:  # a property of that name may be the user's
+            mesh.pop(name, None)

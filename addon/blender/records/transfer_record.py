@@ -1,0 +1,108 @@
+"""The record on a mesh of what was taken over from other objects: another run replaces what nobody has changed."""
+
+from __future__ import annotations
+
+import json
+
+import bpy
+
+from ..mesh_items.fingerprints import colour_fingerprint, group_fingerprints, key_fingerprint, uv_fingerprint
+from ..mesh_items.key_removal import remove_drivers
+from .stored_values import named, words
+
+TRANSFERS_PROPERTY = "canonical_form_transfers"
+KINDS = ("groups", "uvs", "colours", "keys")
+
+Written = dict[str, dict[str, str]]  # by kind, fingerprints by name
+
+
+def read_transfers(mesh: bpy.types.Mesh) -> Written:
+    """Read what was taken over.
+
+    Parameters
+    ----------
+    mesh : bpy.types.Mesh
+        The mesh.
+
+    Returns
+    -------
+    dict of str to dict of str to str
+        For each of `KINDS` the fingerprints by name.
+    """
+    text = mesh.get(TRANSFERS_PROPERTY)
+    try:
+        known = named(lambda prints: named(words, prints), json.loads(text) if isinstance(text, str) else {})
+        return {kind: known.get(kind, {}) for kind in KINDS}
+    except (ValueError, RecursionError):  # the user's own property of that name, or a stranger's
+        return {kind: {} for kind in KINDS}
+
+
+def write_transfers(mesh: bpy.types.Mesh, written: Written) -> None:
+    """Write to a mesh what was taken over.
+
+    Parameters
+    ----------
+    mesh : bpy.types.Mesh
+        The mesh.
+    written : dict of str to dict of str to str
+        For each of `KINDS` the fingerprints by name.
+    """
+    mesh[TRANSFERS_PROPERTY] = json.dumps(written)
+
+
+def make_room(obj: bpy.types.Object, kind: str, names: list[str], written: Written) -> list[str]:
+    """Remove what an earlier run took over and nobody has changed, and tell what stays in the way.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        The object, in Object Mode.
+    kind : str
+        One of `KINDS`.
+    names : list of str
+        Names that are to be written.
+    written : dict of str to dict of str to str
+        What was taken over; what is removed is taken out of it.
+
+    Returns
+    -------
+    list of str
+        Names of the user's own items.
+    """
+    known, left = written[kind], []
+    groups = group_fingerprints(obj, names) if kind == "groups" else {}
+    for name in names:
+        now = groups.get(name) if kind == "groups" else _fingerprint(obj, kind, name)
+        if now is not None and known.get(name) == now:
+            _remove(obj, kind, name)
+        elif now is not None:
+            left.append(name)
+            continue
+        known.pop(name, None)
+    return left
+
+
+def _fingerprint(obj: bpy.types.Object, kind: str, name: str) -> str | None:
+    """Hash an item; None where there is none of that name."""
+    mesh = obj.data
+    if kind == "uvs":
+        return uv_fingerprint(mesh.uv_layers[name]) if name in mesh.uv_layers else None
+    if kind == "colours":
+        return colour_fingerprint(mesh.color_attributes[name]) if name in mesh.color_attributes else None
+    keys = {} if mesh.shape_keys is None else mesh.shape_keys.key_blocks
+    return key_fingerprint(keys[name]) if name in keys else None
+
+
+def _remove(obj: bpy.types.Object, kind: str, name: str) -> None:
+    """Remove an item."""
+    mesh = obj.data
+    if kind == "groups":
+        obj.vertex_groups.remove(obj.vertex_groups[name])
+    elif kind == "uvs":
+        mesh.uv_layers.remove(mesh.uv_layers[name])
+    elif kind == "colours":
+        mesh.color_attributes.remove(mesh.color_attributes[name])
+    else:
+        key = mesh.shape_keys.key_blocks[name]
+        remove_drivers(key)
+        obj.shape_key_remove(key)

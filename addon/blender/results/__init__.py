@@ -1,0 +1,1 @@
+"""Results on an object: written, varied, moved by sliders, and cleared."""

@@ -1,0 +1,46 @@
+"""Which limbs a form takes the pose out of, and whether that can be changed."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..records.form_key import form_key
+from ..records.record import read_record
+from ..words.wording import told
+
+
+def limbs_of(mesh: bpy.types.Mesh) -> list[bool]:
+    """Return for each patch whether the shape key takes the pose out of it.
+
+    Parameters
+    ----------
+    mesh : bpy.types.Mesh
+        The mesh.
+
+    Returns
+    -------
+    list of bool
+        One flag for each patch; empty without a form.
+    """
+    record = read_record(mesh)
+    return [] if record is None else record.straightened
+
+
+def variant_refusal(obj: bpy.types.Object | None) -> str | None:
+    """Return why the form of an object cannot be varied.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object or None
+        The object.
+
+    Returns
+    -------
+    str or None
+        A sentence that names the remedy; None if the form can be varied.
+    """
+    if obj is None or obj.type != "MESH" or not limbs_of(obj.data):
+        return told("The active object has no canonical form. Compute it first.")
+    if form_key(obj.data) is None:
+        return told("The shape key of the form was changed, renamed or removed. Compute the form again first.")
+    return None

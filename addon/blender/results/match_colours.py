@@ -1,0 +1,92 @@
+"""What a match shows: colours carried over, on the reference too, to compare them."""
+
+from __future__ import annotations
+
+import re
+from typing import NamedTuple
+
+import bpy
+import numpy as np
+
+from ...core import CanonicalFormError
+from ...core.numerics.arrays import FloatArray
+from ..mesh_items.colour_attributes import add_colours
+from ..mesh_items.palette import places
+from ..objects.mesh_reading import read_mesh, refusal
+from ..objects.object_states import object_mode
+from ..words.wording import told
+
+SOURCE_COLOURS = "Match Source"
+_OURS = re.compile(rf"{SOURCE_COLOURS}( Colours)*(\.\d{{3,}})?")  # as Blender may number it
+
+
+class Carried(NamedTuple):
+    """What a match shows on a mesh.
+
+    Attributes
+    ----------
+    confidence : (n,) ndarray of float
+        How sure the match of each vertex is, 0 to 1.
+    colours : (n, 4) ndarray of float32
+        Colours of the reference, carried over.
+    """
+
+    confidence: FloatArray
+    colours: np.ndarray
+
+
+def has_source_colours(obj: bpy.types.Object) -> bool:
+    """Tell whether a reference shows its colours.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        The reference.
+
+    Returns
+    -------
+    bool
+        Whether it has them.
+    """
+    return _name(obj) is not None
+
+
+def toggle_source_colours(obj: bpy.types.Object | None) -> bool:
+    """Colour a reference as the match of others shows it, or remove these colours.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object or None
+        The reference.
+
+    Returns
+    -------
+    bool
+        Whether it shows them now.
+
+    Raises
+    ------
+    CanonicalFormError
+        If it is gone or cannot be changed; the message says what to do.
+    """
+    reason = told("The reference is gone. Choose another.") if obj is None else refusal(obj)
+    if obj is None or reason is not None:
+        raise CanonicalFormError(reason or "")
+    with object_mode(obj):
+        colours = obj.data.color_attributes
+        shown = _name(obj)
+        if shown is not None:
+            colours.remove(colours[shown])
+            return False
+        vertices = read_mesh(obj.data)[0] @ np.array(obj.matrix_world)[:3, :3].T
+        attribute = add_colours(obj, SOURCE_COLOURS)
+        shades = np.append(places(vertices), np.ones((len(vertices), 1)), axis=1)
+        attribute.data.foreach_set("color", shades.astype(np.float32).ravel())
+        colours.active_color_name = attribute.name
+    return True
+
+
+def _name(obj: bpy.types.Object) -> str | None:
+    """Find the name of the colours, which is longer where a vertex group has it."""
+    names = [each.name for each in obj.data.color_attributes]
+    return next((name for name in names if _OURS.fullmatch(name)), None)

@@ -1,0 +1,77 @@
+"""New objects for results that must not touch the mesh they are computed from."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+from ..mesh_items.key_removal import remove_all_keys
+from ..objects.mesh_reading import Reading
+from ..objects.object_states import muted_results
+from ..records.record import read_record, write_record
+from .result_clearing import clear_results
+
+
+def add_result_object(obj: bpy.types.Object, reading: Reading, called: str) -> bpy.types.Object:
+    """Add an object with a copy of the mesh of another, as it was read.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        The object, in Object Mode.
+    reading : Reading
+        The reading, of the base mesh or the evaluated one.
+    called : str
+        What the result is called: it follows the name of the object.
+
+    Returns
+    -------
+    bpy.types.Object
+        The new object, with the same transform and collections, without modifiers and shape keys.
+    """
+    if reading.deformed:
+        with muted_results([obj.data]):
+            graph = bpy.context.evaluated_depsgraph_get()
+            mesh = bpy.data.meshes.new_from_object(
+                obj.evaluated_get(graph), preserve_all_data_layers=True, depsgraph=graph
+            )
+    else:
+        mesh = obj.data.copy()
+    name = f"{obj.name} {called}"
+    mesh.name = name
+    added = bpy.data.objects.new(name, mesh)
+    editable = [each for each in obj.users_collection if each.library is None and each.override_library is None]
+    for collection in editable or [bpy.context.scene.collection]:
+        collection.objects.link(added)
+    for own, slot in zip(added.material_slots, obj.material_slots, strict=False):
+        if slot.link == "OBJECT":
+            own.link, own.material = "OBJECT", slot.material
+    added.matrix_world = obj.matrix_world
+    record = read_record(obj.data)
+    if record is not None:  # the copy has the earlier result too: remove it, changed or not
+        record.keys, record.groups, record.colours = map(dict.fromkeys, (record.keys, record.groups, record.colours))
+        record.in_betweens = None
+        write_record(mesh, record)
+        clear_results(added, unconfirmed=True)
+    if mesh.shape_keys is not None:
+        remove_all_keys(added)
+    mesh.vertices.foreach_set("co", reading.vertices.astype(np.float32).ravel())
+    mesh.update()
+    return added
+
+
+def make_active(added: list[bpy.types.Object]) -> None:
+    """Select new objects in place of what was selected, and make the first active: their result is what was asked for.
+
+    Parameters
+    ----------
+    added : list of bpy.types.Object
+        The objects, in the view layer.
+    """
+    layer = bpy.context.view_layer
+    visible = [obj for obj in added if obj.name in layer.objects and obj.visible_get()]
+    if not visible:
+        return
+    for obj in layer.objects:
+        obj.select_set(obj in visible)
+    layer.objects.active = visible[0]

@@ -1,0 +1,142 @@
+"""Removes from a mesh exactly what the last run wrote to it."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+from ..mesh_items.active_items import active_items, active_keys_elsewhere, restore_active_items, restore_active_keys
+from ..mesh_items.fingerprints import colour_fingerprint, fingerprint, group_fingerprints, key_fingerprint
+from ..mesh_items.key_removal import remove_all_keys, remove_drivers
+from ..mesh_items.slider import release
+from ..objects.object_states import object_mode
+from ..records.hidden_attributes import HIDDEN_FORM, HIDDEN_PATCHES
+from ..records.record import Record, read_record, remove_record
+from .in_betweens import remove_in_betweens
+
+
+def clear_from(obj: bpy.types.Object) -> list[str]:
+    """Remove the results of the last run from an object's mesh, in any mode.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        The object, accepted by `refusal`.
+
+    Returns
+    -------
+    list of str
+        Names of results that stay because they may hold the user's changes.
+
+    Raises
+    ------
+    CanonicalFormError
+        If Blender cannot leave the object's mode.
+    """
+    with object_mode(obj):
+        return clear_results(obj)
+
+
+def clear_results(obj: bpy.types.Object, *, unconfirmed: bool = False) -> list[str]:
+    """Remove the results of the last run from a mesh and activate what was active before it.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        The object, in Object Mode.
+    unconfirmed : bool
+        Whether items without a fingerprint are removed, too: of a run that failed just now, or of a copy.
+
+    Returns
+    -------
+    list of str
+        Names of results that stay because they may hold the user's changes.
+    """
+    mesh = obj.data
+    record = read_record(mesh)
+    if record is None:
+        return []
+    active, elsewhere = active_items(obj), active_keys_elsewhere(obj)
+    left = remove_results(obj, record, unconfirmed=unconfirmed)
+    restore_active_items(obj, active.replaced(record.written_items().without(left), by=record.active_before))
+    restore_active_keys(elsewhere)
+    mesh.update()
+    return left
+
+
+def remove_results(
+    obj: bpy.types.Object, record: Record, *, keep_key: bool = False, unconfirmed: bool = False
+) -> list[str]:
+    """Remove the items of a record that are unchanged, and the record.
+
+    An item is unchanged where its fingerprint says so. A record may be a stranger's: what has no fingerprint stays.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        The object, in Object Mode.
+    record : Record
+        The record.
+    keep_key : bool
+        Keep the form's shape key and the Basis.
+    unconfirmed : bool
+        Whether items without a fingerprint are removed, too: of a run that failed just now, or of a copy.
+
+    Returns
+    -------
+    list of str
+        Names of items that stay because they may hold the user's changes.
+    """
+    mesh = obj.data
+    release(mesh.shape_keys)
+    left = remove_in_betweens(obj)
+    if not keep_key:
+        left += _remove_keys(obj, record, unconfirmed)
+    found = group_fingerprints(obj, record.groups)
+    for name, known in record.groups.items():
+        if name in found and _is_ours(known, found[name], unconfirmed):
+            obj.vertex_groups.remove(obj.vertex_groups[name])
+        elif name in found:
+            left.append(name)
+    for name, known in record.colours.items():
+        attribute = mesh.color_attributes.get(name)
+        if attribute is not None and _is_ours(known, colour_fingerprint(attribute), unconfirmed):
+            mesh.color_attributes.remove(attribute)
+        elif attribute is not None:
+            left.append(name)
+    for hidden in (HIDDEN_PATCHES, HIDDEN_FORM):  # by our names: a record may name any attribute
+        if hidden.name in record.hidden and hidden.name in mesh.attributes:
+            mesh.attributes.remove(mesh.attributes[hidden.name])
+    remove_record(mesh)
+    return left
+
+
+def _is_ours(known: str | None, now: str, unconfirmed: bool) -> bool:
+    """Return whether an item is as a run wrote it, or may be removed without its fingerprint."""
+    return known == now or (unconfirmed and known is None)
+
+
+def _remove_keys(obj: bpy.types.Object, record: Record, unconfirmed: bool) -> list[str]:
+    """Remove the form's key, and the Basis if the run added it and nothing else is left; list what stays."""
+    keys, left = obj.data.shape_keys, []
+    for name, known in record.keys.items():
+        key = keys.key_blocks.get(name) if keys is not None else None
+        if key is None:
+            continue
+        if key != keys.reference_key and _is_ours(known, key_fingerprint(key), unconfirmed):
+            remove_drivers(key)
+            obj.shape_key_remove(key)
+        else:
+            left.append(name)
+    if keys is not None and len(keys.key_blocks) == 1 and _is_own_basis(obj.data, record):
+        remove_all_keys(obj)
+    return left
+
+
+def _is_own_basis(mesh: bpy.types.Mesh, record: Record) -> bool:
+    """Return whether the Basis is the one that the run added, unchanged, so that removing it loses nothing."""
+    basis = mesh.shape_keys.reference_key
+    points = np.empty(3 * len(mesh.vertices), dtype=np.float32)
+    mesh.vertices.foreach_get("co", points)
+    now = key_fingerprint(basis)
+    return basis.name == record.basis and now == fingerprint(points) and record.basis_fingerprint in (None, now)

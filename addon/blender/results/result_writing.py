@@ -1,0 +1,278 @@
+"""Writes results to a mesh: shape key, vertex groups, colours and hidden attributes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import bpy
+import numpy as np
+
+from ..mesh_items.active_items import (
+    active_items,
+    active_keys_elsewhere,
+    existing_items,
+    restore_active_items,
+    restore_active_keys,
+)
+from ..mesh_items.colour_attributes import add_colours
+from ..mesh_items.fingerprints import colour_fingerprint, fingerprint, key_fingerprint, members_fingerprint
+from ..mesh_items.group_weights import fill_group
+from ..mesh_items.slider import release
+from ..objects.mesh_reading import basis_positions
+from ..records.form_key import require_form_key, unchanged_form_key
+from ..records.hidden_attributes import HIDDEN_FORM, HIDDEN_PATCHES, patches_of
+from ..records.record import Part, Record, read_record, require_record, write_record
+from ..words.wording import told
+from .in_betweens import remove_in_betweens
+from .result_clearing import clear_results, remove_results
+
+if TYPE_CHECKING:
+    from ...core.numerics.arrays import FloatArray
+    from ...core.results import AnyResult
+    from ..mesh_items.palette import Colours
+    from ..records.form_report import FormReport
+    from .match_colours import Carried
+
+SHAPE_KEY = "Canonical Form"
+FEATURE_GROUP = "Feature Points"
+PATCH_GROUP = "Patch {}"
+FIELD_COLOURS = "Auto Diffusion Function"
+PATCH_COLOURS = "Patches"
+MATCH_COLOURS = "Match"
+CONFIDENCE_GROUP = "Match Confidence"
+
+
+def write_results(
+    obj: bpy.types.Object,
+    found: AnyResult,
+    colours: Colours,
+    report: FormReport,
+    *,
+    value: float = 1.0,
+    patches: bool = True,
+    part: Part | None = None,
+    carried: Carried | None = None,
+    live: bool = False,
+) -> None:
+    """Write results to a mesh as shape key, vertex groups and colours, in place of those of an earlier run.
+
+    The shape key of an earlier run is kept and filled with the new positions, so that its animation, drivers and
+    dependent keys stay. If anything fails, whatever has been written so far is removed again.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        The object, in Object Mode. Objects that share its mesh show the results too.
+    found : CanonicalForm, PosedLike or FeaturePatches
+        The results.
+    colours : Colours
+        Colours of the fields and patches.
+    report : FormReport
+        The report, kept in the record.
+    value : float
+        Value of the shape key, 0 to 1.
+    patches : bool
+        Write the patches too, not only the feature points.
+    part : Part or None
+        Which part of a body of several objects the object is.
+    carried : Carried or None
+        What shows the match with whose pose it was put into.
+    live : bool
+        Whether the form is only brought up to date: the value of its key stays, and groups and colours stay as they are
+        where the patches are the same.
+    """
+    from ...core import FeaturePatches
+
+    mesh = obj.data
+    form = None if isinstance(found, FeaturePatches) else found.vertices
+    old, active, elsewhere = read_record(mesh), active_items(obj), active_keys_elsewhere(obj)
+    same = old is not None and key_name(old.report) == key_name(report)
+    kept_key = unchanged_form_key(mesh) if form is not None and same else None
+    record = Record(report, active, part=part)
+    if old is not None:
+        if kept_key is not None:
+            record.basis, record.basis_fingerprint = old.basis, old.basis_fingerprint
+        record.active_before = active.replaced(old.written_items(), by=old.active_before)
+    surface_stays = (
+        live
+        and old is not None
+        and kept_key is not None
+        and carried is None
+        and patches
+        and _is_same_surface(obj, old, found, colours)
+    )
+    if old is not None and surface_stays:
+        release(mesh.shape_keys)
+        remove_in_betweens(obj)
+        record.groups, record.colours, record.hidden, record.palette = old.groups, old.colours, old.hidden, old.palette
+    elif old is not None:
+        left = remove_results(obj, old, keep_key=kept_key is not None)
+        if left:
+            report.warnings.append(
+                told("Kept beside the new results, since they may hold your changes: {left}.", left=", ".join(left))
+            )
+        if mesh.shape_keys is not None and mesh.shape_keys.reference_key.name == old.basis:  # beside other keys
+            record.basis, record.basis_fingerprint = old.basis, old.basis_fingerprint
+    done = False
+    try:
+        if form is not None:
+            _write_key(obj, record, kept_key, form, kept_key.value if live and kept_key is not None else value)
+        if surface_stays:
+            shown = list(record.colours)[-1]
+        else:
+            _write_groups(obj, record, found, patches)
+            shown = _write_colours(obj, record, FIELD_COLOURS, colours.field)
+            if patches:
+                record.palette = colours.palette
+                shown = _write_colours(obj, record, PATCH_COLOURS, colours.patches)
+                HIDDEN_PATCHES.write(mesh, record, found.patches)
+        if carried is not None:
+            _write_confidence(obj, record, carried.confidence)
+            shown = _write_colours(obj, record, MATCH_COLOURS, carried.colours)
+        if form is not None and patches:
+            HIDDEN_FORM.write(mesh, record, form)
+        done = True
+    finally:
+        write_record(mesh, record)
+        if not done:
+            clear_results(obj, unconfirmed=True)
+    restore_active_items(obj, active.kept(existing_items(obj), otherwise=record.active_before))
+    if form is not None and active.shape_key is None:
+        obj.active_shape_key_index = mesh.shape_keys.key_blocks.find(next(iter(record.keys)))
+    if old is None or active.colour is None or record.active_before.colour is None:  # a later choice is the user's
+        mesh.color_attributes.active_color_name = shown
+    restore_active_keys(elsewhere)
+    mesh.update()
+
+
+def key_name(report: FormReport) -> str:
+    """Name the shape key of a result.
+
+    Parameters
+    ----------
+    report : FormReport
+        The report of the run.
+
+    Returns
+    -------
+    str
+        The name that it is given; Blender adds a number where the user has one of that name.
+    """
+    return SHAPE_KEY if report.like is None else report.like.key
+
+
+def refill_key(obj: bpy.types.Object, positions: FloatArray) -> None:
+    """Fill the form's shape key with other positions.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        The object, in Object Mode; the form's key is unchanged.
+    positions : (n, 3) ndarray of float
+        The positions.
+
+    Raises
+    ------
+    CanonicalFormError
+        If the key has been removed or changed.
+    """
+    mesh = obj.data
+    key, record = require_form_key(mesh), require_record(mesh)
+    key.data.foreach_set("co", positions.astype(np.float32).ravel())
+    record.keys[key.name] = key_fingerprint(key)
+    write_record(mesh, record)
+    mesh.update()
+
+
+def recolour_patch(mesh: bpy.types.Mesh, number: int, colour: tuple[float, float, float]) -> None:
+    """Give a patch another colour, where the colours are still those of the last run.
+
+    Parameters
+    ----------
+    mesh : bpy.types.Mesh
+        The mesh. In Edit Mode nothing is done.
+    number : int
+        Index of the patch, from 0.
+    colour : tuple of float
+        Linear red, green and blue.
+    """
+    record, patches = read_record(mesh), patches_of(mesh)
+    if record is None or patches is None or number >= record.patch_count:
+        return
+    if np.allclose(record.palette[number], colour, atol=1e-5):
+        return
+    for name, known in record.colours.items():
+        attribute = mesh.color_attributes.get(name)
+        unchanged = attribute is not None and known == colour_fingerprint(attribute)
+        if not unchanged or name.startswith(FIELD_COLOURS):
+            continue
+        values = np.empty(4 * len(attribute.data), dtype=np.float32)
+        attribute.data.foreach_get("color", values)
+        values.reshape(-1, 4)[patches == number, :3] = colour
+        attribute.data.foreach_set("color", values)
+        record.colours[name] = colour_fingerprint(attribute)
+    record.palette[number] = list(colour)
+    write_record(mesh, record)
+    mesh.update()
+
+
+def _is_same_surface(obj: bpy.types.Object, old: Record, found: AnyResult, colours: Colours) -> bool:
+    """Tell whether groups and colours of the earlier run are those that would be written: then they stay."""
+    mesh = obj.data
+    known = patches_of(mesh)
+    return (
+        old.report.like is None
+        and old.report.feature_points == found.feature_points.tolist()
+        and old.palette == colours.palette
+        and known is not None
+        and np.array_equal(known, found.patches)
+        and old.colours.get(FIELD_COLOURS) == fingerprint(colours.field)
+        and all(name in obj.vertex_groups for name in old.groups)
+        and all(name in mesh.color_attributes for name in old.colours)
+    )
+
+
+def _write_key(
+    obj: bpy.types.Object, record: Record, kept_key: bpy.types.ShapeKey | None, form: FloatArray, value: float
+) -> None:
+    mesh = obj.data
+    if mesh.shape_keys is None:
+        rest = fingerprint(basis_positions(mesh))
+        basis = obj.shape_key_add(name="Basis", from_mix=False)
+        record.basis, record.basis_fingerprint = basis.name, rest
+    key = kept_key or obj.shape_key_add(name=key_name(record.report), from_mix=False)
+    record.keys[key.name] = None
+    if kept_key is None:
+        key.relative_key = mesh.shape_keys.reference_key
+    positions = form.astype(np.float32)
+    key.data.foreach_set("co", positions.ravel())
+    key.value = value
+    record.keys[key.name] = fingerprint(positions)  # read again it is the same
+
+
+def _write_groups(obj: bpy.types.Object, record: Record, found: AnyResult, patches: bool) -> None:
+    members = [found.feature_points[found.feature_points >= 0]]
+    if patches:
+        members += [np.flatnonzero(found.patches == index) for index in range(len(found.feature_points))]
+    for number, vertices in enumerate(members):
+        group = obj.vertex_groups.new(name=PATCH_GROUP.format(number) if number else FEATURE_GROUP)
+        record.groups[group.name] = None
+        group.add(vertices.tolist(), 1.0, "REPLACE")
+        record.groups[group.name] = members_fingerprint(np.sort(vertices), np.ones(len(vertices)))
+
+
+def _write_confidence(obj: bpy.types.Object, record: Record, confidence: FloatArray) -> None:
+    """Write the confidence of a match as a vertex group."""
+    group = obj.vertex_groups.new(name=CONFIDENCE_GROUP)
+    record.groups[group.name] = None
+    record.groups[group.name] = fill_group(group, confidence)
+
+
+def _write_colours(obj: bpy.types.Object, record: Record, name: str, colours: np.ndarray) -> str:
+    """Write colours and return the attribute's name: the attribute may move in memory later."""
+    attribute = add_colours(obj, name)
+    record.colours[attribute.name] = None
+    values = colours.astype(np.float32)
+    attribute.data.foreach_set("color", values.ravel())
+    record.colours[attribute.name] = fingerprint(values)  # read again they are the same
+    return str(attribute.name)

@@ -1,0 +1,298 @@
+"""One object that takes over from another what it has: read, given its share of what is carried over, written."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Set
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, NamedTuple
+
+import bpy
+import numpy as np
+
+from ...core import CanonicalFormError
+from ...core.numerics.arrays import FloatArray, IntArray
+from ..mesh_items.active_items import active_items, existing_items, restore_active_items
+from ..mesh_items.fingerprints import colour_fingerprint, key_fingerprint, uv_fingerprint
+from ..mesh_items.group_weights import fill_group
+from ..objects.mesh_reading import find_object, read_object, require_unchanged
+from ..objects.object_states import object_mode
+from ..records.form_key import form_key
+from ..records.transfer_record import Written, make_room, read_transfers, write_transfers
+from ..results.in_betweens import PROPERTY, has_in_betweens
+from ..words.wording import told
+
+if TYPE_CHECKING:
+    from ...core import Match
+    from .transfer_reading import Source
+
+REST = "Rest of {}"
+_LEAST = 5e-4  # weight below which a vertex is no member: it would be rounded to 0
+CALLED = {"groups": "vertex groups", "uvs": "UV maps", "colours": "colour attributes", "keys": "shape keys"}
+
+
+class Carried(NamedTuple):
+    """What was carried over to one object, by name.
+
+    Attributes
+    ----------
+    groups : dict of str to (n,) ndarray of float
+        Weights.
+    uvs : dict of str to (l, 2) ndarray of float
+        UV maps, by corner.
+    colours : dict of str to (str, str, ndarray)
+        Domain, data type and values of colour attributes.
+    keys : dict of str to ((n, 3) ndarray of float, (float, float))
+        Shapes, and the limits of their sliders.
+    material_of : (p,) ndarray of int or None
+        Slot of the other object for each polygon; None where materials are not wanted.
+    rest : (n, 3) ndarray of float or None
+        Positions in which the rig rests; None without a rig.
+    """
+
+    groups: dict[str, FloatArray]
+    uvs: dict[str, FloatArray]
+    colours: dict[str, tuple[str, str, FloatArray]]
+    keys: dict[str, tuple[FloatArray, tuple[float, float]]]
+    material_of: IntArray | None
+    rest: FloatArray | None
+
+
+class TransferItem:
+    """An object that takes over from another.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        The object, accepted by `refusal`.
+
+    Attributes
+    ----------
+    reading : Reading
+        Its arrays.
+    carried : Carried or None
+        What it takes over, once that is known.
+    warnings : list of str
+        Sentences for the user.
+    told : list of str
+        What was taken over, in words.
+
+    Raises
+    ------
+    CanonicalFormError
+        If it has a Mirror modifier, or cannot leave its mode.
+    """
+
+    def __init__(self, obj: bpy.types.Object) -> None:
+        with object_mode(obj):
+            self.reading = read_object(obj)
+            if self.reading.mirrors:
+                raise CanonicalFormError(told("{name} has a Mirror modifier. Apply it first.", name=obj.name))
+            mesh = obj.data
+            vertex_of = np.empty(len(mesh.loops), dtype=np.int32)
+            mesh.loops.foreach_get("vertex_index", vertex_of)
+            self._vertex_of: IntArray = vertex_of.astype(np.int64)
+            sizes = np.empty(len(mesh.polygons), dtype=np.int32)
+            mesh.polygons.foreach_get("loop_total", sizes)
+            self._polygon_of = np.repeat(np.arange(len(sizes)), sizes)
+        self.carried: Carried | None = None
+        self.warnings: list[str] = []
+        self.told: list[str] = []
+
+    def carry(
+        self,
+        found: Match,
+        source: Source,
+        there: FloatArray,
+        kinds: Set[str],
+        keys: dict[str, FloatArray],
+        rest: FloatArray | None,
+    ) -> None:
+        """Work out what the object takes over; touches no data of Blender's.
+
+        Parameters
+        ----------
+        found : Match
+            The match of its vertices.
+        source : Source
+            What the other object has.
+        there : (n', 3) ndarray of float
+            Positions of the other mesh.
+        kinds : set of str
+            What is taken over.
+        keys : dict of str to (n, 3) ndarray of float
+            The shapes of keys, carried over already: their size is that of the whole body.
+        rest : (n, 3) ndarray of float or None
+            Positions in which the rig rests.
+        """
+        from ...core import transferred, transferred_corners
+
+        def on_corners(values: FloatArray) -> FloatArray:
+            return transferred_corners(
+                found, self._polygon_of, self._vertex_of, there, source.triangle_corners, values, source.vertex_of
+            )
+
+        groups: dict[str, FloatArray] = {}
+        if "GROUPS" in kinds and source.groups:
+            weights = transferred(found, np.column_stack(list(source.groups.values())))
+            groups = dict(zip(source.groups, weights.T, strict=True))
+        colours = {
+            each.name: (
+                "CORNER" if each.on_corners else "POINT",
+                each.data_type,
+                on_corners(each.values) if each.on_corners else transferred(found, each.values),
+            )
+            for each in (source.colours if "COLOURS" in kinds else ())
+        }
+        self.carried = Carried(
+            groups,
+            {name: on_corners(values) for name, values in source.uvs.items()} if "UVS" in kinds else {},
+            colours,
+            {each.name: (keys[each.name], each.limits) for each in source.keys if each.name in keys},
+            self._material_of(found, source, len(there)) if "MATERIALS" in kinds else None,
+            rest,
+        )
+
+    def require_unchanged(self) -> None:
+        """Refuse an object that is gone or was changed meanwhile.
+
+        Raises
+        ------
+        CanonicalFormError
+            If so; the message says what to do.
+        """
+        obj = find_object(self.reading)
+        with object_mode(obj):
+            require_unchanged(obj, self.reading)
+
+    def write(self, source: Source) -> None:
+        """Write what was carried over, on the main thread, once `require_unchanged` has let it pass.
+
+        Parameters
+        ----------
+        source : Source
+            What the other object has.
+        """
+        assert self.carried is not None
+        obj = find_object(self.reading)
+        with object_mode(obj):
+            written, active = read_transfers(obj.data), active_items(obj)
+            with _recording(obj.data, written):
+                self._write_groups(obj, source, self.carried, written)
+                self._write_uvs(obj, source, self.carried, written)
+                self._write_colours(obj, source, self.carried, written)
+                self._write_keys(obj, source, self.carried, written)
+                if self.carried.material_of is not None:
+                    self._write_materials(obj, source, self.carried.material_of)
+            restore_active_items(obj, active.kept(existing_items(obj), otherwise=active_items(obj)))
+            obj.data.update()
+
+    def _material_of(self, found: Match, source: Source, there_count: int) -> IntArray:
+        """Find the slot of the source that each polygon takes its material from: that of most of its corners."""
+        triangles = source.vertex_of[source.triangle_corners]
+        slots = np.zeros(there_count, dtype=np.int64)
+        slots[triangles.ravel()] = np.repeat(source.material_of, 3)
+        count = np.zeros((int(self._polygon_of.max()) + 1, int(slots.max()) + 1), dtype=np.int64)
+        np.add.at(count, (self._polygon_of, slots[found.vertices[self._vertex_of]]), 1)
+        return np.asarray(count.argmax(axis=1))
+
+    def _room(self, obj: bpy.types.Object, source: Source, kind: str, names: list[str], written: Written) -> list[str]:
+        """List which items can be written, and warn of those that the user has under the same name."""
+        left = make_room(obj, kind, names, written)
+        if left:
+            self.warnings.append(
+                told(
+                    "{name} has {kind} of its own called {left}. They were kept; rename them to "
+                    "take over those of {source}.",
+                    name=obj.name,
+                    kind=told(CALLED[kind]),
+                    left=", ".join(left),
+                    source=source.name,
+                )
+            )
+        kept = [name for name in names if name not in left]
+        if kept:
+            self.told.append(f"{told(CALLED[kind])}: {len(kept)}")
+        return kept
+
+    def _write_groups(self, obj: bpy.types.Object, source: Source, carried: Carried, written: Written) -> None:
+        """Write weights, and set up the armature that uses them."""
+        for name in self._room(obj, source, "groups", list(carried.groups), written):
+            weights = carried.groups[name]
+            group = obj.vertex_groups.new(name=name)
+            written["groups"][group.name] = fill_group(group, np.where(weights > _LEAST, weights, np.nan))
+        armature = bpy.data.objects.get(source.armature) if carried.rest is not None else None
+        if armature is None:
+            return
+        if not any(each.type == "ARMATURE" and each.object == armature for each in obj.modifiers):
+            modifier = obj.modifiers.new("Armature", "ARMATURE")
+            modifier.object = armature
+            obj.modifiers.move(len(obj.modifiers) - 1, 0)
+        self.told.append(told("the rig {name}", name=armature.name))
+
+    def _write_uvs(self, obj: bpy.types.Object, source: Source, carried: Carried, written: Written) -> None:
+        """Write UV maps."""
+        for name in self._room(obj, source, "uvs", list(carried.uvs), written):
+            layer = obj.data.uv_layers.new(name=name, do_init=False)
+            if layer is None:
+                self.warnings.append(
+                    told("{name} has no room for another UV map: {map} was left out.", name=obj.name, map=name)
+                )
+                continue
+            layer.uv.foreach_set("vector", carried.uvs[name].astype(np.float32).ravel())
+            written["uvs"][layer.name] = uv_fingerprint(layer)
+
+    def _write_colours(self, obj: bpy.types.Object, source: Source, carried: Carried, written: Written) -> None:
+        """Write colour attributes."""
+        for name in self._room(obj, source, "colours", list(carried.colours), written):
+            domain, data_type, values = carried.colours[name]
+            attribute = obj.data.color_attributes.new(name=name, type=data_type, domain=domain)
+            attribute.data.foreach_set("color", values.astype(np.float32).ravel())
+            written["colours"][attribute.name] = colour_fingerprint(attribute)
+
+    def _write_keys(self, obj: bpy.types.Object, source: Source, carried: Carried, written: Written) -> None:
+        """Write shape keys, all at 0 but that of the rig's rest pose."""
+        shapes = dict(carried.keys)
+        if carried.rest is not None:
+            shapes = {REST.format(source.name): (carried.rest, (0.0, 1.0)), **shapes}
+        names = self._room(obj, source, "keys", list(shapes), written)
+        if names and obj.data.shape_keys is None:
+            obj.shape_key_add(name="Basis", from_mix=False)
+        for name in names:
+            shape, (low, high) = shapes[name]
+            key = obj.shape_key_add(name=name, from_mix=False)
+            key.relative_key = obj.data.shape_keys.reference_key
+            key.data.foreach_set("co", shape.astype(np.float32).ravel())
+            key.slider_min, key.slider_max = low, high
+            key.value = float(shape is carried.rest)
+            written["keys"][key.name] = key_fingerprint(key)
+        form = form_key(obj.data)
+        if carried.rest is not None and form is not None:  # both at once would move it twice
+            form.value = 0.0
+            if has_in_betweens(obj.data):
+                obj.data.shape_keys[PROPERTY] = 0.0
+
+    def _write_materials(self, obj: bpy.types.Object, source: Source, material_of: IntArray) -> None:
+        """Give the polygons the materials of their likes; the object's own stay in their slots."""
+        used = np.unique(material_of)
+        slot = np.zeros(int(used.max()) + 1, dtype=np.int32)
+        for number in used.tolist():
+            name = source.materials[number] if number < len(source.materials) else ""
+            material = bpy.data.materials.get(name)
+            if material is None:
+                continue
+            mine = [each.material for each in obj.material_slots]
+            if material not in mine:
+                obj.data.materials.append(material)
+                mine.append(material)
+            slot[number] = mine.index(material)
+        obj.data.polygons.foreach_set("material_index", slot[material_of])
+        self.told.append(told("materials"))
+
+
+@contextmanager
+def _recording(mesh: bpy.types.Mesh, written: Written) -> Iterator[None]:
+    """Write the record in every outcome."""
+    try:
+        yield
+    finally:
+        write_transfers(mesh, written)

@@ -1,0 +1,164 @@
+"""What an object has for others to take over: weights, UV maps, colours, shape keys, materials, its rig."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import bpy
+import numpy as np
+
+from ...core.numerics.arrays import FloatArray, IntArray
+from ..mesh_items.active_items import ItemNames
+from ..records.record import read_record
+
+
+class SourceColours(NamedTuple):
+    """A colour attribute.
+
+    Attributes
+    ----------
+    name : str
+        Its name.
+    on_corners : bool
+        Whether it has a colour for each corner, not for each vertex.
+    data_type : str
+        Blender's name of how colours are kept.
+    values : (k, 4) ndarray of float
+        The colours.
+    """
+
+    name: str
+    on_corners: bool
+    data_type: str
+    values: FloatArray
+
+
+class SourceKey(NamedTuple):
+    """A shape key.
+
+    Attributes
+    ----------
+    name : str
+        Its name.
+    shape : (n', 3) ndarray of float
+        Positions at value 1, without the other keys.
+    limits : (float, float)
+        Least and largest value of its slider.
+    """
+
+    name: str
+    shape: FloatArray
+    limits: tuple[float, float]
+
+
+class Source(NamedTuple):
+    """An object's base mesh and what can be taken over from it.
+
+    Attributes
+    ----------
+    name : str
+        Name of the object.
+    triangle_corners : (t, 3) ndarray of int
+        Corners of its triangles.
+    vertex_of : (l',) ndarray of int
+        The vertex of each corner.
+    groups : dict of str to (n',) ndarray of float
+        Weights of the vertex groups.
+    uvs : dict of str to (l', 2) ndarray of float
+        UV maps.
+    colours : list of SourceColours
+        Colour attributes.
+    keys : list of SourceKey
+        Shape keys, without the Basis and those that the extension wrote.
+    materials : list of str
+        Names of the materials by slot; empty where a slot has none.
+    material_of : (t,) ndarray of int
+        Slot of each triangle.
+    armature : str
+        Name of the armature that moves it; empty without.
+    """
+
+    name: str
+    triangle_corners: IntArray
+    vertex_of: IntArray
+    groups: dict[str, FloatArray]
+    uvs: dict[str, FloatArray]
+    colours: list[SourceColours]
+    keys: list[SourceKey]
+    materials: list[str]
+    material_of: IntArray
+    armature: str
+
+
+def read_source(obj: bpy.types.Object) -> Source:
+    """Read what an object has for others.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        The object, in Object Mode.
+
+    Returns
+    -------
+    Source
+        Its base mesh and what can be taken over.
+    """
+    mesh = obj.data
+    record = read_record(mesh)
+    own = ItemNames() if record is None else record.written_items()
+    mesh.calc_loop_triangles()
+    corners = np.empty(3 * len(mesh.loop_triangles), dtype=np.int32)
+    mesh.loop_triangles.foreach_get("loops", corners)
+    slot = np.empty(len(mesh.loop_triangles), dtype=np.int32)
+    mesh.loop_triangles.foreach_get("material_index", slot)
+    vertex_of = np.empty(len(mesh.loops), dtype=np.int32)
+    mesh.loops.foreach_get("vertex_index", vertex_of)
+    return Source(
+        obj.name,
+        corners.reshape(-1, 3).astype(np.int64),
+        vertex_of.astype(np.int64),
+        _groups(obj, own),
+        {layer.name: _values(layer.uv, "vector", 2) for layer in mesh.uv_layers},
+        [
+            SourceColours(each.name, each.domain == "CORNER", each.data_type, _values(each.data, "color", 4))
+            for each in mesh.color_attributes
+            if each.domain in ("POINT", "CORNER") and each.name not in own.colours
+        ],
+        _keys(mesh, own),
+        ["" if each.material is None else each.material.name for each in obj.material_slots],
+        slot.astype(np.int64),
+        next((each.object.name for each in obj.modifiers if each.type == "ARMATURE" and each.object is not None), ""),
+    )
+
+
+def _groups(obj: bpy.types.Object, own: ItemNames) -> dict[str, FloatArray]:
+    """Read the weights of the vertex groups."""
+    weights = np.zeros((len(obj.vertex_groups), len(obj.data.vertices)))
+    for vertex in obj.data.vertices if len(obj.vertex_groups) else ():
+        for part in vertex.groups:
+            weights[part.group, vertex.index] = part.weight
+    return {group.name: weights[group.index] for group in obj.vertex_groups if group.name not in own.groups}
+
+
+def _keys(mesh: bpy.types.Mesh, own: ItemNames) -> list[SourceKey]:
+    """Read the shape keys, each as if it were alone."""
+    keys = mesh.shape_keys
+    if keys is None:
+        return []
+    basis = _values(keys.reference_key.data, "co", 3)
+    return [
+        SourceKey(
+            key.name,
+            basis + _values(key.data, "co", 3) - _values(key.relative_key.data, "co", 3),
+            (key.slider_min, key.slider_max),
+        )
+        for key in keys.key_blocks
+        if key != keys.reference_key and key.name not in own.shape_keys
+    ]
+
+
+def _values(data: bpy.types.bpy_prop_collection, name: str, width: int) -> FloatArray:
+    """Read a value of each item."""
+    values = np.empty(width * len(data), dtype=np.float32)
+    data.foreach_get(name, values)
+    return values.reshape(-1, width).astype(np.float64)

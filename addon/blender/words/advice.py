@@ -1,0 +1,93 @@
+"""What to do about the core's messages in Blender: where the menus are that the core knows nothing of."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from ...core import CanonicalFormError
+from ...core.run.messages import Message
+from .file_errors import sentence
+from .wording import told, told_message
+
+_DISSOLVE = "Mesh > Clean Up > Degenerate Dissolve"
+_MERGE = "Mesh > Merge > By Distance"
+_DECIMATE = "Apply a Decimate modifier to reduce the mesh."
+ADVICE = {  # by kind of message
+    "repeated_corners": f"{_DISSOLVE} removes such faces.",
+    "coincident_borders": f"{_MERGE} does this permanently.",
+    "duplicate_faces": f"{_MERGE} removes such faces.",
+    "inconsistent_faces": "Mesh > Normals > Recalculate Outside does this permanently.",
+    "rounded_positions": "Object > Set Origin > Geometry to Origin moves the origin to the mesh.",
+    "too_many_pieces": "In Edit Mode, M > By Distance merges and P > By Loose Parts separates.",
+    "loose_vertices": "Mesh > Clean Up > Delete Loose removes such vertices.",
+    "flat_triangles": f"{_DISSOLVE} removes such triangles.",
+    "singular": f"{_MERGE} and {_DISSOLVE} may repair it.",
+    "inaccurate_spectrum": f"{_MERGE} and {_DISSOLVE} may repair it.",
+    "spectrum_diverged": f"{_MERGE} and {_DISSOLVE} may repair it.",
+    "match_sides": "Other Side (--side in a terminal) takes the next.",
+    "no_axes": f"{_MERGE} may repair it.",
+    "mesh_memory": _DECIMATE,
+    "pair_memory": _DECIMATE,
+    "distance_memory": _DECIMATE,
+}
+_NO_MEMORY = "Not enough memory. Close other files, or decimate the mesh."
+
+
+def advised(sentence: str) -> str:
+    """Add to a message of the core where Blender has the remedy.
+
+    Parameters
+    ----------
+    sentence : str
+        A warning or the text of an error; one that is not the core's stays as it is.
+
+    Returns
+    -------
+    str
+        The sentence and the advice.
+
+    Examples
+    --------
+    >>> from addon.core.run.messages import message
+    >>> advised(message("loose_vertices", count=1))
+    '1 vertex that belongs to no face stays where it is. Mesh > Clean Up > Delete Loose removes such vertices.'
+    """
+    advice = ADVICE.get(sentence.kind, "") if isinstance(sentence, Message) else ""
+    said = told_message(sentence)
+    return f"{said} {told(advice)}" if advice else said
+
+
+def all_advised(sentences: Iterable[str]) -> list[str]:
+    """Add to each message of the core where Blender has the remedy.
+
+    Parameters
+    ----------
+    sentences : iterable of str
+        Warnings.
+
+    Returns
+    -------
+    list of str
+        The sentences with their advice.
+    """
+    return [advised(each) for each in sentences]
+
+
+def explained(error: Exception) -> str:
+    """Say why there is no result, and what to do about it in Blender.
+
+    Parameters
+    ----------
+    error : Exception
+        What was raised.
+
+    Returns
+    -------
+    str
+        A sentence or two.
+    """
+    if isinstance(error, MemoryError):
+        return told(_NO_MEMORY)
+    if isinstance(error, CanonicalFormError) and error.args:
+        return advised(error.args[0])
+    return sentence(error) if isinstance(error, OSError) else str(error)

@@ -1,0 +1,100 @@
+"""Opens a mesh: finds its bodies, or takes those that are known, and refuses what does not fit into memory."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..method_api.costs import require_memory
+from ..method_api.settings import Settings
+from ..run.monitor import Monitor, Plan
+from .bodies import Bodies, bodies_of
+
+OPENING: Plan = {"Surface": 2, "Pieces": 98}  # stages
+
+
+def opened(vertices: ArrayLike, faces: ArrayLike, settings: Settings, monitor: Monitor) -> Bodies:
+    """Find the bodies in a mesh, refuse what does not fit into memory, and tell what was done to the mesh.
+
+    Parameters
+    ----------
+    vertices, faces
+        As in `canonical_form`.
+    settings : Settings
+        Options of the method.
+    monitor : Monitor
+        Of the whole run, with the stages `OPENING`; receives warnings.
+
+    Returns
+    -------
+    Bodies
+        The bodies.
+
+    Raises
+    ------
+    InvalidMeshError
+        If the mesh cannot be used; the message says what to do.
+    InvalidSettingsError
+        If a feature point given by hand is not a vertex of a surface, or is given twice.
+    TooLargeError
+        If all pairs inside the patches do not fit into the memory limit.
+    CancelledError
+        If the run is cancelled.
+
+    Examples
+    --------
+    >>> tetrahedron = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+    >>> faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]
+    >>> len(opened(tetrahedron, faces, Settings(), Monitor(plan=OPENING)).bodies)
+    1
+    """
+    with monitor.stage("Surface"):
+        bodies = known_bodies(vertices, faces, monitor, together=settings.together, features=settings.feature_points)
+        require_memory(bodies.largest, settings)
+    monitor.extend(bodies.pieces.repairs + bodies.apart)
+    if bodies.detected_elsewhere:
+        monitor.warn("features_detected_elsewhere", count=bodies.detected_elsewhere)
+    return bodies
+
+
+def known_bodies(
+    vertices: ArrayLike,
+    faces: ArrayLike,
+    monitor: Monitor,
+    *,
+    together: bool = True,
+    features: Sequence[int] | None = None,
+) -> Bodies:
+    """Find the bodies in a mesh, unless they are known from an earlier run.
+
+    Parameters
+    ----------
+    vertices, faces, together, features
+        As in `bodies_of`.
+    monitor : Monitor
+        Knows what is kept; polled for cancellation.
+
+    Returns
+    -------
+    Bodies
+        The bodies. Those that are kept have arrays of their own, which the caller may not change.
+
+    Raises
+    ------
+    InvalidMeshError, InvalidSettingsError, CancelledError
+        As `bodies_of` does.
+
+    Examples
+    --------
+    >>> len(known_bodies([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], Monitor()).bodies)
+    1
+    """
+
+    def found() -> Bodies:
+        own = np.array(vertices) if monitor.keeps and isinstance(vertices, np.ndarray) else vertices
+        corners = np.array(faces) if monitor.keeps and isinstance(faces, np.ndarray) else faces
+        return bodies_of(own, corners, monitor, together=together, features=features)
+
+    return monitor.kept("bodies", [vertices, faces, together, features], found)

@@ -1,0 +1,56 @@
+"""Which methods there are. Every file of the room `methods` is found by itself; none is listed anywhere."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import Any
+
+from ..run.errors import InvalidSettingsError
+
+OURS = "local_features"  # the default
+
+
+def declared_methods() -> dict[str, Any]:
+    """Collect what the files of the room `methods` declare.
+
+    Returns
+    -------
+    dict of str to Method
+        By name, by rising rank: ours, the rivals, the paper to the letter.
+
+    Examples
+    --------
+    >>> list(declared_methods())[:3]
+    ['local_features', 'classical', 'least_squares']
+    """
+    from pkgutil import iter_modules
+
+    room = import_module("..methods", __package__)
+    found = [
+        each for file in iter_modules(room.__path__) for each in import_module(f"{room.__name__}.{file.name}").METHODS
+    ]
+    return {each.name: each for each in sorted(found, key=lambda each: (each.rank, each.name))}
+
+
+def require_method(name: str) -> None:
+    """Check that there is a method of a name.
+
+    Parameters
+    ----------
+    name : str
+        Its name.
+
+    Raises
+    ------
+    InvalidSettingsError
+        If there is none; the text lists those there are.
+
+    Examples
+    --------
+    >>> require_method("fast")
+    """
+    if name == OURS:
+        return
+    known = declared_methods()
+    if name not in known:
+        raise InvalidSettingsError("unknown_method", names=", ".join(known), value=name)

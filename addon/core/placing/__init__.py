@@ -1,0 +1,1 @@
+"""Where a form lies, and how a reference numbers its feature points."""

@@ -1,0 +1,98 @@
+"""Where a form lies: as the pose does, upright, or on a reference; and how a reference numbers its feature points."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..matching.laying import laid_by_limbs, laid_by_vertices
+from ..measures.alignment import rigid_fit
+from ..mesh.geometry import surface_area, vertex_areas
+from ..method_api.method_result import MethodResult
+from ..method_api.settings import Settings
+from ..method_api.surface_features import SurfaceFeatures
+from ..numerics.arrays import FloatArray, IntArray
+from ..run.errors import InvalidSettingsError
+from ..run.monitor import Monitor
+from ..symmetry.upright import upright_rotation
+from .reference import ReferenceBody
+
+_ROUNDED = 1e-4  # share of the size to which positions may be rounded where the reference lies
+_UNLIKE = 0.3  # mismatch from which on two bodies count as unlike
+
+
+def in_place(
+    embedded: MethodResult,
+    found: SurfaceFeatures,
+    settings: Settings,
+    reference: ReferenceBody | None,
+    monitor: Monitor,
+) -> tuple[FloatArray, IntArray]:
+    """Give a form the area of its input, a place and an orientation, by a proper motion.
+
+    Parameters
+    ----------
+    embedded : MethodResult
+        The form, of any size and in any place.
+    found : SurfaceFeatures
+        The surface that it is the form of.
+    settings : Settings
+        Whether it lies as posed, or upright.
+    reference : ReferenceBody or None
+        What it is laid onto instead.
+    monitor : Monitor
+        Receives a warning where the reference is a body of another kind.
+
+    Returns
+    -------
+    form : (n, 3) ndarray of float
+        The form in its place.
+    order : (k,) ndarray of int
+        Which feature point comes first, second, …: as in the reference, where there is one.
+
+    Raises
+    ------
+    InvalidSettingsError
+        If positions so far away as the reference are too coarse for a surface of this size.
+
+    Examples
+    --------
+    >>> from addon.core.method_api.surface_features import detected
+    >>> points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
+    >>> found = detected(points, np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]]), None, Settings(), Monitor())
+    >>> turned = MethodResult(7 * points[:, [1, 2, 0]], np.zeros(1), 0)
+    >>> np.allclose(in_place(turned, found, Settings(), None, Monitor())[0], points)
+    True
+    """
+    form = embedded.points / np.sqrt(surface_area(embedded.points, found.whole_faces))
+    areas = vertex_areas(found.whole_points, found.whole_faces)
+    order = np.arange(len(found.features))
+    if reference is not None:
+        if reference.same_mesh:
+            laying = laid_by_vertices(form, reference.points, areas, found.whole_features, reference.tips)
+        else:
+            tips = found.whole_features
+            laying = laid_by_limbs(form, reference.points, tips, reference.tips, found.limbs, reference.limbs)
+        if laying.mismatch > _UNLIKE:
+            monitor.warn("reference_unlike")
+        elif len(laying.image) != len(reference.tips) or (laying.image < 0).any():
+            monitor.warn("reference_features", count=len(laying.image), others=len(reference.tips))
+        if np.spacing(np.abs(reference.centre).max()) > _ROUNDED * found.unit:
+            raise InvalidSettingsError("reference_far")
+        if settings.feature_points is None:
+            order = np.argsort(np.where(laying.image < 0, len(reference.tips), laying.image), kind="stable")
+        return (form @ laying.rotation + laying.shift) * found.unit + reference.centre, order
+    if settings.orientation == "posed":
+        rotation, shift = rigid_fit(form, found.whole_points, areas)
+    else:
+        rotation = upright_rotation(
+            form[found.surface.kept],
+            found.mass,
+            found.features,
+            found.to_features,
+            found.limbs,
+            embedded.partner,
+            settings.orientation,
+        )
+        share = areas / areas.sum()
+        shift = share @ found.whole_points - share @ form @ rotation
+    return (form @ rotation + shift) * found.unit + found.centre, order

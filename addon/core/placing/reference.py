@@ -1,0 +1,126 @@
+"""A form as a reference: taken apart into the bodies that others are laid onto."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from ..mesh.geometry import of_unit_area
+from ..numerics.arrays import FloatArray, IntArray
+from ..run.errors import InvalidSettingsError
+from ..run.monitor import Monitor
+from ..symmetry.limbs import BodyLimbs, Limbs
+
+
+class Reference(Protocol):
+    """What is asked of a form that others are laid onto; every `CanonicalForm` has it."""
+
+    @property
+    def vertices(self) -> FloatArray:
+        """Positions of all vertices, (n, 3)."""
+
+    @property
+    def faces(self) -> IntArray:
+        """Triangles, (m, 3)."""
+
+    @property
+    def bodies(self) -> list[BodyLimbs]:
+        """What tells the feature points of each body apart."""
+
+
+class ReferenceBody(NamedTuple):
+    """A body of a form that others are laid onto.
+
+    Attributes
+    ----------
+    points : (p, 3) ndarray of float
+        Its form, scaled to unit area.
+    centre : (3,) ndarray of float
+        Where its centre was, in the unit of the form.
+    tips : (k,) ndarray of int
+        Its feature points among its vertices, in the order of the mesh.
+    limbs : Limbs
+        What tells them apart.
+    same_mesh : bool
+        Whether the mesh that is laid onto it has the same triangles.
+    """
+
+    points: FloatArray
+    centre: FloatArray
+    tips: IntArray
+    limbs: Limbs
+    same_mesh: bool
+
+
+def reference_bodies(
+    reference: Reference | None, faces: IntArray, vertices: Sequence[IntArray], monitor: Monitor
+) -> list[ReferenceBody | None]:
+    """Take a form apart into the bodies that others are laid onto.
+
+    Parameters
+    ----------
+    reference : Reference or None
+        The form; None where there is none.
+    faces : (m, 3) ndarray of int
+        Triangles of the mesh that is laid onto it.
+    vertices : sequence of (p,) ndarray of int
+        Vertices of each body of that mesh. In the same mesh each is laid onto itself; otherwise the largest is laid
+        onto the largest, and so on.
+    monitor : Monitor
+        Receives a warning where one has more bodies than the other.
+
+    Returns
+    -------
+    list of ReferenceBody or None
+        One for each body; None where there is none for it.
+
+    Raises
+    ------
+    InvalidSettingsError
+        If the form was made without feature points, so that nothing tells its limbs apart.
+
+    Examples
+    --------
+    >>> from addon.core import canonical_form
+    >>> corner = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+    >>> form = canonical_form(corner, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
+    >>> [body.same_mesh for body in reference_bodies(form, form.faces, [np.arange(4)], Monitor())]
+    [True]
+    """
+    if reference is None:
+        return [None] * len(vertices)
+    if not reference.bodies:
+        raise InvalidSettingsError("reference_without_limbs")
+    count = len(vertices)
+    if len(reference.bodies) != count:
+        monitor.warn("reference_bodies", count=count, others=len(reference.bodies))
+    same = np.array_equal(reference.faces, faces)
+    wanted = [np.sort(each) for each in vertices]
+    twins = [
+        next((other for other in reference.bodies if same and np.array_equal(np.sort(other.vertices), own)), None)
+        for own in wanted
+    ]
+    left = [other for other in reference.bodies if not any(other is twin for twin in twins)]
+    alone = [rank for rank, twin in enumerate(twins) if twin is None]
+    ranked = dict(zip(alone, left, strict=False))
+    return [
+        _reference_body(reference, twin, vertices[rank], True)
+        if twin is not None
+        else _reference_body(reference, ranked[rank], ranked[rank].vertices, False)
+        if rank in ranked
+        else None
+        for rank, twin in enumerate(twins)
+    ]
+
+
+def _reference_body(reference: Reference, body: BodyLimbs, vertices: IntArray, same_mesh: bool) -> ReferenceBody:
+    """Take one body out of a form, its vertices in the order of those given."""
+    number = np.full(len(reference.vertices), -1)
+    number[vertices] = np.arange(len(vertices))
+    own = number[reference.faces]
+    points, centre, _ = of_unit_area(reference.vertices[vertices], own[(own >= 0).all(axis=1)])
+    order = np.argsort(body.numbers, kind="stable")
+    tips = number[body.vertices[body.tips[order]]]
+    return ReferenceBody(points, centre, tips, body.limbs.sorted_by(order), same_mesh)
