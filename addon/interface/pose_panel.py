@@ -7,7 +7,6 @@ from ..blender.jobs.meant_objects import meant_objects
 from ..blender.results.match_colours import has_source_colours
 from ..blender.words.wording import CONTEXT, told
 from ..core import Settings
-from ..core.mannequins import VERTEX_COUNT
 from ..core.method_api.costs import match_memory_estimate, match_time_estimate
 from ..core.run.load import slowdown
 from .pose_operators import (
@@ -65,6 +64,8 @@ class VIEW3D_PT_canonical_form_pose_like(Tab, bpy.types.Panel):
 
 def _estimate(chosen: bpy.types.PropertyGroup, objects: list[bpy.types.Object]) -> str:
     """Estimate memory and time of a match with the reference, or with a mannequin where there is none."""
+    from ..core.mannequins import VERTEX_COUNT
+
     settings = Settings(**{name: chosen_value(chosen, name) for name in ("method", "quality", "pieces")})
     count = sum(len(obj.data.vertices) for obj in objects)
     like = bpy.data.objects.get(chosen.like)

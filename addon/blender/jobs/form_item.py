@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from ...core.numerics.arrays import FloatArray
     from ...core.results import AnyResult, Shaped
     from ...core.run.monitor import Cancelled, Progress
-    from ..results.match_colours import Carried
+    from ..results.carried import Carried
     from .likeness import Likeness
 
 

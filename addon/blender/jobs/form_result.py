@@ -12,7 +12,7 @@ from ..mesh_items.palette import Colours, colours_of
 from ..objects.combining import Combined
 from ..objects.mesh_reading import Reading
 from ..records.form_report import FormReport, StressReport
-from ..results.match_colours import Carried
+from ..results.carried import Carried
 from ..words.advice import all_advised
 from ..words.wording import told
 from .request import Request

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ...core.numerics.arrays import FloatArray, IntArray
-from ..mesh_items.palette import places
 from ..records.form_report import LikeReport
-from ..results.match_colours import Carried
+from ..results.carried import Carried
 
 if TYPE_CHECKING:
     from ...core import PosedLike, Settings
@@ -116,6 +115,7 @@ class Likeness:
             As in `pose_like`.
         """
         from ...core import pose_like, transferred
+        from ..mesh_items.palette import places
 
         here, triangles, pose = self.reference or _mannequin(self.pose)
         found = pose_like(

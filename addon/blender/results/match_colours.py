@@ -1,15 +1,13 @@
-"""What a match shows: colours carried over, on the reference too, to compare them."""
+"""The colours of a reference, which a match carries over: shown on the reference too, to compare them."""
 
 from __future__ import annotations
 
 import re
-from typing import NamedTuple
 
 import bpy
 import numpy as np
 
 from ...core import CanonicalFormError
-from ...core.numerics.arrays import FloatArray
 from ..mesh_items.colour_attributes import add_colours
 from ..mesh_items.palette import places
 from ..objects.mesh_reading import read_mesh, refusal
@@ -18,21 +16,6 @@ from ..words.wording import told
 
 SOURCE_COLOURS = "Match Source"
 _OURS = re.compile(rf"{SOURCE_COLOURS}( Colours)*(\.\d{{3,}})?")  # as Blender may number it
-
-
-class Carried(NamedTuple):
-    """What a match shows on a mesh.
-
-    Attributes
-    ----------
-    confidence : (n,) ndarray of float
-        How sure the match of each vertex is, 0 to 1.
-    colours : (n, 4) ndarray of float32
-        Colours of the reference, carried over.
-    """
-
-    confidence: FloatArray
-    colours: np.ndarray
 
 
 def has_source_colours(obj: bpy.types.Object) -> bool:

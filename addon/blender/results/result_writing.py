@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from ...core.results import AnyResult
     from ..mesh_items.palette import Colours
     from ..records.form_report import FormReport
-    from .match_colours import Carried
+    from .carried import Carried
 
 SHAPE_KEY = "Canonical Form"
 FEATURE_GROUP = "Feature Points"
