@@ -54,6 +54,14 @@ def test_the_readme_lists_every_room(layer):
 
 
 @pytest.mark.parametrize("layer", [CORE, BLENDER], ids=lambda layer: layer.name)
+def test_a_room_says_what_its_row_says(layer):
+    rows = re.findall(r"^\| `(\w+)` \| (.*) \|$", (layer / "README.md").read_text(encoding="utf-8"), flags=re.MULTILINE)
+    for room, says in rows:
+        text = (layer / room / "__init__.py").read_text(encoding="utf-8")
+        assert text == f'"""{says[0].upper()}{says[1:]}."""\n'
+
+
+@pytest.mark.parametrize("layer", [CORE, BLENDER], ids=lambda layer: layer.name)
 def test_no_room_imports_one_above_it(layer):
     assert upward_arrows(layer) == []
 

@@ -16,7 +16,7 @@ from .method_api.method_result import MethodResult
 from .method_api.settings import Settings
 from .method_api.surface_features import DETECTION, WholeFeatures
 from .numerics.arrays import FloatArray, IntArray
-from .placing.places import in_place
+from .placing.orientation import in_place
 from .placing.reference import ReferenceBody, reference_bodies
 from .results import CanonicalForm
 from .run.kept_stages import KeptStages

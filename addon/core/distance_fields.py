@@ -98,7 +98,9 @@ def distance_field(
     bodies, chosen = _measurable(vertices, faces, sources, kind, memory_limit, monitor)
 
     def work(body: Body, here: Chosen, own: Monitor) -> FloatArray:
-        return _field_of_body(body, np.unique(here.vertices), kind, memory_limit, own)
+        if not len(here.vertices):
+            return np.full(len(body.vertices), np.inf)
+        return _FIELDS[kind](body, np.unique(here.vertices), memory_limit, own)
 
     fields = bodies.map(work, monitor, _BODY_STAGES, chosen)
     field = gathered(bodies, fields, np.full(len(bodies.vertices), np.inf))
@@ -236,20 +238,12 @@ def _unknowns(count: int) -> int:
     return 4 * count if count <= _WHOLE else count
 
 
-def _field_of_body(body: Body, chosen: IntArray, kind: str, memory_limit: float, monitor: Monitor) -> FloatArray:
+def _heat_field(body: Body, chosen: IntArray, memory_limit: float, monitor: Monitor) -> FloatArray:
     from scipy.sparse.csgraph import dijkstra
     from scipy.spatial import cKDTree
 
-    if not len(chosen):
-        return np.full(len(body.vertices), np.inf)
     points, _, unit = of_unit_area(body.points, body.faces)
-    if KINDS[kind].spectral:
-        field = _spectral_field(body, points, chosen, kind, memory_limit, monitor)
-        return field * (unit if kind == "biharmonic" else 1.0)
     surface = _surface_of(body, points, monitor)
-    if kind == "fast_marching":
-        with monitor.stage("Distances"):
-            return unit * fast_marching(surface, chosen, monitor)
     border = _border(body, chosen)
     heat, numbers, prolong = _heat_on(body, surface, points, border, memory_limit, monitor)
     with monitor.stage("Distances"):
@@ -258,6 +252,13 @@ def _field_of_body(body: Body, chosen: IntArray, kind: str, memory_limit: float,
         field[chosen] = 0.0
         longest = dijkstra(edge_graph(surface), directed=False, indices=chosen, min_only=True)
         return unit * _possible(field, cKDTree(points[chosen]).query(points)[0], longest, monitor)
+
+
+def _marched_field(body: Body, chosen: IntArray, memory_limit: float, monitor: Monitor) -> FloatArray:
+    points, _, unit = of_unit_area(body.points, body.faces)
+    surface = _surface_of(body, points, monitor)
+    with monitor.stage("Distances"):
+        return unit * fast_marching(surface, chosen, monitor)
 
 
 def _border(body: Body, chosen: IntArray) -> IntArray:
@@ -281,10 +282,29 @@ def _possible(field: FloatArray, straight: FloatArray, longest: FloatArray, moni
     return np.where(np.isfinite(held), held, longest)
 
 
+def _biharmonic_field(body: Body, chosen: IntArray, memory_limit: float, monitor: Monitor) -> FloatArray:
+    def distances(green: GreensFunction, count: int, chosen: IntArray) -> FloatArray:
+        return green.biharmonic_distances(np.arange(count))[:, chosen].min(axis=1)
+
+    return _spectral_field(body, chosen, distances, memory_limit, monitor) * of_unit_area(body.points, body.faces)[2]
+
+
+def _commute_time_field(body: Body, chosen: IntArray, memory_limit: float, monitor: Monitor) -> FloatArray:
+    def distances(green: GreensFunction, count: int, chosen: IntArray) -> FloatArray:
+        return np.sqrt(green.commute_time_squared(np.arange(count), monitor)[:, chosen].min(axis=1))
+
+    return _spectral_field(body, chosen, distances, memory_limit, monitor)  # a time: it has no unit of length
+
+
 def _spectral_field(
-    body: Body, points: FloatArray, chosen: IntArray, kind: str, memory_limit: float, monitor: Monitor
+    body: Body,
+    chosen: IntArray,
+    distances: Callable[[GreensFunction, int, IntArray], FloatArray],
+    memory_limit: float,
+    monitor: Monitor,
 ) -> FloatArray:
-    """Compute exact biharmonic distances or commute times on a coarse mesh and interpolate them to all vertices."""
+    """Compute exact distances from a Green's function on a coarse mesh and interpolate them to all vertices."""
+    points = of_unit_area(body.points, body.faces)[0]
     surface = body.working_surface(points, body.faces, _WORKED_ON, fixed=chosen, monitor=monitor)
     count = len(surface.points)
     if surface.stuck:
@@ -293,9 +313,14 @@ def _spectral_field(
     chosen = surface.numbers_of(chosen)
     with monitor.stage("Distances"):
         green = GreensFunction(stiffness(surface.triangulation), mass(surface.triangulation))
-        if kind == "biharmonic":
-            field = green.biharmonic_distances(np.arange(count))[:, chosen].min(axis=1)
-        else:
-            field = np.sqrt(green.commute_time_squared(np.arange(count), monitor)[:, chosen].min(axis=1))
+        field = distances(green, count, chosen)
         monitor.check()
     return surface.prolong(field)
+
+
+_FIELDS = {  # how each of `KINDS` is measured on a body, in the unit of the mesh
+    "heat": _heat_field,
+    "fast_marching": _marched_field,
+    "biharmonic": _biharmonic_field,
+    "commute_time": _commute_time_field,
+}

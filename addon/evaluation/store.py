@@ -327,6 +327,19 @@ def keys_of(path: Path, methods: Sequence[Method]) -> list[str]:
     return [digest(content, path.suffix.lower(), each, code_version()) for each in settings]
 
 
+_MATTER = (  # beside the core
+    "batch/plain_files.py",
+    "blender/files/off_format.py",
+    "blender/files/reading_files.py",
+    "blender/objects/mesh_reading.py",
+    "evaluation/correspondences/matchers.py",
+    "evaluation/correspondences/work.py",
+    "evaluation/descriptor.py",
+    "evaluation/reading.py",
+    "evaluation/work.py",
+)
+
+
 @cache
 def code_version() -> str:
     """Make a key of the code that results depend on.
@@ -338,10 +351,7 @@ def code_version() -> str:
     """
     root = Path(__file__).resolve().parents[1]
     files = sorted((root / "core").rglob("*.py"))
-    files += [root / "evaluation" / f"{name}.py" for name in ("work", "descriptor", "reading")]
-    files += [root / "evaluation" / "correspondences" / f"{name}.py" for name in ("work", "matchers")]
-    files += [root / "blender" / f"{name}.py" for name in ("off_format", "reading_files", "mesh_reading")]
-    files.append(root / "batch" / "plain_files.py")
+    files += [root / each for each in _MATTER]
     return digest(*(path.read_text(encoding="utf-8") for path in files))
 
 

@@ -19,7 +19,7 @@ from .properties import DISTANCES
 from .viewport import show_colours
 
 if TYPE_CHECKING:
-    from ..blender.jobs.distance_fields import DistanceTask
+    from ..blender.jobs.distance_task import DistanceTask
 
 _DESCRIPTIONS = {
     "SET": "Take the selected vertices for the feature points, one at the tip of each limb",
@@ -105,7 +105,7 @@ class OBJECT_OT_canonical_form_distance(JobOperator, bpy.types.Operator):
 
     def task(self, context: bpy.types.Context) -> "DistanceTask":
         """Read the mesh and its selection, and the other meshes meant."""
-        from ..blender.jobs.distance_fields import DistanceTask
+        from ..blender.jobs.distance_task import DistanceTask
 
         memory_limit = context.scene.canonical_form.memory_limit
         objects = chosen_objects(context)[0]
@@ -113,7 +113,7 @@ class OBJECT_OT_canonical_form_distance(JobOperator, bpy.types.Operator):
 
     def written(self, context: bpy.types.Context, task: "DistanceTask", outcome: str, interactive: bool) -> None:
         """Report where the distances are, with the warnings."""
-        from ..blender.jobs.distance_fields import WEIGHTS
+        from ..blender.jobs.distance_task import WEIGHTS
 
         self.report(
             {"INFO"},

@@ -4,7 +4,7 @@ import bpy
 import numpy as np
 import pytest
 
-from addon.blender.jobs.distance_fields import DistanceTask
+from addon.blender.jobs.distance_task import DistanceTask
 from addon.blender.jobs.form_task import FormTask
 from addon.blender.jobs.request import Request
 from addon.blender.records.record import RECORD_PROPERTY, require_record

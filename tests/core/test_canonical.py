@@ -12,8 +12,8 @@ import pytest
 import addon.core
 from addon.core import CancelledError, InvalidMeshError, InvalidSettingsError, Settings, TooLargeError, canonical_form
 from addon.core.distance_fields import heat_geodesics
-from addon.core.distances.geodesics import all_geodesics
 from addon.core.distances.heat import HeatMethod
+from addon.core.distances.patch_geodesics import all_geodesics
 from addon.core.distances.spectral import GreensFunction, commute_time_squared
 from addon.core.measures.alignment import rigid_fit
 from addon.core.measures.form_measures import edge_stretch

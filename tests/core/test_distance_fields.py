@@ -3,7 +3,7 @@ import pygeodesic.geodesic
 import pytest
 from scipy.spatial import cKDTree
 
-from addon.core import CancelledError, InvalidSettingsError, TooLargeError
+from addon.core import CancelledError, InvalidSettingsError, TooLargeError, distance_fields
 from addon.core.distance_fields import KINDS, distance_field, heat_geodesics
 from addon.core.distances.heat import HeatMethod
 from addon.core.surface.triangulation import triangulated
@@ -205,3 +205,7 @@ def test_a_single_vertex_may_stand_for_a_list_and_nothing_else():
         for measure in (heat_geodesics, distance_field):
             with pytest.raises(InvalidSettingsError, match="must be a list"):
                 measure(*mesh, sources)
+
+
+def test_every_kind_has_its_way_of_being_measured():
+    assert set(distance_fields._FIELDS) == set(KINDS)

@@ -12,6 +12,7 @@ ELSEWHERE = {  # documents outside docs, and the pages that they become
     "README.md": "index.md",
     "CONTRIBUTING.md": "contributing.md",
     "addon/core/README.md": "rooms.md",
+    "addon/blender/README.md": "blender-rooms.md",
     "docs/api/README.md": "api/index.md",
 }
 _LINK = re.compile(r"(\]\()([^)#\s]*)(#[^)\s]*)?(\))")

@@ -1,1 +1,1 @@
-"""Files in and out: which kinds there are, what may be read and written, and nothing left there in part."""
+"""Reads and writes every kind of file; checks what may be read and written; leaves no partial files."""

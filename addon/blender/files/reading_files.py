@@ -14,9 +14,9 @@ import numpy as np
 
 from ...core import InvalidMeshError
 from .file_access import require_readable
-from .foreign_files import require_own_buffers
 from .kinds_of_files import IMPORTERS, READ
 from .off_format import read_off
+from .outside_references import require_own_buffers
 
 _BONE_SHAPES = "glTF_not_exported"  # collection in which the .glb importer puts the custom shapes of bones
 _KINDS = [  # collections of bpy.data that a file may fill

@@ -13,8 +13,8 @@ import numpy as np
 from ...core import InvalidMeshError
 from ...core.numerics.arrays import FloatArray, IntArray
 from ..mesh_items.key_removal import remove_all_keys
-from .foreign_files import without_foreign_pictures
 from .kinds_of_files import EXPORTERS
+from .outside_references import without_foreign_pictures
 from .reading_files import last_line, quiet
 from .replacing_files import replaced
 

@@ -1,1 +1,1 @@
-"""Jobs: from the objects that are meant, by a computation apart from Blender, to results written at the end."""
+"""The main job and distances from a selection; finds the reference form and the pose to take."""

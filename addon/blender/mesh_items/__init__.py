@@ -1,1 +1,1 @@
-"""What a mesh and its object hold by name: shape keys, vertex groups, colours, drivers."""
+"""Shape keys, vertex groups, colours and drivers, and which of them are active, by name; fingerprints; the palette."""

@@ -1,1 +1,1 @@
-"""Objects read as arrays: their meshes, seams, mirrors and modifiers, alone or several as one mesh."""
+"""Objects as arrays, as they are or as shown, with seams closed and mirrors undone; several as one mesh."""

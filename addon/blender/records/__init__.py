@@ -1,1 +1,1 @@
-"""What was written to a mesh, kept on the mesh, so that exactly that can be found again and cleared."""
+"""Records on the mesh of what was written to it, also of earlier versions; the form's key, found by its record."""

@@ -1,1 +1,1 @@
-"""Results on an object: written, varied, moved by sliders, and cleared."""
+"""Writes and clears shape key, groups and colours; limbs, in-betweens, frames; one slider for several objects."""

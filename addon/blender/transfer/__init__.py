@@ -1,1 +1,1 @@
-"""Taking over what another object has: weights, UV maps, colours, shape keys and materials."""
+"""Transfers weights, UV maps, colours, shape keys and materials from another object."""

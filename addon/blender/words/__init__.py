@@ -1,1 +1,1 @@
-"""What is said to the user: in the language of Blender, with advice where a menu has the remedy."""
+"""Messages in Blender's language, advice that names the menu that solves a problem, sentences for file errors."""

@@ -1,1 +1,1 @@
-"""A mesh as pieces; bodies of several pieces, what rides on them, and bodies shared out and gathered."""
+"""Splits a mesh into pieces, finds bodies and riders, builds bridges, gathers results."""

@@ -1,1 +1,1 @@
-"""Heat method, fast marching, spectral distances, paths along edges; what they cost."""
+"""Heat method, fast marching, spectral distances, paths along edges; their cost."""

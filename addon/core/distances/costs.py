@@ -5,14 +5,10 @@ from __future__ import annotations
 from ..run.errors import TooLargeError
 from ..run.memory import limit_in_words, memory_limit
 from ..run.messages import message
+from .kinds import KINDS
 
 _FACTORS = (6.9, 655_362, 1.35)  # gigabytes that the factors of the heat method take at so many vertices, and growth
 _CARRIED = (0.05, 0.4e-6)  # gigabytes, and by vertex: the coarse mesh and the way back to all vertices
-_LINEAR = {  # gigabytes, and by vertex
-    "fast_marching": (0.05, 0.75e-6),
-    "biharmonic": (0.1, 1.05e-6),
-    "commute_time": (0.1, 1.05e-6),
-}
 
 
 def distance_memory(vertex_count: int, kind: str, unknowns: int = 0) -> float:
@@ -37,11 +33,11 @@ def distance_memory(vertex_count: int, kind: str, unknowns: int = 0) -> float:
     >>> f"{distance_memory(100_000, 'fast_marching'):.3f} GB"
     '0.125 GB'
     """
-    if kind in _LINEAR:
-        base, each = _LINEAR[kind]
+    memory = KINDS[kind].memory
+    base, each = memory or _CARRIED
+    if memory is not None:
         return base + each * vertex_count
     most, at, growth = _FACTORS
-    base, each = _CARRIED
     return base + each * vertex_count + most * ((unknowns or vertex_count) / at) ** growth
 
 

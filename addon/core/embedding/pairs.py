@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..distances.geodesics import all_geodesics
+from ..distances.patch_geodesics import all_geodesics
 from ..numerics.arrays import FloatArray, IntArray
 from ..patching.cells import Patch
 from ..run.monitor import Monitor

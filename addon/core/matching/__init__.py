@@ -1,1 +1,1 @@
-"""Two surfaces beside each other: which limbs are the same, and the motion that lays one form onto another."""
+"""Two surfaces compared: corresponding limbs, alignment of one form to another, corresponding points."""

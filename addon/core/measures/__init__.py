@@ -1,1 +1,1 @@
-"""Rigid alignment, mirror images, what is measured on a form."""
+"""Rigid alignment, mirror images, crossings, measures of a form and of the detail that it keeps."""

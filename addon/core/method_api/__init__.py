@@ -1,1 +1,1 @@
-"""What all methods share: settings and their options, costs, the features of a surface, the catalogue."""
+"""Shared by all methods: settings and their options, costs, the features of a surface, the catalogue."""

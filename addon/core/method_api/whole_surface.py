@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 
 from ..deformation.elastic_body import ElasticBody
 from ..distances.farthest_points import farthest_points
-from ..distances.geodesics import all_geodesics
 from ..distances.heat import HeatMethod
+from ..distances.patch_geodesics import all_geodesics
 from ..embedding.classical_scaling import landmark_scaling, leading_scaling, placed_around
 from ..measures.alignment import outside_out
 from ..numerics.arrays import FloatArray, IntArray

@@ -1,1 +1,1 @@
-"""The methods: one file each, found by themselves. A file defines `METHODS`, a tuple of `Method`."""
+"""One file per method, discovered automatically: ours, the paper to the letter, the rivals."""

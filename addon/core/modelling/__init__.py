@@ -1,1 +1,1 @@
-"""A human body made of simple solids, for poses to be taken from."""
+"""A human body made of simple solids, which provides the T-pose and the A-pose."""

@@ -1,1 +1,1 @@
-"""Where a form lies, and how a reference numbers its feature points."""
+"""Position and orientation of a form: as posed, upright, or aligned to a reference whose numbering it takes over."""

@@ -1,1 +1,1 @@
-"""Shapes between pose and form, everywhere or by limb."""
+"""Shapes between pose and form, everywhere or by limb; the pose of another body."""

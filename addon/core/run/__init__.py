@@ -1,1 +1,1 @@
-"""Errors, messages (kinds with numbers), progress and cancellation, the memory limit."""
+"""Errors, messages, progress and cancellation, stages kept between runs, the memory limit, the load of the machine."""

@@ -1,1 +1,1 @@
-"""Triangles with edge lengths, without a place in space: Delaunay, Laplacian, spectrum; the working surface."""
+"""Triangles given by edge lengths, without positions in space: Delaunay, Laplacian, spectrum; the working surface."""

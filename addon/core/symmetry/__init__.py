@@ -1,1 +1,1 @@
-"""Left and right of a surface: limbs told apart, which vertices mirror each other, forms held to that and upright."""
+"""Limbs identified and numbered, left and right; mirror images of vertices; forms made symmetric and upright."""

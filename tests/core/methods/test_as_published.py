@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from addon.core import CancelledError, Settings, TooLargeError, canonical_form
-from addon.core.distances.geodesics import all_geodesics
+from addon.core.distances.patch_geodesics import all_geodesics
 from addon.core.embedding.smacof import smacof
 from addon.core.mesh.geometry import surface_area
 from addon.core.method_api.catalogue import method_named

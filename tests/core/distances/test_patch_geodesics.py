@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from addon.core import CancelledError
-from addon.core.distances.geodesics import all_geodesics
+from addon.core.distances.patch_geodesics import all_geodesics
 from addon.core.run.monitor import Monitor
 from addon.core.surface.triangulation import triangulated
 from tests.meshes import shapes
