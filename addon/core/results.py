@@ -9,8 +9,18 @@ from .run.messages import Message
 from .symmetry.limbs import BodyLimbs
 
 
-@dataclass(frozen=True, eq=False)
-class FeaturePatches:
+class _Summarised:
+    """Shows sizes in place of arrays."""
+
+    warnings: list[Message]
+
+    def __repr__(self) -> str:
+        sizes = [f"{name} {value.shape}" for name, value in vars(self).items() if hasattr(value, "shape")]
+        return f"<{type(self).__name__}: {', '.join(sizes)}, {len(self.warnings)} warning(s)>"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class FeaturePatches(_Summarised):
     """Feature points and patches of a mesh.
 
     Attributes
@@ -38,8 +48,8 @@ class FeaturePatches:
     bodies: list[BodyLimbs] = field(default_factory=list)
 
 
-@dataclass(frozen=True, eq=False)
-class CanonicalForm:
+@dataclass(frozen=True, eq=False, repr=False)
+class CanonicalForm(_Summarised):
     """The canonical form of a mesh and what was found on the way.
 
     Attributes
@@ -89,8 +99,8 @@ class CanonicalForm:
     bodies: list[BodyLimbs] = field(default_factory=list)
 
 
-@dataclass(frozen=True, eq=False)
-class Match:
+@dataclass(frozen=True, eq=False, repr=False)
+class Match(_Summarised):
     """For every vertex of a mesh the point of another that is its like.
 
     Attributes
@@ -130,8 +140,8 @@ class Match:
     other_warnings: list[Message]
 
 
-@dataclass(frozen=True, eq=False)
-class PosedLike:
+@dataclass(frozen=True, eq=False, repr=False)
+class PosedLike(_Summarised):
     """A mesh in the pose of another.
 
     Attributes

@@ -296,3 +296,9 @@ def test_draft_normal_and_full_agree(figure):
         apart = np.sqrt(((form.vertices @ turn + shift - forms[2].vertices) ** 2).sum(axis=1).mean())
         assert apart < 0.06 * np.sqrt(surface_area(vertices, faces))
     assert forms[0].pair_count < forms[1].pair_count < forms[2].pair_count
+
+
+def test_a_result_shows_sizes_in_place_of_arrays(figure):
+    form = canonical_form(figure[0], figure[1], Settings(quality="draft"))
+    assert repr(form).startswith(f"<CanonicalForm: vertices {form.vertices.shape}, faces {form.faces.shape}, ")
+    assert len(repr(form)) < 200

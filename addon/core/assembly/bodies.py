@@ -9,15 +9,12 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..mesh.geometry import of_unit_area
 from ..numerics.arrays import FloatArray, IntArray
 from ..run.errors import InvalidSettingsError
 from ..run.messages import Message, message
 from ..run.monitor import Monitor, Plan
-from .body import Body, body_of, single
-from .contacts import contacts_between, neighbourhoods, sampled
-from .pieces import Piece, Pieces, connected_pieces
-from .roles import roles_of
+from .body import Body, single
+from .pieces import Pieces, connected_pieces
 
 Result = TypeVar("Result")
 
@@ -216,27 +213,13 @@ def bodies_of(
     """
     monitor = monitor or Monitor()
     pieces = connected_pieces(vertices, faces, monitor)
-    bodies = _together(pieces, monitor) if together and len(pieces.pieces) > 1 else list(map(single, pieces.pieces))
+    if together and len(pieces.pieces) > 1:
+        from .together import bodies_together
+
+        bodies = bodies_together(pieces, monitor)
+    else:
+        bodies = list(map(single, pieces.pieces))
     return Bodies(bodies, pieces, _chosen_features(bodies, pieces, features), together, features)
-
-
-def _together(pieces: Pieces, monitor: Monitor) -> list[Body]:
-    """Find the pieces that belong together, among those near each other; these are scaled to unit area."""
-    bodies = []
-    for neighbours in neighbourhoods(pieces.pieces):
-        if len(neighbours) == 1:
-            bodies.append(single(neighbours[0]))
-            continue
-        faces = np.concatenate([piece.vertices[piece.faces] for piece in neighbours])
-        used, corners = np.unique(faces, return_inverse=True)
-        _, centre, unit = of_unit_area(pieces.vertices[used], corners.reshape(-1, 3))
-        scaled = [Piece(piece.vertices, (piece.points - centre) / unit, piece.faces) for piece in neighbours]
-        samples = [sampled(piece.points, piece.faces) for piece in scaled]
-        contacts = contacts_between(scaled, samples, monitor)
-        roles = roles_of(scaled, samples, contacts)
-        monitor.check()
-        bodies += [body_of(neighbours, samples, contacts, roles, group, (centre, unit)) for group in roles.bodies]
-    return bodies
 
 
 def _chosen_features(bodies: list[Body], pieces: Pieces, given: Sequence[int] | None) -> list[Chosen | None]:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -13,11 +12,10 @@ from ..method_api.surface_features import SurfaceFeatures, detected
 from ..numerics.arrays import FloatArray, IntArray
 from ..run.monitor import Monitor
 from ..surface.working_surface import WorkingSurface, working_surface
-from .contacts import Contact, Samples
-from .joined_surface import joined_surface
 from .pieces import Piece
-from .riding import ground_of, is_rigid, ridden
-from .roles import TOUCH, Roles
+
+if TYPE_CHECKING:
+    from .contacts import Samples
 
 
 class Rider(NamedTuple):
@@ -107,6 +105,8 @@ class Body(Piece):
         """
         if len(self.parts) < 2:
             return working_surface(points, faces, target, fixed=fixed, monitor=monitor)
+        from .joined_surface import joined_surface
+
         return joined_surface(points, faces, self.parts, target, fixed=fixed, monitor=monitor or Monitor())
 
     def features(self, chosen: IntArray | None, settings: Settings, monitor: Monitor) -> SurfaceFeatures:
@@ -155,6 +155,8 @@ class Body(Piece):
         CancelledError
             If the run is cancelled.
         """
+        from .riding import ground_of, ridden
+
         centre, unit = self._frame
         shapes = [(shape[vertices] - centre) / unit for vertices, _, _ in self.parts]
         samples = [each for _, _, each in self.parts]
@@ -186,87 +188,3 @@ def single(piece: Piece) -> Body:
     []
     """
     return Body(piece.vertices, piece.points, piece.faces, [], [], (np.zeros(3), 1.0))
-
-
-def body_of(
-    pieces: Sequence[Piece],
-    samples: Sequence[Samples],
-    contacts: Mapping[tuple[int, int], Contact],
-    roles: Roles,
-    group: Sequence[int],
-    frame: tuple[FloatArray, float],
-) -> Body:
-    """Put the pieces of one body together.
-
-    Parameters
-    ----------
-    pieces : sequence of Piece
-        All pieces of the mesh.
-    samples : sequence of Samples
-        Samples of each, on the mesh scaled to unit area.
-    contacts : mapping of (int, int) to Contact
-        How the pieces lie to each other.
-    roles : Roles
-        Their roles.
-    group : sequence of int
-        The parts of this body.
-    frame : tuple of (3,) ndarray of float and float
-        Centre and unit of that scaling.
-
-    Returns
-    -------
-    Body
-        The body.
-
-    Examples
-    --------
-    >>> from addon.core.assembly.contacts import sampled
-    >>> piece = Piece(np.arange(3), np.eye(3), np.array([[0, 1, 2]]))
-    >>> samples = [sampled(piece.points, piece.faces)]
-    >>> body_of([piece], samples, {}, Roles([[0]], []), [0], (np.zeros(3), 1.0)).vertices.tolist()
-    [0, 1, 2]
-    """
-    parts, first, begun = [], 0, 0
-    numbers: dict[int, int] = {}  # of what can carry: parts and riders, by piece
-    carriers = {}  # vertices of the body's surface that carry those of each piece
-    for index in group:
-        piece = pieces[index]
-        own = slice(first, first + len(piece.vertices)), slice(begun, begun + len(piece.faces))
-        parts.append((*own, samples[index]))
-        numbers[index] = len(numbers)
-        carriers[index] = np.arange(own[0].start, own[0].stop)
-        first, begun = own[0].stop, own[1].stop
-    every = list(range(len(group)))
-    total = sum(len(each.points) for each in samples)
-    riders = []
-    for index, carrier in roles.riders:
-        if carrier not in numbers:
-            continue
-        piece, contact = pieces[index], contacts[index, carrier]
-        covered = float(np.mean(contact.distances < TOUCH))
-        rigid = is_rigid(samples[index].points, len(samples[index].points) / total, covered)
-        under = carriers[carrier][samples[carrier].nearest_corners[contact.nearest]]  # of every sample
-        if rigid:
-            carriers[index] = np.full(len(piece.vertices), under[np.argmin(contact.distances)])
-        else:
-            carriers[index] = under[_nearest(samples[index], piece, contact, frame)]
-        ground = [numbers[carrier]] if rigid else sorted({*every, numbers[carrier]})
-        riders.append(Rider(piece, carriers[index], samples[index], ground, rigid))
-        numbers[index] = len(numbers)
-    return Body(
-        np.concatenate([pieces[index].vertices for index in group]),
-        np.concatenate([pieces[index].points for index in group]),
-        np.concatenate([pieces[index].faces + own.start for index, (own, _, _) in zip(group, parts, strict=True)]),
-        parts,
-        riders,
-        frame,
-    )
-
-
-def _nearest(samples: Samples, piece: Piece, contact: Contact, frame: tuple[FloatArray, float]) -> IntArray:
-    """Find the nearest of those samples of a piece that have something under them, for each of its vertices."""
-    from scipy.spatial import KDTree
-
-    known = np.flatnonzero(np.isfinite(contact.distances))
-    centre, unit = frame
-    return known[KDTree(samples.points[known]).query((piece.points - centre) / unit)[1]]
