@@ -12,7 +12,7 @@ _STEPS = 8
 _FIRST = 12.0  # times the pull of the first pass, which only smooths what the stress crumpled
 _FIRST_STEPS = 4
 _FIRST_BENDING_WEIGHT = 0.6
-_MENDING_PULL = 200.0  # 1/area: lengths are mended and no limb is moved
+_RELAXING_PULL = 200.0  # 1/area: lengths are restored and no limb is moved
 
 
 def detailed(body: ElasticBody, form: FloatArray, preserve: float, monitor: Monitor) -> FloatArray:
@@ -71,7 +71,7 @@ def detailed(body: ElasticBody, form: FloatArray, preserve: float, monitor: Moni
     )
 
 
-def mended(body: ElasticBody, form: FloatArray, steps: int, monitor: Monitor, *, pressure: bool = False) -> FloatArray:
+def relaxed(body: ElasticBody, form: FloatArray, steps: int, monitor: Monitor, *, pressure: bool = False) -> FloatArray:
     """Mend the lengths of edges in a form whose limbs are where they belong.
 
     Parameters
@@ -104,12 +104,12 @@ def mended(body: ElasticBody, form: FloatArray, steps: int, monitor: Monitor, *,
     >>> points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
     >>> faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
     >>> body = ElasticBody(triangulated(points, faces), points, faces)
-    >>> np.allclose(mended(body, points, 2, Monitor()), points)
+    >>> np.allclose(relaxed(body, points, 2, Monitor()), points)
     True
     """
     return body.deformed_towards(
         form,
-        pull=_MENDING_PULL,
+        pull=_RELAXING_PULL,
         steps=steps,
         bending_weight=_FIRST_BENDING_WEIGHT,
         monitor=monitor,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..deformation.detail import mended
+from ..deformation.detail import relaxed
 from ..deformation.elastic_body import ElasticBody
 from ..mesh.connectivity import pairs_across_edges
 from ..numerics.arrays import FloatArray, IntArray
@@ -16,7 +16,7 @@ _BENDING = 2.0  # stiffness between vertices across an edge, which keeps the sur
 _EVEN = 3**-0.5  # stiffness in the shell of an edge between equilateral triangles
 _STIFFEST = 50.0  # over that
 _AVERAGED = 0.15  # diffusion time of the stretch that is taken back, as a share of the area: lengths are those of limbs
-_MENDING_STEPS = 4  # that smooth what the push crumpled
+_RELAXING_STEPS = 4  # that smooth what the push crumpled
 
 
 def straightened(
@@ -92,5 +92,5 @@ def straightened(
     form, _ = pushing.lowered(
         form, max_iterations=max_iterations, tolerance=tolerance, extrapolation=extrapolation, monitor=monitor
     )
-    form = mended(body, body.without_stretch(form, _AVERAGED), _MENDING_STEPS, monitor)
+    form = relaxed(body, body.without_stretch(form, _AVERAGED), _RELAXING_STEPS, monitor)
     return body.without_stretch(form, _AVERAGED)

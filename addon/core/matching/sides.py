@@ -74,7 +74,8 @@ def sides(one: Unfolded, other: Unfolded, monitor: Monitor) -> list[Side]:
     tried: list[tuple[float, Start, FloatArray]] = []
     ways = starts(one, other, rows, monitor)
     for number, start in enumerate(ways, start=1):
-        partner = refined(one, other, first_map(one, other, start, monitor, rows), _COUNTS, _NEAR, monitor, rows)
+        first = first_map(one, other, start, monitor, rows=rows)
+        partner = refined(one, other, first, _COUNTS, _NEAR, monitor, rows=rows)
         tried.append((_score(one, other, rows, partner), start, other.form[partner]))
         monitor.tick(number / len(ways))
     found: list[tuple[Side, FloatArray]] = []

@@ -21,7 +21,7 @@ _EVERY = slice(None)
 
 
 def first_map(
-    one: Unfolded, other: Unfolded, start: Start, monitor: Monitor, rows: IntArray | slice = _EVERY
+    one: Unfolded, other: Unfolded, start: Start, monitor: Monitor, *, rows: IntArray | slice = _EVERY
 ) -> IntArray:
     """Map each vertex to the one in its place, facing its way, as far from the feature points.
 
@@ -72,6 +72,7 @@ def refined(
     counts: Sequence[int],
     near: float,
     monitor: Monitor,
+    *,
     rows: IntArray | None = None,
 ) -> IntArray:
     """Refine a map between vertices through maps between eigenfunctions.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ..deformation.detail import detailed, mended
+from ..deformation.detail import detailed, relaxed
 from ..deformation.elastic_body import ElasticBody
 from ..deformation.struts import struts_through
 from ..distances.spectral import GreensFunction
@@ -28,7 +28,7 @@ from ..symmetry.mirror import MirrorMap, asymmetry, held_symmetric
 from ..symmetry.partners import mirror_partners
 
 _STEPS, _FEW_STEPS = 18, 6  # that make the start round: a straight arrangement hardly depends on it
-_MENDING_STEPS = 2  # after the form was held symmetric
+_RELAXING_STEPS = 2  # after the form was held symmetric
 
 
 def local_feature_form(found: SurfaceFeatures, settings: Settings, monitor: Monitor) -> MethodResult:
@@ -102,7 +102,7 @@ def local_feature_form(found: SurfaceFeatures, settings: Settings, monitor: Moni
             if mirror is not None:
                 firm = mirror.sure * min(1.0, 2 * (1 - settings.preserve_detail))
                 form = held_symmetric(body, form, mirror._replace(sure=firm))
-                form = mended(body, form, _MENDING_STEPS, monitor, pressure=True)
+                form = relaxed(body, form, _RELAXING_STEPS, monitor, pressure=True)
     partner = None if mirror is None else mirror.partner
     apart = float("nan") if partner is None else asymmetry(form, partner, body.mass)
     with monitor.stage("Prolongation"):

@@ -91,7 +91,7 @@ def in_place(
             found.to_features,
             found.limbs,
             embedded.partner,
-            settings.orientation,
+            stance=settings.orientation,
         )
         share = areas / areas.sum()
         shift = share @ found.whole_points - share @ form @ rotation

@@ -23,6 +23,7 @@ def upright_rotation(
     to_features: FloatArray,
     limbs: Limbs,
     partner: IntArray | None,
+    *,
     stance: str = "upright",
 ) -> FloatArray:
     """Find the rotation that makes a form stand: Z up, its face or the front of its trunk towards -Y.

@@ -40,7 +40,7 @@ def test_the_first_map_goes_by_distances_places_and_normals(body, renumbered):
     expected = nearest(here, there)
     assert first_map(body, other, way, Monitor()).tolist() == expected.tolist()
     rows = np.arange(5, len(body.form), 4)
-    assert first_map(body, other, way, Monitor(), rows).tolist() == expected[rows].tolist()
+    assert first_map(body, other, way, Monitor(), rows=rows).tolist() == expected[rows].tolist()
 
 
 def test_one_common_feature_point_is_enough_for_its_distances(body):
@@ -71,8 +71,8 @@ def test_refining_mends_a_map_that_is_off(body, renumbered, sampled):
     begin = truth[at].copy()
     wrong = chance.random(len(at)) < 0.2
     begin[wrong] = chance.integers(0, len(old), wrong.sum())
-    mended = refined(body, other, begin, (10, 20, 40), 0.3, Monitor(), rows)
-    off = np.linalg.norm(other.form[mended] - other.form[truth[at]], axis=1)
+    refined_map = refined(body, other, begin, (10, 20, 40), 0.3, Monitor(), rows=rows)
+    off = np.linalg.norm(other.form[refined_map] - other.form[truth[at]], axis=1)
     before = np.linalg.norm(other.form[begin] - other.form[truth[at]], axis=1)
     assert before.mean() > 0.05
     assert off.mean() < 0.01
