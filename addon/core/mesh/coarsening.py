@@ -9,7 +9,7 @@ import numpy as np
 from ..numerics.arrays import FloatArray, IntArray
 from ..numerics.blocks import AT_ONCE
 from ..run.monitor import Monitor
-from .connectivity import half_edges, undirected_keys
+from .connectivity import half_edges, pair_counts, undirected_keys
 from .geometry import area_vectors, vertex_areas
 
 if TYPE_CHECKING:
@@ -173,13 +173,11 @@ class _Links:
     """The edges of the present mesh, both ways, sorted by their tail, and on how many triangles each lies."""
 
     def __init__(self, faces: IntArray, count: int) -> None:
-        tail, head = half_edges(faces)
-        keys = np.concatenate([tail * count + head, head * count + tail])
-        keys.sort()
-        new = np.flatnonzero(np.concatenate([[True], keys[1:] != keys[:-1]])) if len(keys) else np.zeros(0, np.int64)
-        self.key, self.triangles = keys[new], np.minimum(np.diff(np.append(new, len(keys))), 3)
-        self.tail, self.head = np.divmod(self.key, count)
-        self.first = np.concatenate([[0], np.cumsum(np.bincount(self.tail, minlength=count))])
+        own = pair_counts(*half_edges(faces), count)
+        self._both = own + own.T.tocsr()
+        self.head, self.first = self._both.indices.astype(np.int64), self._both.indptr.astype(np.int64)
+        self.triangles = np.minimum(self._both.data.astype(np.int64), 3)
+        self.tail = np.repeat(np.arange(count), np.diff(self.first))
         self.count = count
 
     def out_of(self, vertices: IntArray) -> tuple[IntArray, IntArray]:
@@ -189,14 +187,9 @@ class _Links:
         within = np.arange(len(owner)) - np.repeat(np.cumsum(degree) - degree, degree)
         return owner, self.first[vertices][owner] + within
 
-    def hold(self, key: IntArray) -> np.ndarray:
-        """Tell which keys are edges."""
-        at = np.minimum(np.searchsorted(self.key, key), len(self.key) - 1)
-        return self.key[at] == key
-
     def triangles_on(self, tail: IntArray, head: IntArray) -> IntArray:
-        """Look up on how many triangles some edges lie, up to three."""
-        return self.triangles[np.searchsorted(self.key, tail * self.count + head)]
+        """Look up on how many triangles some edges lie, up to three; 0 where there is no edge."""
+        return np.minimum(np.asarray(self._both[tail, head], dtype=np.int64).ravel(), 3)
 
 
 def _quadrics(points: FloatArray, faces: IntArray) -> FloatArray:
@@ -321,7 +314,7 @@ def _harmless(
     closing = links.triangles[edge[~other]]  # one a vertex, in order
     owner, ring = owner[other], links.head[edge[other]]
     made = undirected_keys(onto[owner], ring, count)
-    old = links.hold(made)
+    old = links.triangles_on(onto[owner], ring) > 0
     good &= np.bincount(owner[old], minlength=len(leaving)) == closing
     # and no two removals may make the same one: the cheaper stays
     owner, made = owner[~old], made[~old]

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..numerics.arrays import FloatArray, IntArray
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_matrix
 
 
 def undirected_keys(tail: IntArray, head: IntArray, vertex_count: int) -> IntArray:
@@ -54,6 +58,33 @@ def half_edges(faces: IntArray) -> tuple[IntArray, IntArray]:
     return faces.ravel(), np.roll(faces, -1, axis=1).ravel()
 
 
+def pair_counts(tail: IntArray, head: IntArray, vertex_count: int) -> csr_matrix:
+    """Count how often each pair of vertices occurs in a list.
+
+    A sparse matrix sorts by counting, several times faster than a sort of keys.
+
+    Parameters
+    ----------
+    tail, head : (e,) ndarray of int
+        The two ends of each pair.
+    vertex_count : int
+        Number of vertices n.
+
+    Returns
+    -------
+    (n, n) scipy.sparse.csr_matrix of int
+        Entry (i, j) counts the pairs from i to j; the entries of each row are sorted.
+
+    Examples
+    --------
+    >>> pair_counts(np.array([0, 0, 1]), np.array([1, 1, 0]), 2).toarray().tolist()
+    [[0, 2], [1, 0]]
+    """
+    from scipy.sparse import coo_matrix
+
+    return coo_matrix((np.ones(len(tail), dtype=np.int32), (tail, head)), shape=(vertex_count, vertex_count)).tocsr()
+
+
 def is_closed(faces: IntArray) -> bool:
     """Check whether every edge lies between exactly two triangles.
 
@@ -95,8 +126,9 @@ def vertex_pairs(faces: IntArray) -> IntArray:
     [[0, 1], [0, 2], [1, 2], [1, 3], [2, 3]]
     """
     count = int(faces.max(initial=0)) + 1
-    key = np.unique(undirected_keys(*half_edges(faces), count))
-    return np.column_stack(np.divmod(key, count))
+    tail, head = half_edges(faces)
+    found = pair_counts(np.minimum(tail, head), np.maximum(tail, head), count)
+    return np.column_stack([np.repeat(np.arange(count), np.diff(found.indptr)), found.indices.astype(np.int64)])
 
 
 def component_labels(vertex_count: int, pairs: IntArray) -> IntArray:
