@@ -1,4 +1,4 @@
-"""Canonical Form: takes the pose out of a mesh. What `core` exports can be imported from here as well."""
+"""Canonical Form: takes the pose out of a mesh. Everything that `core` exports can also be imported from here."""
 
 from typing import Any
 
@@ -11,14 +11,14 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Take everything out of Blender that `register` put in."""
+    """Unregister everything that `register` registered."""
     from . import interface
 
     interface.unregister()
 
 
 def __getattr__(name: str) -> Any:
-    """Import a name of the core when it is first asked for: ``from canonical_form import Settings``."""
+    """Import a name of the core on first access: ``from canonical_form import Settings``."""
     from importlib import import_module
 
     core = import_module(".core", __name__)

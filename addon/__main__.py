@@ -1,4 +1,4 @@
-"""Runs ``python -m addon``: `compute`, `evaluate` and their likes, with Blender as a module or without it."""
+"""Runs ``python -m addon``: `compute`, `evaluate` and other commands, with Blender as a module or without it."""
 
 import sys
 from collections.abc import Sequence
@@ -10,7 +10,7 @@ def main(words: Sequence[str] | None = None) -> int:
     Parameters
     ----------
     words : sequence of str, optional
-        The words; those of this process when left out.
+        The arguments; those of this process if omitted.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Keeps standard output for result lines: what Blender itself prints goes to standard error."""
+"""Reserves standard output for result lines: what Blender prints goes to standard error."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from typing import TextIO
 
 
 def claim_output() -> TextIO:
-    """Take standard output away from everyone else until the process ends.
+    """Reserve standard output for the caller until the process ends.
 
-    Blender's own lines wait in a buffer and may come out at the very end, so there is no giving it back.
+    This is permanent, as Blender's own output is buffered and may be printed at the very end.
 
     Returns
     -------
     TextIO
-        The true standard output; file descriptor 1 leads to standard error from now on.
+        The original standard output; file descriptor 1 is redirected to standard error.
     """
     sys.stdout.flush()
     output = os.fdopen(os.dup(1), "w", encoding="utf-8", newline="\n")

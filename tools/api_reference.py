@@ -1,6 +1,6 @@
-"""Writes docs/api from the docstrings of the core, a page a room: `make docs`.
+"""Writes docs/api from the docstrings of the core, one page per room: `make docs`.
 
-With ``--check`` it only says whether all is current.
+With ``--check`` it only checks whether all pages are up to date.
 """
 
 import importlib
@@ -38,7 +38,7 @@ pages are made from the docstrings by `make docs`; [notation](../notation.md) li
 
 
 def pages() -> dict[str, str]:
-    """All pages by name of file: the list of them, the doors, then a page a room, from its first file to its last."""
+    """Return all pages by file name: the index, the doors, then one page per room, from the lowest to the highest."""
     core = importlib.import_module("addon.core")
     require_all(core, DOORS, packages=False)
     require_all(core, ROOMS, packages=True)
@@ -58,13 +58,13 @@ def pages() -> dict[str, str]:
 
 
 def names_in(package: ModuleType, *, packages: bool) -> list[str]:
-    """Names of the public modules or packages in a package."""
+    """Return the names of the public modules or packages in a package."""
     found = pkgutil.iter_modules(package.__path__)
     return [each.name for each in found if each.ispkg == packages and not each.name.startswith("_")]
 
 
 def require_all(package: ModuleType, listed: tuple[str, ...], *, packages: bool) -> None:
-    """Stop where the list and what is there differ."""
+    """Stop if the list and the existing modules differ."""
     odd = set(names_in(package, packages=packages)) ^ set(listed)
     if odd:
         raise SystemExit(
@@ -73,7 +73,7 @@ def require_all(package: ModuleType, listed: tuple[str, ...], *, packages: bool)
 
 
 def module_reference(module: ModuleType) -> Iterator[str]:
-    """Heading and docstring of a module, then everything public that is defined in it."""
+    """Yield heading and docstring of a module, then everything public that is defined in it."""
     yield f"## `{module.__name__}`\n\n{(module.__doc__ or '').strip()}\n"
     for each in vars(module).values():
         if not (inspect.isclass(each) or inspect.isfunction(each)):
@@ -88,7 +88,7 @@ def module_reference(module: ModuleType) -> Iterator[str]:
 
 
 def described(name: str, thing: Any) -> str:
-    """One heading, signature and docstring."""
+    """Return heading, signature and docstring of one object."""
     lines = [f"### `{name}`\n"]
     if inspect.isfunction(thing):
         lines.append(f"```python\n{name}{signature(thing)}\n```\n")
@@ -96,7 +96,7 @@ def described(name: str, thing: Any) -> str:
 
 
 def signature(function: Any) -> str:
-    """Parameters and defaults; types are told in the text."""
+    """Return parameters and defaults; the docstring has the types."""
     plain = [
         parameter.replace(annotation=inspect.Parameter.empty)
         for parameter in inspect.signature(function).parameters.values()
@@ -105,7 +105,7 @@ def signature(function: Any) -> str:
 
 
 def markdown(docstring: str) -> str:
-    """Turn numpydoc sections into headings, lists and, of examples, code."""
+    """Convert numpydoc sections to headings, lists and, for examples, code."""
     pieces = re.split(r"^([A-Z][a-z]+)\n-+\n", docstring, flags=re.MULTILINE)
     result = [plain(pieces[0])]
     for title, body in zip(pieces[1::2], pieces[2::2], strict=True):
@@ -120,12 +120,12 @@ def markdown(docstring: str) -> str:
 
 
 def plain(text: str) -> str:
-    """Text of a docstring as Markdown."""
+    """Convert the text of a docstring to Markdown."""
     return text.replace("``", "`").strip() + "\n"
 
 
 def entries(body: str) -> Iterator[str]:
-    """Lines of a list from a section of names and their meanings."""
+    """Yield the list items for a section of names and descriptions."""
     for entry in filter(None, re.split(r"^(?=\S)", body.replace("``", "`").strip(), flags=re.MULTILINE)):
         first, _, rest = entry.partition("\n")
         meaning = " ".join(textwrap.dedent(rest).split())
@@ -133,7 +133,7 @@ def entries(body: str) -> Iterator[str]:
 
 
 def main(check: bool) -> None:
-    """Write the pages, and remove those of rooms that are gone; or stop where one is not what it would be."""
+    """Write the pages and remove outdated ones; with `check`, only stop if a page is not up to date."""
     made = pages()
     old = {path.name: path.read_text(encoding="utf-8") for path in TARGET.glob("*.md")}
     if check:

@@ -1,8 +1,8 @@
-"""Runs the whole suite in every Blender that is a Python module, and the window session: `make blenders`.
+"""Runs all tests in every Blender that is a Python module, and the window session: `make blenders`.
 
-Each Blender gets an environment of its own in build/blenders, with the numpy that its program carries; its suite runs
-there, one after the other. What came out goes to the table of docs/reviewers.md. Words choose: ``4.2 5.2 window``; the
-last is the session in a window, of the Blender that `make test-window` takes.
+Each Blender gets an environment in build/blenders, with the numpy version of the Blender program; the tests run in one
+after the other. The results go to the table of docs/reviewers.md. Arguments select Blenders: ``4.2 5.2 window``; the
+last is the session in a window, with the Blender that `make test-window` uses.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from tools.environment import run  # noqa: E402
 
 FOLDER = ROOT / "build" / "blenders"
 PAGE = ROOT / "docs" / "reviewers.md"
-BLENDERS = {  # version: its Python, and the numpy that the program carries
+BLENDERS = {  # version: its Python, and the numpy version of the program
     "4.2": ("3.11", "1.24.3"),
     "4.5": ("3.11", "1.26.4"),
     "5.0": ("3.11", "1.26.4"),
@@ -34,14 +34,14 @@ TELL = "import bpy, numpy, sys; print(bpy.app.version_string, *sys.version_info[
 
 
 def interpreter(version: str) -> str | None:
-    """Find a Python of a version: on the path, or one that pyenv keeps."""
+    """Return a Python interpreter of a version, from the path or from pyenv."""
     kept = Path(os.environ.get("PYENV_ROOT", Path.home() / ".pyenv")) / "versions"
     found = [*sorted(kept.glob(f"{version}.*/bin/python")), shutil.which(f"python{version}")]
     return next((str(each) for each in found if each), None)
 
 
 def python_of(blender: str) -> Path | None:
-    """Make the environment of a Blender, or find it; None where its Python is not at hand."""
+    """Create the environment of a Blender, or find it; None if its Python is not installed."""
     python, numpy = BLENDERS[blender]
     folder = FOLDER / blender
     inside = folder / "bin" / "python"
@@ -64,7 +64,7 @@ def python_of(blender: str) -> Path | None:
 
 
 def suite(blender: str) -> list[str]:
-    """Run the suite in a Blender; the cells of its row."""
+    """Run the tests in a Blender and return the cells of its row."""
     python = python_of(blender)
     if python is None:
         return [blender, BLENDERS[blender][0], "", "not run: this Python is not here", "", ""]
@@ -72,7 +72,7 @@ def suite(blender: str) -> list[str]:
         [python, "-c", TELL], capture_output=True, text=True, check=True
     ).stdout.splitlines()[-1].split("|")  # fmt: skip
     report = FOLDER / f"{blender}.xml"
-    report.unlink(missing_ok=True)  # an earlier run's
+    report.unlink(missing_ok=True)  # from an earlier run
     began = time.perf_counter()
     done = subprocess.run(
         [python, "-m", "pytest", "-q", "-n", "logical", "--maxprocesses", "4", "--dist", "loadfile",
@@ -95,7 +95,7 @@ def suite(blender: str) -> list[str]:
 
 
 def window() -> list[str]:
-    """Run the window session; the cells of its row."""
+    """Run the window session and return the cells of its row."""
     began = time.perf_counter()
     command = [sys.executable, str(ROOT / "tests" / "window" / "run.py")]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
@@ -108,7 +108,7 @@ def window() -> list[str]:
 
 
 def write(rows: list[list[str]]) -> None:
-    """Put the rows into the table of the page, in place of those of the same Blenders."""
+    """Write the rows to the table of the page, replacing those of the same Blenders."""
     before, rest = PAGE.read_text(encoding="utf-8").split("<!-- blenders -->\n", 1)
     old, after = rest.split("<!-- end of blenders -->", 1)
     head = ["Blender", "Python", "numpy", "suite", "time", "commit"]

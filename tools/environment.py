@@ -1,7 +1,7 @@
-"""Makes the environment that `make run` and `make test` use: a `.venv` with bpy and the test tools.
+"""Creates the environment that `make run` and `make test` use: a `.venv` with bpy and the test tools.
 
-Needs nothing but Python 3.11 or 3.13. As root on a Debian-like machine it also installs what bpy and venv miss; anyone
-else is told the command.
+Needs only Python 3.11 or 3.13. As root on a Debian-like system it also installs the packages that bpy and venv lack;
+otherwise it prints the command.
 """
 
 import hashlib
@@ -17,7 +17,7 @@ REQUIREMENTS = ROOT / "tools" / "requirements.txt"
 VENV = ROOT / ".venv"
 PYTHON = VENV / "bin" / "python"
 VERSIONS = ("3.11", "3.13")
-LIBRARIES = {  # shared libraries of the bpy wheel that a bare machine lacks, and the Debian packages that have them
+LIBRARIES = {  # shared libraries that the bpy wheel needs and a minimal system lacks, and their Debian packages
     "libX11": "libx11-6",
     "libXi": "libxi6",
     "libXxf86vm": "libxxf86vm1",

@@ -1,7 +1,7 @@
 """Builds the extension: `make package`.
 
-Fetches the scipy wheels that the manifest lists, and has Blender's own builder write one zip a platform to `build/`.
-With ``--here`` only the wheels of Linux are fetched and one zip is written to `build/here/`, for tests.
+Downloads the scipy wheels that the manifest lists, and runs Blender's own builder, which writes one zip per platform
+to `build/`. With ``--here`` only the Linux wheels are downloaded and one zip is written to `build/here/`, for tests.
 """
 
 import re
@@ -30,7 +30,7 @@ def main(here: bool) -> list[Path]:
         cwd=ROOT, capture_output=True, text=True, check=True,
     ).stdout.split()  # fmt: skip
     for name in tracked:
-        if name.startswith("addon/evaluation/"):  # for researchers, from the source
+        if name.startswith("addon/evaluation/"):  # for research, from the source code
             continue
         (stage / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(ROOT / name, stage / name)
@@ -58,7 +58,7 @@ def main(here: bool) -> list[Path]:
 
 
 def fetch(wheels: list[str], folder: Path) -> None:
-    """Download the wheels that are not there yet."""
+    """Download the missing wheels."""
     for wheel in wheels:
         if (folder / wheel).exists():
             continue
@@ -73,7 +73,7 @@ def fetch(wheels: list[str], folder: Path) -> None:
 
 
 def blender_builder() -> Path:
-    """Find Blender's own command-line tool for extensions inside the bpy module."""
+    """Return Blender's own command-line tool for extensions, inside the bpy module."""
     import bpy
 
     found = sorted(Path(bpy.utils.resource_path("LOCAL")).rglob("bl_pkg/cli/blender_ext.py"))
@@ -83,7 +83,7 @@ def blender_builder() -> Path:
 
 
 def check_content(path: Path) -> None:
-    """Refuse a zip of anything but code, languages, the manifest, the licence and wheels, or of an empty folder."""
+    """Reject a zip with anything but code, languages, the manifest, the licence and wheels, or with an empty folder."""
     names = zipfile.ZipFile(path).namelist()
     wanted = re.compile(
         r"(__init__\.py|blender_manifest\.toml|LICENSE|addon/(?!evaluation/).+\.py|addon/languages/\w+\.json"
@@ -95,7 +95,7 @@ def check_content(path: Path) -> None:
 
 
 def tell(command: list) -> None:
-    """Run a command and stop where it fails."""
+    """Run a command and stop if it fails."""
     done = subprocess.run(command)
     if done.returncode:
         sys.exit(f"Failed: {' '.join(map(str, command))}")

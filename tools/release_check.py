@@ -1,7 +1,7 @@
-"""Refuses a release whose version is not the same everywhere: `python tools/release_check.py v1.2.3`.
+"""Rejects a release whose version differs between files: `python tools/release_check.py v1.2.3`.
 
-The tag, the manifest, pyproject.toml, CITATION.cff and the newest released section of the changelog have to state one
-version. Exit code 0: they do; 1: they do not, with one sentence a disagreement; 2: no tag was given.
+The tag, the manifest, pyproject.toml, CITATION.cff and the latest released section of the changelog must have the same
+version. Exit code 0: they do; 1: they do not, with one message per difference; 2: no tag was given.
 """
 
 from __future__ import annotations
@@ -16,23 +16,23 @@ ROOT = Path(__file__).resolve().parents[1]
 
 
 def manifest_version(text: str) -> str | None:
-    """Read the version of the extension from the text of its manifest; None where it states none."""
+    """Read the version of the extension from the text of its manifest; None if there is none."""
     return tomllib.loads(text).get("version")
 
 
 def project_version(text: str) -> str | None:
-    """Read the version of the project from the text of pyproject.toml; None where it states none."""
+    """Read the version of the project from the text of pyproject.toml; None if there is none."""
     return tomllib.loads(text).get("project", {}).get("version")
 
 
 def citation_version(text: str) -> str | None:
-    """Read the version from the text of CITATION.cff, from its top level only; None where it states none."""
+    """Read the version from the text of CITATION.cff, from its top level only; None if there is none."""
     found = re.search(r"""^version:\s*["']?([^"'\s#]+)""", text, flags=re.MULTILINE)
     return found.group(1) if found else None
 
 
 def released_version(text: str) -> str | None:
-    """Read the version of the changelog's first section that is not marked as unreleased; None where all are.
+    """Read the version of the changelog's first section that is not marked as unreleased; None if there is none.
 
     Examples
     --------
@@ -55,7 +55,7 @@ PLACES: dict[str, Callable[[str], str | None]] = {
 
 
 def disagreements(tag: str, root: Path) -> list[str]:
-    """Compare a tag with the versions that the files of a checkout state.
+    """Compare a tag with the versions in the files of a checkout.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def disagreements(tag: str, root: Path) -> list[str]:
     Returns
     -------
     list of str
-        One sentence for each disagreement; empty where all is well.
+        One message per difference; empty if there are none.
     """
     if not re.fullmatch(r"v\d+\.\d+\.\d+", tag):
         return [f"The tag {tag!r} is not of the form vX.Y.Z."]
@@ -86,7 +86,7 @@ def disagreements(tag: str, root: Path) -> list[str]:
 
 
 def main(arguments: list[str]) -> int:
-    """Print the disagreements between the tag that is the only argument and this checkout; return the exit code."""
+    """Print the differences between the tag, the only argument, and this checkout; return the exit code."""
     if len(arguments) != 1:
         print("Usage: python tools/release_check.py vX.Y.Z", file=sys.stderr)
         return 2

@@ -1,14 +1,14 @@
-"""Measures the figures of the documents again and tells those that differ: ``release_figures.py DATA``.
+"""Measures the figures of the documents again and reports those that differ: ``release_figures.py DATA``.
 
-Each benchmark writes its tables as Markdown. Every table and every sentence with figures that it wrote has to stand in
-its page of the documents, with the same words and with figures that are within their tolerance of the measured ones.
-The tolerances are those of tools/release_tolerances.toml; a figure that it does not name has to agree to one unit of
-its last digit. What was measured is kept in build/release by the state of code, packages and meshes, so that a
-run that was stopped goes on, and mending a page measures nothing again.
+Each benchmark writes its tables as Markdown. Every table, and every sentence with figures, must be on its page of the
+documents, with the same words and with figures within their tolerance of the measured ones. The tolerances are
+defined in tools/release_tolerances.toml; any other figure must agree to one unit of its last digit. Results are
+stored in build/release by the state of code, packages and meshes, so that a stopped run can be resumed, and a
+corrected page needs no new measurement.
 
-With ``--write`` the measured tables and sentences take the place of those on the pages, whose words stay.
+With ``--write`` the measured tables and sentences replace those on the pages; other text is kept.
 
-Exit code 0: all figures agree; 1: some do not, with one sentence each; 2: a benchmark failed.
+Exit code 0: all figures agree; 1: some do not, with one message each; 2: a benchmark failed.
 """
 
 from __future__ import annotations
@@ -43,10 +43,10 @@ class Benchmark:
     Attributes
     ----------
     page : str
-        The page, from the top of the checkout.
+        Path of the page in the checkout.
     commands : tuple of tuple of str
-        Python's arguments. {data} stands for the folder of meshes, {out} for the file to write, {work} for a folder
-        that is kept; * for what a pattern of paths finds. What a command without {out} prints is its tables.
+        Arguments for Python. {data} is replaced by the folder of meshes, {out} by the file to write, {work} by a folder
+        that is kept; * by the paths that match the pattern. The output of a command without {out} is its tables.
     """
 
     page: str
@@ -86,7 +86,7 @@ BENCHMARKS: Mapping[str, Benchmark] = {
 
 
 def figures_in(text: str) -> tuple[str, list[str]]:
-    """Take the figures out of a text.
+    """Separate the figures from a text.
 
     Parameters
     ----------
@@ -96,9 +96,9 @@ def figures_in(text: str) -> tuple[str, list[str]]:
     Returns
     -------
     words : str
-        The text with # in the place of each figure.
+        The text with # in place of each figure.
     figures : list of str
-        The figures as they are written.
+        The figures as written.
 
     Examples
     --------
@@ -109,7 +109,7 @@ def figures_in(text: str) -> tuple[str, list[str]]:
 
 
 def agrees(told: str, measured: str, tolerance: float) -> bool:
-    """Tell whether two figures differ by no more than one unit of the last digit told, or than a share of the measured.
+    """Return whether two figures differ by at most one unit of the last digit of `told`, or a share of `measured`.
 
     Examples
     --------
@@ -134,27 +134,27 @@ class Block:
 
     @property
     def is_table(self) -> bool:
-        """Whether its first line is the head of a table."""
+        """Whether it is a table, so that its first line is the header."""
         return self.lines[0].startswith("|")
 
     @property
     def words(self) -> str:
-        """What it is found by: the head of a table, or the words between a paragraph's figures."""
+        """Its key for comparison: the header of a table, or the words between a paragraph's figures."""
         return " ".join(self.lines[0].split()) if self.is_table else figures_in(" ".join(self.lines))[0]
 
     @property
     def rows(self) -> list[list[str]]:
-        """The cells of a table, below its head."""
+        """The cells of a table, without the header."""
         return [_cells(line) for line in self.lines[2:]]
 
 
 def _cells(line: str) -> list[str]:
-    """Split a line of a table at the bars that no backslash escapes."""
+    """Split a line of a table at unescaped bars."""
     return [cell.strip() for cell in re.split(r"(?<!\\)\|", line.strip())[1:-1]]
 
 
 def blocks_of(text: str) -> list[Block]:
-    """Split a page of Markdown into its tables and paragraphs; comments and headings are none."""
+    """Split a page of Markdown into its tables and paragraphs, without comments and headings."""
     blocks, heading, lines = [], "", []
     for number, line in enumerate([*text.splitlines(), ""]):
         if line.strip() and not line.startswith(("#", "<!--")):
@@ -168,21 +168,21 @@ def blocks_of(text: str) -> list[Block]:
 
 
 def disagreements(page: str, told: str, measured: str, tolerances: Mapping[str, Mapping[str, float]]) -> list[str]:
-    """Compare what a page tells with what was measured.
+    """Compare a page with the measured results.
 
     Parameters
     ----------
     page : str
-        Name of the page, for the sentences.
+        Name of the page, for the messages.
     told, measured : str
-        Markdown: the whole page, and the tables and sentences that have to stand in it.
+        Markdown: the whole page, and the tables and sentences that it must contain.
     tolerances : mapping of str to mapping of str to float
         By the heading on the page and the column ("text" for paragraphs, "*" for all others), as shares.
 
     Returns
     -------
     list of str
-        One sentence for each figure that differs, and for each table or sentence that is not there.
+        One message for each figure that differs, and for each table or sentence that is missing.
     """
     sentences = []
     for block, told_block in _pairs(told, measured):
@@ -206,7 +206,7 @@ def disagreements(page: str, told: str, measured: str, tolerances: Mapping[str, 
 
 
 def rewritten(told: str, measured: str) -> str:
-    """Put the measured tables and sentences into the page in the places of those that it tells."""
+    """Replace tables and sentences of the page by the measured ones."""
     lines = told.splitlines()
     pairs = [(block, old) for block, old in _pairs(told, measured) if old is not None]
     for block, old in sorted(pairs, key=lambda pair: pair[1].start, reverse=True):
@@ -215,13 +215,13 @@ def rewritten(told: str, measured: str) -> str:
 
 
 def _pairs(told: str, measured: str) -> list[tuple[Block, Block | None]]:
-    """Each measured table, and each sentence with figures, with the one on the page that has its words."""
+    """Pair each measured table, and each sentence with figures, with the block of the page that has the same words."""
     there, pairs = blocks_of(told), []
     for block in blocks_of(measured):
         if block.is_table or figures_in(" ".join(block.lines))[1]:
             found = [each for each in there if each.words == block.words and block.heading in ("", each.heading)]
             pairs.append((block, found[0] if found else None))
-            there = [each for each in there if not found or each is not found[0]]  # tables of one head are in one order
+            there = [each for each in there if not found or each is not found[0]]  # tables of one header are in order
     return pairs
 
 
@@ -238,7 +238,7 @@ def _differing(told: str, measured: str, tolerance: float, where: str) -> list[s
 
 
 def state_of(data: Path) -> str:
-    """Digest of all on which a figure depends: code, Python, packages, and the names, sizes and times of the meshes."""
+    """Return a digest of all that figures depend on: code, Python, packages, and names, sizes and times of meshes."""
     digest = hashlib.sha256(sys.version.encode())
     for name in PACKAGES:
         digest.update(f"{name} {importlib.metadata.version(name)}\0".encode())
@@ -252,12 +252,12 @@ def state_of(data: Path) -> str:
 
 
 def measured_by(benchmark: Benchmark, data: Path, work: Path, out: Path) -> str:
-    """Run the commands of a benchmark, unless an earlier run of the same code has; return the Markdown they made.
+    """Run the commands of a benchmark, unless stored results of the same code exist; return the Markdown.
 
     Raises
     ------
     subprocess.CalledProcessError
-        Where one of them fails.
+        If a command fails.
     """
     if out.is_file():
         return out.read_text(encoding="utf-8")
@@ -278,7 +278,7 @@ def measured_by(benchmark: Benchmark, data: Path, work: Path, out: Path) -> str:
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Measure, compare, print the sentences; return the exit code."""
+    """Measure, compare, print the messages; return the exit code."""
     parser = argparse.ArgumentParser(description="Measure the figures of the documents again.")
     parser.add_argument("data", type=Path, help="folder with a subfolder of .obj poses a shape, and rigs in creatures")
     parser.add_argument("--only", nargs="*", choices=BENCHMARKS, help="benchmarks to run (default: all)")

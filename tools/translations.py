@@ -1,8 +1,8 @@
-"""Gathers what the extension says, for translators, and packs what they wrote: `make translations`.
+"""Extracts the texts of the extension for translators, and packs their translations: `make translations`.
 
-Writes the template tools/languages/canonical_form.pot, brings the .po files beside it up to date (what is new is empty,
-what is gone is dropped), and writes each as a .json file in addon/languages, which is handed to Blender. With
-``--check`` it only says whether all is current and complete.
+Writes the template tools/languages/canonical_form.pot, updates the .po files next to it (new texts are empty, obsolete
+ones are dropped), and writes each as a .json file in addon/languages, which is registered with Blender. With
+``--check`` it only checks whether everything is up to date and complete.
 """
 
 from __future__ import annotations
@@ -30,11 +30,11 @@ from addon.interface import pose_operators, tool_operators  # noqa: E402
 
 TEXTS = ROOT / "tools" / "languages"
 PACKED = ROOT / "addon" / "languages"
-DRAWN = {"text", "heading"}  # arguments of layouts
+DRAWN = {"text", "heading"}  # arguments of layout functions
 
 
 def literals() -> Iterator[str]:
-    """Sentences in the source: what `told` is given, what layouts draw, and the stages of progress."""
+    """Yield the texts in the source: arguments of `told`, texts of layouts, and stages of progress."""
     for path in sorted(ROOT.glob("addon/**/*.py")):
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if not isinstance(node, ast.Call):
@@ -48,7 +48,7 @@ def literals() -> Iterator[str]:
 
 
 def registered() -> Iterator[tuple[str, str]]:
-    """Each label of what is registered with Blender, with its tooltip; "" where it has none."""
+    """Yield each label registered with Blender, with its tooltip; "" if there is none."""
     kinds = (bpy.types.Operator, bpy.types.Panel, bpy.types.Menu, bpy.types.UIList, bpy.types.PropertyGroup,
              bpy.types.AddonPreferences)  # fmt: skip
     for kind in kinds:
@@ -69,7 +69,7 @@ def registered() -> Iterator[tuple[str, str]]:
 
 
 def messages() -> tuple[list[str], set[str]]:
-    """Everything that the extension says, without repetition, in a lasting order; and which of it are tooltips."""
+    """Return all texts of the extension, without duplicates and in a stable order, and which of them are tooltips."""
     addon.register()
     pairs = [*registered()]
     addon.unregister()
@@ -84,13 +84,13 @@ def messages() -> tuple[list[str], set[str]]:
 
 
 def places(sentence: str) -> set[tuple[str, str | None, str | None]]:
-    """What a sentence has values for: each name in braces, with how it is written and converted."""
+    """Return the placeholders of a text: each name in braces, with its format and conversion."""
     parts = string.Formatter().parse(sentence)
     return {(name, form, conversion) for _, name, form, conversion in parts if name is not None}
 
 
 def brought_up_to_date(path: Path, found: list[str]) -> polib.POFile:
-    """Read the sentences of a language, in the order of the template."""
+    """Read the translations of a language, in the order of the template."""
     old = {entry.msgid: entry.msgstr for entry in polib.pofile(str(path))} if path.exists() else {}
     made = polib.POFile(wrapwidth=120)
     made.metadata = {"Content-Type": "text/plain; charset=utf-8", "Language": path.stem}
@@ -100,23 +100,23 @@ def brought_up_to_date(path: Path, found: list[str]) -> polib.POFile:
 
 
 def packed(texts: polib.POFile, tooltips: set[str]) -> str:
-    """Write the sentences of a language as the extension reads them, and which of them are tooltips."""
+    """Write the translations of a language in the format of the extension, and which of them are tooltips."""
     words = {entry.msgid: entry.msgstr for entry in texts if entry.msgstr}
     both = {"sentences": words, "tooltips": [english for english in words if english in tooltips]}
     return json.dumps(both, ensure_ascii=False, indent=0) + "\n"
 
 
 def faults(texts: polib.POFile) -> list[str]:
-    """What is missing in a language, or would fail when it is said."""
+    """Return what is missing in a language, or would fail when it is used."""
     missing = [f"no words for: {entry.msgid}" for entry in texts if not entry.msgstr]
     return missing + [f"other values in braces: {entry.msgid}" for entry in texts if entry.msgstr and not _fits(entry)]
 
 
 def _fits(entry: polib.POEntry) -> bool:
-    """Tell whether a translation takes the values of its sentence."""
+    """Return whether a translation accepts the values of its text."""
     try:
         return places(entry.msgstr) == places(entry.msgid)
-    except ValueError:  # a brace without its other
+    except ValueError:  # an unmatched brace
         return False
 
 
@@ -143,4 +143,4 @@ def main(check: bool) -> int:
 if __name__ == "__main__":
     code = main("--check" in sys.argv)
     sys.stdout.flush()
-    os._exit(code)  # Blender 4.2 as a module crashes on its way out once a property with a callback was registered
+    os._exit(code)  # Blender 4.2 as a module crashes on exit once a property with a callback was registered

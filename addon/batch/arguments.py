@@ -1,4 +1,4 @@
-"""The words of the command line, their help, and what they ask for."""
+"""The arguments of the command line, their help, and the run that they describe."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ one mesh failed, 2 the words make no sense, 130 stopped by Ctrl+C.
 
 @dataclass(frozen=True, eq=False)
 class Wanted:
-    """What a run is to do with each file.
+    """What a run does with each file.
 
     Attributes
     ----------
@@ -57,34 +57,34 @@ class Wanted:
     settings : Settings
         Options of the method.
     shown : bool
-        Whether the mesh is taken as modifiers, armature and shape keys show it.
+        Whether to use meshes as modifiers, armatures and shape keys show them.
     frames : tuple of int
-        Frames to take it at; empty for the one that the file was saved at.
+        Frames to compute; empty for the frame at which the file was saved.
     frame_keys : bool
-        Whether the forms of all frames are shape keys of one .blend.
+        Whether to store the forms of all frames as shape keys in one .blend file.
     objects : tuple of str
-        Names of the objects wanted; all where empty.
+        Names of the objects to compute; empty for all.
     together : bool
-        Whether all objects of a file are one body.
+        Whether all objects of a file form one body.
     axes : (3, 3) ndarray of float or None
-        Rotation from the axes of the scene to those of the file, for rows; None to write .obj and .ply in the space of
-        the mesh.
+        Rotation from the axes of the scene to those of the file, for row vectors; None to write .obj and .ply in local
+        space.
     value : float
-        Value of the shape key in a .blend.
+        Value of the shape key in a .blend file.
     trusted : bool
         Whether scripts and Python drivers in .blend files run.
     skip_existing : bool
-        Leave out what has its result already.
+        Skip files that already have a result.
     pose : str
-        Name of a mannequin, 'T' or 'A', whose pose is taken; empty for that of a reference.
+        The mannequin that provides the pose, 'T' or 'A'; empty to use the pose of a reference.
     side : int
-        Which way to match: -1 for the likeliest, or its number.
+        Which way to match: -1 for the most likely, or its index.
     mark : str
-        Tells unfinished files of this run from those of others.
+        Distinguishes temporary files of this run from those of others.
     stages : bool
-        Whether each worker shows the stage that it is at.
+        Whether each worker shows its current stage.
     inputs : tuple of Path
-        Every file of the run: none is written over.
+        All files of the run: none of them is overwritten.
     """
 
     output: Path
@@ -107,28 +107,28 @@ class Wanted:
 
 
 def parsed(words: list[str]) -> argparse.Namespace:
-    """Parse the words of the command line.
+    """Parse the arguments of the command line.
 
     Parameters
     ----------
     words : list of str
-        The words after the name of the command.
+        The arguments after the name of the command.
 
     Returns
     -------
     argparse.Namespace
-        The options; `wanted_of` makes sense of them.
+        The options; `wanted_of` interprets them.
 
     Raises
     ------
     SystemExit
-        If help was asked for, or the words make no sense.
+        If help was requested, or the arguments are invalid.
     """
     return _parser().parse_args(words)
 
 
 def wanted_of(options: argparse.Namespace, **more: Any) -> Wanted:
-    """Make sense of the options.
+    """Interpret the options.
 
     Parameters
     ----------
@@ -140,12 +140,12 @@ def wanted_of(options: argparse.Namespace, **more: Any) -> Wanted:
     Returns
     -------
     Wanted
-        What is to be done with each file.
+        What to do with each file.
 
     Raises
     ------
     CanonicalFormError
-        If an option is out of its range; the sentence names it.
+        If an option is out of range; the message names it.
     """
     frames = _frames(options.frames) if options.frames else () if options.frame is None else (options.frame,)
     frame_keys = options.frames_as == "keys"
@@ -221,7 +221,7 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _add_files(parser: argparse.ArgumentParser) -> None:
-    """Offer what is read and written."""
+    """Add the arguments for input and output files."""
     files = parser.add_argument_group("files")
     files.add_argument(
         "meshes", nargs="+", type=Path, metavar="MESH", help=f"files, folders or patterns ({', '.join(READ)})"
@@ -251,7 +251,7 @@ def _add_files(parser: argparse.ArgumentParser) -> None:
 
 
 def _add_trust(group: argparse._ArgumentGroup | argparse.ArgumentParser) -> None:
-    """Offer to trust the files."""
+    """Add the option to trust the files."""
     group.add_argument(
         "--trust-scripts", action="store_true", help="the files are your own: run scripts and Python drivers in .blend "
         "files, and take in what files name outside their folders",
@@ -259,7 +259,7 @@ def _add_trust(group: argparse._ArgumentGroup | argparse.ArgumentParser) -> None
 
 
 def _add_axes(group: argparse._ArgumentGroup) -> None:
-    """Offer how results are placed in files."""
+    """Add the options for the placement of results in files."""
     group.add_argument(
         "--axes", metavar="UP,FACING", help="axes of .obj, .ply and .off files: which way is up and which way upright "
         "bodies face, as Z,-Y in Blender or Y,Z in most .obj files (default: the space of the mesh)",
@@ -268,7 +268,7 @@ def _add_axes(group: argparse._ArgumentGroup) -> None:
 
 
 def _add_side(group: argparse._ArgumentGroup | argparse.ArgumentParser) -> None:
-    """Offer the ways to match."""
+    """Add the option for the way to match."""
     group.add_argument(
         "--side", type=int, default=-1, metavar="N",
         help="which way to match left and right, front and back: -1 for the likeliest, or its number from 0",
@@ -276,7 +276,7 @@ def _add_side(group: argparse._ArgumentGroup | argparse.ArgumentParser) -> None:
 
 
 def _add_method(parser: argparse.ArgumentParser, placing: argparse._ArgumentGroup | None) -> None:
-    """Offer the options of the method; where forms are placed, that of how they lie there."""
+    """Add the options of the method; if forms are placed, the orientation goes to the group for placement."""
     default = Settings()
     method = parser.add_argument_group("the method (lengths in units of the root of the area)")
     for name, about in options_of(Settings).items():
@@ -288,7 +288,7 @@ def _add_method(parser: argparse.ArgumentParser, placing: argparse._ArgumentGrou
 
 
 class _Help(argparse.ArgumentDefaultsHelpFormatter, argparse.RawDescriptionHelpFormatter):
-    """Shows defaults where there are any, and keeps the lines of the examples."""
+    """Shows default values if there are any, and keeps the line breaks of the examples."""
 
     def _get_help_string(self, action: argparse.Action) -> str | None:
         if action.default in (None, False):
@@ -297,12 +297,12 @@ class _Help(argparse.ArgumentDefaultsHelpFormatter, argparse.RawDescriptionHelpF
 
 
 def _flag(name: str) -> str:
-    """Spell an option as on the command line."""
+    """Return the name of an option on the command line."""
     return "--" + name.replace("_", "-")
 
 
 def _add_option(parser: argparse._ArgumentGroup, name: str, about: Option, default: Any) -> None:
-    """Offer an option of the method on the command line."""
+    """Add an option of the method to the command line."""
     told: dict[str, Any] = {"default": default, "help": (about.help[0].lower() + about.help[1:]).replace("%", "%%")}
     if name == "method":
         told["choices"] = tuple(methods())
@@ -314,7 +314,7 @@ def _add_option(parser: argparse._ArgumentGroup, name: str, about: Option, defau
 
 
 def settings_of(options: argparse.Namespace) -> Settings:
-    """Make settings of the options of the method.
+    """Create settings from the options of the method.
 
     Parameters
     ----------
@@ -329,7 +329,7 @@ def settings_of(options: argparse.Namespace) -> Settings:
     Raises
     ------
     CanonicalFormError
-        If one is out of its range.
+        If an option is out of range.
     """
     words = vars(options)
     former = current_options({name: words[name] for name in former_options() if name in words})
@@ -345,7 +345,7 @@ def settings_of(options: argparse.Namespace) -> Settings:
 
 
 def _axes(text: str, kind: str) -> FloatArray:
-    """Make the rotation to axes given as UP,FACING."""
+    """Return the rotation to axes given as UP,FACING."""
     if kind not in ("obj", "ply", "off"):
         raise CanonicalFormError(f"--axes is for .obj, .ply and .off; .{kind} has axes of its own.")
     named = {
@@ -357,11 +357,11 @@ def _axes(text: str, kind: str) -> FloatArray:
     if len(words) != 2 or any(word not in named for word in words) or words[0][-1] == words[1][-1]:
         raise CanonicalFormError(f"--axes must be two different axes, as Z,-Y; got {text}.")
     up, facing = named[words[0]], named[words[1]]
-    return np.array([np.cross(up, facing), -facing, up])  # where X, Y and Z of the scene go
+    return np.array([np.cross(up, facing), -facing, up])  # images of X, Y and Z of the scene
 
 
 def _frames(text: str) -> tuple[int, ...]:
-    """List the frames of A:B or A:B:STEP."""
+    """Return the frames of A:B or A:B:STEP."""
     try:
         numbers = [int(word) for word in text.split(":")]
         first, last, step = (*numbers, 1)[:3]

@@ -1,4 +1,4 @@
-"""The command: words in, files worked on by as many processes as wanted, lines out."""
+"""The command line: arguments in, files processed by the requested number of workers, result lines out."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from .lines import SCHEMA, FileCount, Line, complain
 from .plain_files import has_blender
 from .targets import Targets
 
-_ATTEMPTS = 2  # of a file that may have cost a worker the life: another may have
+_ATTEMPTS = 2  # of a file that may have killed its worker: another file may be the cause
 _CRASHED = "Blender crashed on this file; it may be damaged, or the memory was not enough."
 
 
@@ -34,16 +34,16 @@ def main(words: Sequence[str], output: TextIO, *, alone: bool = False) -> int:
     Parameters
     ----------
     words : sequence of str
-        The words after the name of the command.
+        The arguments after the name of the command.
     output : TextIO
-        Where the lines go.
+        Stream for the result lines.
     alone : bool
         Work in this process, as inside Blender.
 
     Returns
     -------
     int
-        0 if every mesh was done, 1 if one failed, 2 if the words make no sense, 130 if stopped by the keyboard.
+        0 if every mesh was computed, 1 if one failed, 2 for invalid arguments, 130 after a keyboard interrupt.
     """
     try:
         with redirect_stdout(output):  # for --help
@@ -70,7 +70,7 @@ def main(words: Sequence[str], output: TextIO, *, alone: bool = False) -> int:
 
 
 class _Run:
-    """All the files of a run."""
+    """A run over several files."""
 
     def __init__(self, options: Namespace, alone: bool) -> None:
         if options.jobs < 1:
@@ -80,7 +80,7 @@ class _Run:
                 "Inside Blender there is one job only. For --jobs and --scheduler use Blender as a module "
                 "(pip install bpy, python -m addon)."
             )
-        if options.scheduler:  # the workers have working folders of their own
+        if options.scheduler:  # the workers have their own working directories
             options.output = options.output.resolve()
             options.meshes = [path.resolve() for path in options.meshes]
         files = found_files(options.meshes, options.output)
@@ -107,7 +107,7 @@ class _Run:
         self._told = {"done": 0, "failed": 0, "skipped": 0}
 
     def all(self, output: TextIO) -> int:
-        """Do all the files and tell of each as it ends."""
+        """Process all files and report each when it is finished."""
         began = time.monotonic()
         pending = [number for number, each in enumerate(self._targets) if not self._is_done(each)]
         for number in sorted(set(range(len(self._targets))) - set(pending)):
@@ -128,17 +128,17 @@ class _Run:
         return int(self._told["failed"] > 0)
 
     def close(self) -> None:
-        """Let the workers go, and remove what they left half-written."""
+        """Release the workers, and remove their partial files."""
         self._crew.close()
         for partial in self.wanted.output.glob(f".*.{self.wanted.mark}.partial*"):
             partial.unlink(missing_ok=True)
 
     def _is_done(self, targets: Targets) -> bool:
-        """Return whether a file has its only result already; several are looked for when it is open."""
+        """Return whether a file already has its only result; several results are checked when the file is open."""
         return self.wanted.skip_existing and not self.wanted.frames and targets.of_file().exists()
 
     def _reference(self) -> CanonicalForm | Likeness | None:
-        """Compute the form of the reference, or read its pose, in a worker; make the pose of a mannequin."""
+        """Compute the form of the reference, or read its pose, in a worker; return the pose of a mannequin."""
         if self.wanted.pose:
             return Likeness(self.wanted.pose, side=self.wanted.side)
         if self._reference_path is None:
@@ -152,7 +152,7 @@ class _Run:
         return found  # type: ignore[no-any-return]
 
     def _tell(self, lines: list[Line], output: TextIO) -> None:
-        """Print the lines of a file, and complain of what failed."""
+        """Print the lines of a file, and report errors."""
         for line in lines:
             if "error" in line:
                 complain(f"{line['input']}: {line['error']}")
@@ -161,7 +161,7 @@ class _Run:
 
 
 class _MatchRun:
-    """The match of two files, in a process of its own."""
+    """A match of two files, in a separate process."""
 
     def __init__(self, options: Namespace, alone: bool) -> None:
         self._options, self._mark = options, str(os.getpid())
@@ -173,7 +173,7 @@ class _MatchRun:
         self._crew: Crew = InThisProcess() if alone else LocalCrew(1, _ATTEMPTS, one_thread=False)
 
     def all(self, output: TextIO) -> int:
-        """Match them, and tell."""
+        """Match the files, and report the result."""
         work = iter([("match", (compute_match, (self._options, self._target, self._mark, sys.stderr.isatty())))])
         ((_, line),) = self._crew.results(work)
         if isinstance(line, Failure):
@@ -185,26 +185,26 @@ class _MatchRun:
         return int("error" in line)
 
     def close(self) -> None:
-        """Let the worker go."""
+        """Release the worker."""
         self._crew.close()
 
 
 def compute_file(targets: Targets, wanted: Wanted, reference: CanonicalForm | Likeness | None) -> list[Line]:
-    """Compute the meshes of one file, in the process of a worker.
+    """Compute the meshes of one file, in a worker process.
 
     Parameters
     ----------
     targets : Targets
-        The file, and names of its results.
+        The file, and the names of its results.
     wanted : Wanted
-        What is to be done.
+        What to do with the file.
     reference : CanonicalForm, Likeness or None
-        What the forms are laid onto; or the pose that is taken instead of a form.
+        The form to align to, or the pose that is applied instead of computing a form.
 
     Returns
     -------
     list of dict
-        The lines to tell.
+        The result lines.
     """
     if not has_blender():
         from .plain_computing import compute_plainly
@@ -217,14 +217,14 @@ def compute_file(targets: Targets, wanted: Wanted, reference: CanonicalForm | Li
 
 
 def compute_reference(path: Path, wanted: Wanted) -> CanonicalForm:
-    """Compute the form that others are laid onto, in the process of a worker.
+    """Compute the reference form that others are aligned to, in a worker process.
 
     Parameters
     ----------
     path : Path
         The file.
     wanted : Wanted
-        What is to be done with the others.
+        What to do with the other files.
 
     Returns
     -------
@@ -234,7 +234,7 @@ def compute_reference(path: Path, wanted: Wanted) -> CanonicalForm:
     Raises
     ------
     CanonicalFormError
-        If it cannot be read or computed.
+        If the file cannot be read or the form cannot be computed.
     """
     if not has_blender():
         from .plain_computing import reference_plainly
@@ -247,14 +247,14 @@ def compute_reference(path: Path, wanted: Wanted) -> CanonicalForm:
 
 
 def read_pose(path: Path, wanted: Wanted) -> Likeness:
-    """Read the pose that others take, in the process of a worker.
+    """Read the pose that is applied to others, in a worker process.
 
     Parameters
     ----------
     path : Path
         The file.
     wanted : Wanted
-        What is to be done with the others.
+        What to do with the other files.
 
     Returns
     -------
@@ -264,7 +264,7 @@ def read_pose(path: Path, wanted: Wanted) -> Likeness:
     Raises
     ------
     CanonicalFormError
-        If it cannot be read.
+        If the file cannot be read.
     """
     if has_blender():
         _keep_output_clean()
@@ -274,7 +274,7 @@ def read_pose(path: Path, wanted: Wanted) -> Likeness:
 
 
 def compute_match(options: Namespace, target: Path, mark: str, stages: bool) -> Line:
-    """Match two files, in the process of a worker.
+    """Match two files, in a worker process.
 
     Parameters
     ----------
@@ -284,7 +284,7 @@ def compute_match(options: Namespace, target: Path, mark: str, stages: bool) -> 
     Returns
     -------
     dict
-        The line to tell.
+        The result line.
     """
     if has_blender():
         _keep_output_clean()
@@ -294,7 +294,7 @@ def compute_match(options: Namespace, target: Path, mark: str, stages: bool) -> 
 
 
 def _hired(options: Namespace, alone: bool) -> Crew:
-    """Hire the workers that the words ask for."""
+    """Return the workers requested by the options."""
     if alone:
         return InThisProcess()
     if options.scheduler:
@@ -307,7 +307,7 @@ def _hired(options: Namespace, alone: bool) -> Crew:
 
 
 def _keep_output_clean() -> None:
-    """Send what Blender prints in a worker to standard error: standard output is for lines."""
+    """Redirect what Blender prints in a worker to standard error: standard output is for result lines."""
     if "bpy" not in sys.modules:
         sys.stdout.flush()
         os.dup2(2, 1)

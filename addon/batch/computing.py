@@ -1,4 +1,4 @@
-"""The forms of one file, in Blender: opened, computed, written, told in lines."""
+"""Computes the forms of one file in Blender: opens the file, computes, writes, and returns result lines."""
 
 from __future__ import annotations
 
@@ -37,35 +37,35 @@ _PICTURES_LEFT_OUT = (
 def compute_in_blender(
     targets: Targets, wanted: Wanted, reference: CanonicalForm | Likeness | None = None
 ) -> Iterator[Line]:
-    """Compute every mesh of a file, write the results, and tell of each.
+    """Compute every mesh of a file, write the results, and report each.
 
     Parameters
     ----------
     targets : Targets
-        The file, and names of its results.
+        The file, and the names of its results.
     wanted : Wanted
-        What is to be done.
+        What to do with the file.
     reference : CanonicalForm or Likeness, optional
-        What the forms are laid onto; or the pose that is taken instead of a form.
+        The form to align to, or the pose that is applied instead of computing a form.
 
     Yields
     ------
     dict
-        A line for each result, each failure, and each result that was there already.
+        A line for each result, each failure, and each existing result that was skipped.
     """
     path = targets.path
     try:
         if wanted.format not in WRITTEN:
             raise CanonicalFormError(f".{wanted.format} is written without Blender only. Choose obj or ply.")
         objects = open_meshes(path, wanted.objects, shared=not wanted.shown, trusted=wanted.trusted)
-    except Exception as error:  # any: the files after it are still to be computed
+    except Exception as error:  # any error, as other files follow
         yield failure({"input": str(path)}, error, explained(error))
         return
     one_file = wanted.format == "blend" or wanted.together
-    pending: list[Line] = []  # of what the next saved file will hold
+    pending: list[Line] = []  # lines for the results in the next file to be saved
     for number, frame in enumerate(wanted.frames or (None,)):
         if frame is not None:
-            if number and not wanted.frame_keys:  # nothing of an earlier frame may be left
+            if number and not wanted.frame_keys:  # results of earlier frames must be removed
                 objects = open_meshes(path, wanted.objects, shared=not wanted.shown, trusted=wanted.trusted)
             bpy.context.scene.frame_set(frame)
         groups = [objects] if wanted.together else [[obj] for obj in objects]
@@ -87,24 +87,24 @@ def compute_in_blender(
 
 
 def reference_in_blender(path: Path, wanted: Wanted) -> CanonicalForm:
-    """Compute the form of the largest mesh of a file, for others to be laid onto.
+    """Compute the form of the largest mesh of a file, as a reference for others.
 
     Parameters
     ----------
     path : Path
         The file.
     wanted : Wanted
-        What is to be done with the others.
+        What to do with the other files.
 
     Returns
     -------
     CanonicalForm
-        Its form, turned as it stands in the scene.
+        Its form, oriented as in the scene.
 
     Raises
     ------
     CanonicalFormError
-        If it cannot be read or computed.
+        If the file cannot be read or the form cannot be computed.
     """
     objects = _opened_reference(path, wanted.trusted)
     objects = [obj for obj in objects if obj.name in wanted.objects] or objects
@@ -130,21 +130,21 @@ def likeness_in_blender(path: Path, names: Sequence[str], side: int, *, trusted:
     path : Path
         The file.
     names : sequence of str
-        Names of the objects wanted, where it has them.
+        Names of the objects to use, as far as they exist.
     side : int
-        Which way to match: -1 for the likeliest, or its number.
+        Which way to match: -1 for the most likely, or its index.
     trusted : bool
         Whether scripts and Python drivers in a .blend file run.
 
     Returns
     -------
     Likeness
-        The pose, as the file shows it.
+        The pose as shown in the file.
 
     Raises
     ------
     CanonicalFormError
-        If it cannot be read.
+        If the file cannot be read.
     """
     objects = _opened_reference(path, trusted)
     chosen = [obj for obj in objects if obj.name in names] or objects
@@ -152,7 +152,7 @@ def likeness_in_blender(path: Path, names: Sequence[str], side: int, *, trusted:
 
 
 def _opened_reference(path: Path, trusted: bool) -> list[bpy.types.Object]:
-    """Open the file that others are measured by; what was left off is told at once, as it has no line of its own."""
+    """Open the reference file; blocked scripts are reported at once, as the reference has no result line."""
     objects = open_meshes(path, trusted=trusted)
     if scripts_left_off(path):
         complain(f"{path}: {_LEFT_OFF}")
@@ -160,7 +160,7 @@ def _opened_reference(path: Path, trusted: bool) -> list[bpy.types.Object]:
 
 
 def _saved(lines: list[Line], whole: Path, targets: Targets, wanted: Wanted) -> list[Line]:
-    """Save the file as it is now, with the results of all lines."""
+    """Save the file in its current state, with the results of all lines."""
     if all("error" in line for line in lines):
         return lines
     try:
@@ -173,7 +173,7 @@ def _saved(lines: list[Line], whole: Path, targets: Targets, wanted: Wanted) -> 
 
 
 def _request(wanted: Wanted, reference: CanonicalForm | Likeness | None) -> Request:
-    """Say what is computed: another object holds what is shown, as its mesh may have other vertices."""
+    """Create the request: shown meshes get a new object, as their number of vertices may differ."""
     form = None if isinstance(reference, Likeness) else reference
     return Request(
         wanted.settings,
@@ -195,7 +195,7 @@ def _computed(
     reference: CanonicalForm | Likeness | None,
     frame: int | None,
 ) -> Line:
-    """Compute one body, write it unless the whole file is written later, and tell of it."""
+    """Compute one body, write it unless the whole file is saved later, and return its line."""
     first = group[0]
     path = targets.path
     line: Line = {"input": str(path), "object": first.name}
@@ -241,12 +241,12 @@ def _computed(
         if scripts_left_off(path):
             report.warnings.append(_LEFT_OFF)
         return {**line, "output": str(target), "memory_estimate": memory, "pieces": report.pieces, **report.as_json()}
-    except Exception as error:  # any: the meshes after it are still to be computed
+    except Exception as error:  # any error, as other meshes follow
         return failure(line, error, explained(error))
 
 
 def _require_keys(task: FormTask) -> None:
-    """Refuse objects of which modifiers change the number of vertices where shape keys are wanted."""
+    """Reject objects whose modifiers change the number of vertices if shape keys are requested."""
     for reading in (each for item in task.items for each in item.readings):
         if len(reading.vertices) != len(bpy.data.objects[reading.name].data.vertices):
             raise CanonicalFormError(
@@ -256,7 +256,7 @@ def _require_keys(task: FormTask) -> None:
 
 
 def _in_axes(form: FloatArray, obj: bpy.types.Object, wanted: Wanted) -> FloatArray:
-    """Turn a form from the space of its mesh to the axes of the file, if some were asked for."""
+    """Transform a form from local space to the axes of the file, if these are given."""
     if wanted.axes is None:
         return form
     placed = np.array(obj.matrix_world)
@@ -264,5 +264,5 @@ def _in_axes(form: FloatArray, obj: bpy.types.Object, wanted: Wanted) -> FloatAr
 
 
 def _head(line: Line) -> Line:
-    """Take from a line what says of which mesh it is."""
+    """Return the part of a line that identifies its mesh."""
     return {name: line[name] for name in ("input", "object", "objects", "frame") if name in line}

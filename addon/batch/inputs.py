@@ -1,4 +1,4 @@
-"""Which files a run reads, and what its results are called."""
+"""The files that a run reads, and the names of its results."""
 
 from __future__ import annotations
 
@@ -12,24 +12,24 @@ from ..core.run.errors import CanonicalFormError
 
 
 def found_files(words: Sequence[Path], output: Path) -> list[Path]:
-    """List the files that are meant: a folder means the meshes in it, a pattern those that fit.
+    """Return the files that the arguments stand for: folders stand for the meshes in them, patterns for matching files.
 
     Parameters
     ----------
     words : sequence of Path
-        Files, folders, and patterns that no file is called like.
+        Files, folders, and patterns (where no file has that name).
     output : Path
-        The folder for results; what lies there is not meant by a folder or pattern.
+        The folder for results; folders and patterns do not include files in it.
 
     Returns
     -------
     list of Path
-        Files in the order of the words, those of a folder or pattern by name.
+        Files in the order of the arguments, those of a folder or pattern sorted by name.
 
     Raises
     ------
     CanonicalFormError
-        If a folder holds no mesh, or nothing fits a pattern.
+        If a folder contains no mesh, or no file matches a pattern.
     """
     found: list[Path] = []
     for word in words:
@@ -53,7 +53,7 @@ def found_files(words: Sequence[Path], output: Path) -> list[Path]:
 
 
 def output_stems(paths: Sequence[Path]) -> list[str]:
-    """Name each result after its file; files of one name in several folders get the folders' names in front.
+    """Name each result after its file; if files in several folders have the same name, prefix the folder names.
 
     Parameters
     ----------
@@ -63,12 +63,12 @@ def output_stems(paths: Sequence[Path]) -> list[str]:
     Returns
     -------
     list of str
-        Names without an ending, no two alike on any file system.
+        Names without a file name extension, unique on any file system.
 
     Raises
     ------
     CanonicalFormError
-        If a file is named twice, or two differ by their endings only; the sentence names both.
+        If a file is given twice, or two files differ only by their extensions; the message names both.
 
     Examples
     --------
@@ -97,7 +97,7 @@ def output_stems(paths: Sequence[Path]) -> list[str]:
 
 
 def separators(stems: Sequence[str]) -> list[str]:
-    """Choose what stands between the name of a file and that of an object in it, so that no two results are alike.
+    """Choose separators between the names of files and of objects, so that no two results have the same name.
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ def separators(stems: Sequence[str]) -> list[str]:
     Returns
     -------
     list of str
-        Dashes, more than one where another file's name goes on with one.
+        Dashes: more than one if the name of another file continues with a dash.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""What a run tells: lines of JSON, sentences on standard error, one line of progress on a terminal."""
+"""The output of a run: JSON lines, messages on standard error, a progress line on a terminal."""
 
 from __future__ import annotations
 
@@ -10,21 +10,21 @@ from typing import Any
 from ..blender.words.file_errors import sentence
 from ..core.run.errors import CanonicalFormError
 
-SCHEMA = 1  # version of the fields; higher when one changes its meaning
+SCHEMA = 1  # version of the fields, increased when a field changes its meaning
 Line = dict[str, Any]
 
 
 def failure(line: Line, error: Exception, told: str | None = None) -> Line:
-    """Make the line of what went wrong; what nobody foresaw is told as a mistake of ours.
+    """Create the line for an error; unexpected errors are reported as bugs.
 
     Parameters
     ----------
     line : dict
-        What is known of the mesh.
+        Known fields of the mesh.
     error : Exception
-        What was raised.
+        The exception that was raised.
     told : str, optional
-        Its sentence, with advice.
+        Its message, with advice.
 
     Returns
     -------
@@ -41,24 +41,24 @@ def failure(line: Line, error: Exception, told: str | None = None) -> Line:
         return {**line, "error": f"The Python module {error.name} is missing: pip install {error.name}"}
     if not isinstance(
         error, CanonicalFormError | OSError | RuntimeError | MemoryError
-    ):  # RuntimeError: Blender refuses
+    ):  # Blender's operators raise RuntimeError
         text = f"This is a bug in Canonical Form; please report it with the file. {type(error).__name__}: {text}"
     return {**line, "error": text}
 
 
 def complain(text: str) -> None:
-    """Say something on standard error.
+    """Print a message to standard error.
 
     Parameters
     ----------
     text : str
-        A sentence.
+        The message.
     """
     print(f"canonical_form: {plain(text)}", file=sys.stderr, flush=True)
 
 
 def plain(text: str) -> str:
-    r"""Replace what a terminal would obey: names in files may hold anything.
+    r"""Replace control characters, as names in files may contain anything.
 
     Parameters
     ----------
@@ -68,7 +68,7 @@ def plain(text: str) -> str:
     Returns
     -------
     str
-        The text in one line, with a question mark for every character that is not printed.
+        The text in one line, with a question mark for every non-printable character.
 
     Examples
     --------
@@ -80,19 +80,19 @@ def plain(text: str) -> str:
 
 @contextmanager
 def stage_line(name: str, wanted: bool) -> Iterator[Any]:
-    """Show the stage that a mesh is at, in one line of a terminal.
+    """Show the current stage of a mesh, in one line of a terminal.
 
     Parameters
     ----------
     name : str
-        What it is.
+        Name of the mesh.
     wanted : bool
         Whether to show anything.
 
     Yields
     ------
     callable or None
-        Takes the fraction done and the stage.
+        Takes the completed fraction and the stage.
     """
     if not wanted:
         yield None
@@ -110,7 +110,7 @@ def stage_line(name: str, wanted: bool) -> Iterator[Any]:
 
 
 class FileCount:
-    """One line of progress over all files: which it is, and how long the rest will take.
+    """Progress over all files in one line: the current file and the remaining time.
 
     Parameters
     ----------
@@ -128,18 +128,18 @@ class FileCount:
         self._show()
 
     def done(self) -> None:
-        """Count a file that has ended."""
+        """Count a finished file."""
         self._done += 1
         self._show()
 
     def clear(self) -> None:
-        """Make room for another line."""
+        """Clear the progress line."""
         if self._shown:
             sys.stderr.write("\r\x1b[K")
             sys.stderr.flush()
 
     def text(self) -> str:
-        """Tell how far the run is.
+        """Return the text of the progress line.
 
         Returns
         -------

@@ -1,4 +1,4 @@
-"""The match of two files: read, matched, written as arrays, told in a line."""
+"""The match of two files: read, matched, written as arrays, reported in a line."""
 
 from __future__ import annotations
 
@@ -17,24 +17,24 @@ from .plain_files import fans, has_blender, read_plain
 
 
 def match_files(options: Namespace, target: Path, mark: str, stages: bool) -> Line:
-    """Match the meshes of two files and write what was found.
+    """Match the meshes of two files and write the match.
 
     Parameters
     ----------
     options : argparse.Namespace
-        The words: two files, objects, side and settings.
+        The options: two files, objects, side and settings.
     target : Path
         The .npz file to write: `vertices`, `corners`, `weights`, `confidence` for each vertex of the first mesh, and
         the scores of the `sides`.
     mark : str
-        Tells unfinished files of this run from those of others.
+        Distinguishes temporary files of this run from those of others.
     stages : bool
-        Whether to show the stage that it is at.
+        Whether to show the current stage.
 
     Returns
     -------
     dict
-        The line to tell.
+        The result line.
     """
     one, other = options.meshes
     line: Line = {"input": str(one), "other": str(other)}
@@ -54,7 +54,7 @@ def match_files(options: Namespace, target: Path, mark: str, stages: bool) -> Li
                 progress=progress,
             )
         replaced(target, lambda partial: _write(partial, found), mark)
-    except Exception as error:  # any: told as what it is
+    except Exception as error:  # any error is reported in the line
         return failure(line, error)
     return {
         **line,
@@ -69,16 +69,16 @@ def match_files(options: Namespace, target: Path, mark: str, stages: bool) -> Li
 
 
 def read_likeness(path: Path, names: Sequence[str], side: int = -1, *, trusted: bool = False) -> Likeness:
-    """Read the pose of the mesh of a file, of several the largest, with Blender or without.
+    """Read the pose of the mesh of a file, or of the largest one, with or without Blender.
 
     Parameters
     ----------
     path : Path
         The file.
     names : sequence of str
-        Names of the objects wanted, where it has them.
+        Names of the objects to use, as far as they exist.
     side : int
-        Which way to match: -1 for the likeliest, or its number.
+        Which way to match: -1 for the most likely, or its index.
     trusted : bool
         Whether scripts and Python drivers in a .blend file run.
 
@@ -90,7 +90,7 @@ def read_likeness(path: Path, names: Sequence[str], side: int = -1, *, trusted: 
     Raises
     ------
     CanonicalFormError
-        If it cannot be read.
+        If the file cannot be read.
     """
     if has_blender():
         from .computing import likeness_in_blender

@@ -1,4 +1,4 @@
-"""The form of one file without Blender: read as arrays, computed, written, told in a line."""
+"""Computes the form of one file without Blender: reads arrays, computes, writes, and returns a result line."""
 
 from __future__ import annotations
 
@@ -30,9 +30,9 @@ def compute_plainly(
     targets : Targets
         The file, and the name of its result.
     wanted : Wanted
-        What is to be done.
+        What to do with the file.
     reference : CanonicalForm or Likeness, optional
-        What the form is laid onto; or the pose that is taken instead of a form.
+        The form to align to, or the pose that is applied instead of computing a form.
 
     Yields
     ------
@@ -60,19 +60,19 @@ def compute_plainly(
         if isinstance(reference, Likeness) and isinstance(shape, PosedLike):
             figures["like"] = reference.report(shape)._asdict()
         yield {**line, "output": str(target), "memory_estimate": memory, **figures}
-    except Exception as error:  # any: the files after it are still to be computed
+    except Exception as error:  # any error, as other files follow
         yield failure(line, error)
 
 
 def reference_plainly(path: Path, wanted: Wanted) -> CanonicalForm:
-    """Compute the form of a file's mesh for others to be laid onto.
+    """Compute the form of a file's mesh as a reference for others.
 
     Parameters
     ----------
     path : Path
         The file.
     wanted : Wanted
-        What is to be done with the others.
+        What to do with the other files.
 
     Returns
     -------
@@ -82,14 +82,14 @@ def reference_plainly(path: Path, wanted: Wanted) -> CanonicalForm:
     Raises
     ------
     CanonicalFormError
-        If it cannot be read or computed.
+        If the file cannot be read or the form cannot be computed.
     """
     vertices, polygons = read_plain(path)
     return canonical_form(vertices, fans(polygons), wanted.settings)
 
 
 def _require_plain(wanted: Wanted) -> None:
-    """Refuse what only Blender does."""
+    """Reject options that need Blender."""
     if wanted.shown:
         raise CanonicalFormError(f"--mesh shown, --frame and --frames: this {_NEEDS_BLENDER}.")
     if f".{wanted.format}" not in PLAIN:
@@ -99,7 +99,7 @@ def _require_plain(wanted: Wanted) -> None:
 
 
 def _figures(vertices: np.ndarray, form: CanonicalForm | PosedLike, wanted: Wanted) -> Line:
-    """Tell of a form or a pose what the report in Blender tells."""
+    """Return the same report for a form or a pose as in Blender."""
     sizes = np.bincount(form.patches[form.patches >= 0], minlength=len(form.feature_points))
     measures = summary(vertices, form.vertices, form.faces, True)
     own: Line = {}

@@ -1,4 +1,4 @@
-"""Reads and writes meshes without Blender: .off, .obj and .ply, their positions and polygons alone."""
+"""Reads and writes meshes without Blender: positions and polygons of .off, .obj and .ply files."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ _ORDERS = {"binary_little_endian": "<", "binary_big_endian": ">"}
 
 
 def has_blender() -> bool:
-    """Tell whether Blender is there as a module, or this is Blender.
+    """Return whether Blender is available as a module, or this code runs inside Blender.
 
     Returns
     -------
     bool
-        Whether ``import bpy`` will do.
+        True if ``import bpy`` works.
     """
     return "bpy" in sys.modules or find_spec("bpy") is not None
 
@@ -54,7 +54,7 @@ def read_plain(path: Path) -> tuple[FloatArray, list[list[int]]]:
     Raises
     ------
     InvalidMeshError
-        If it is of another kind or damaged.
+        If the file is of another kind or damaged.
     """
     kind = path.suffix.lower()
     if kind not in PLAIN:
@@ -75,12 +75,12 @@ def read_plain(path: Path) -> tuple[FloatArray, list[list[int]]]:
 
 
 def fans(polygons: list[list[int]]) -> IntArray:
-    """Cut polygons into triangles around their first corners.
+    """Triangulate polygons as fans around their first corners.
 
     Parameters
     ----------
     polygons : list of list of int
-        Corners of each.
+        Corners of each polygon.
 
     Returns
     -------
@@ -97,7 +97,7 @@ def fans(polygons: list[list[int]]) -> IntArray:
 
 
 def write_plain(path: Path, vertices: FloatArray, polygons: list[list[int]], mark: str) -> None:
-    """Write a mesh; the file is replaced when the new one is complete.
+    """Write a mesh; an existing file is replaced when the new one is complete.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ def write_plain(path: Path, vertices: FloatArray, polygons: list[list[int]], mar
     polygons : list of list of int
         Corners of each polygon.
     mark : str
-        Tells unfinished files of one run from those of others.
+        Distinguishes temporary files of one run from those of others.
     """
     points = [f"{x:.9g} {y:.9g} {z:.9g}" for x, y, z in vertices.tolist()]
     if path.suffix == ".obj":
@@ -141,7 +141,7 @@ def _read_obj(path: Path) -> tuple[FloatArray, list[list[int]]]:
 
 
 def _read_ply(path: Path) -> tuple[FloatArray, list[list[int]]]:
-    """Read the vertices and faces of a .ply file, in text or binary."""
+    """Read the vertices and faces of a .ply file, text or binary."""
     data = path.read_bytes()
     end = data.index(b"end_header")
     body = data[data.index(b"\n", end) + 1 :]
@@ -161,7 +161,7 @@ def _read_ply(path: Path) -> tuple[FloatArray, list[list[int]]]:
     reader = _Text(body) if order is None else _Binary(body, order)
     found: dict[str, list[dict[str, Any]]] = {}
     for name, count, properties in elements:
-        if count < 0 or count * min(len(properties), 1) > len(body):  # every value takes a byte at least
+        if count < 0 or count * min(len(properties), 1) > len(body):  # every value needs at least a byte
             raise ValueError("cut short")
         found[name] = [
             {words[-1]: reader.value(words) for words in properties} for _ in range(count if properties else 0)
@@ -172,7 +172,7 @@ def _read_ply(path: Path) -> tuple[FloatArray, list[list[int]]]:
 
 
 def _counted(value: Any) -> int:
-    """Take the length of a list."""
+    """Convert the length of a list."""
     count = int(value)
     if count < 0:
         raise ValueError("a list of less than nothing")
@@ -180,7 +180,7 @@ def _counted(value: Any) -> int:
 
 
 class _Text:
-    """The words of a .ply file in text."""
+    """The words of a .ply text file."""
 
     def __init__(self, body: bytes) -> None:
         self._words = iter(body.split())

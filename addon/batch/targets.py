@@ -1,4 +1,4 @@
-"""Where the results of one file go."""
+"""The files to which the results of one input file are written."""
 
 from __future__ import annotations
 
@@ -11,22 +11,22 @@ from ..core.run.errors import CanonicalFormError
 
 
 class Targets(NamedTuple):
-    """Names of the results of one file.
+    """File names for the results of one input file.
 
     Attributes
     ----------
     path : Path
-        The file.
+        The input file.
     output : Path
         Folder for results.
     stem : str
-        Name of its results, without an ending.
+        Name of its results, without extension.
     dash : str
-        What stands between that and the name of an object.
+        Separator between `stem` and the name of an object.
     format : str
         Kind of file to write.
     inputs : tuple of Path
-        Every file of the run.
+        All files of the run.
     """
 
     path: Path
@@ -37,34 +37,34 @@ class Targets(NamedTuple):
     inputs: tuple[Path, ...]
 
     def of_file(self, frame: int | None = None) -> Path:
-        """Name the one result of the file.
+        """Return the file for the only result of the input file.
 
         Parameters
         ----------
         frame : int, optional
-            The frame that it is of.
+            The frame of the result.
 
         Returns
         -------
         Path
-            The result.
+            The path of the result.
         """
         return self.output / f"{self.stem}{_numbered(frame)}.{self.format}"
 
     def of_objects(self, names: Sequence[str], frame: int | None = None) -> list[Path]:
-        """Name the results of several objects.
+        """Return the files for the results of several objects.
 
         Parameters
         ----------
         names : sequence of str
-            Names of the objects, whatever they hold.
+            Names of the objects; they may contain any character.
         frame : int, optional
-            The frame that they are of.
+            The frame of the results.
 
         Returns
         -------
         list of Path
-            The results, no two alike on any file system.
+            The paths of the results, unique on any file system.
 
         Examples
         --------
@@ -85,35 +85,35 @@ class Targets(NamedTuple):
         return found
 
     def skipped(self, target: Path, frame: int | None) -> dict[str, Any]:
-        """Tell that a result was there already.
+        """Return the line for an existing result that was skipped.
 
         Parameters
         ----------
         target : Path
-            The result.
+            The path of the result.
         frame : int or None
-            The frame that it is of.
+            The frame of the result.
 
         Returns
         -------
         dict
-            The line.
+            The result line.
         """
         line: dict[str, Any] = {"input": str(self.path), "output": str(target), "skipped": True}
         return line if frame is None else {**line, "frame": frame}
 
     def require_new(self, target: Path) -> None:
-        """Refuse to write over any of the files that are read in this run, by whatever name.
+        """Refuse to overwrite any input file of this run, under whatever name.
 
         Parameters
         ----------
         target : Path
-            The result.
+            The path of the result.
 
         Raises
         ------
         CanonicalFormError
-            If it is one of them.
+            If it is an input file.
         """
         for source in self.inputs if target.exists() else ():
             if source.exists() and target.samefile(source):
@@ -121,5 +121,5 @@ class Targets(NamedTuple):
 
 
 def _numbered(frame: int | None) -> str:
-    """Append the number of a frame."""
+    """Return the suffix for the number of a frame."""
     return "" if frame is None else f"-f{frame:04d}"

@@ -73,7 +73,7 @@ _DOORS = {
 
 
 def __getattr__(name: str) -> Any:
-    """Import a name when it is first asked for, so that enabling the extension stays instant."""
+    """Import a name on first access, so that enabling the extension stays instant."""
     if name in _DOORS:
         return getattr(import_module(f".{_DOORS[name]}", __name__), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

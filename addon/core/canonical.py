@@ -1,4 +1,4 @@
-"""The main door: from a mesh to its canonical form, in the order of the paper."""
+"""The main entry point: from a mesh to its canonical form, in the order of the paper."""
 
 from __future__ import annotations
 
@@ -44,14 +44,14 @@ def canonical_form(
     settings : Settings, optional
         Options.
     reference : CanonicalForm, optional
-        A form of the same mesh in another pose, or of another mesh of a like body. The form is laid onto it by a proper
-        rotation and shift, and its limbs are numbered as there.
+        A form of the same mesh in another pose, or of a mesh of a similar body. The form is aligned to it by a proper
+        rotation and a translation, and its limbs get the same numbers.
     progress : callable, optional
         Called with the fraction done (0 to 1) and the name of the stage.
     cancelled : callable, optional
         Polled at least twice a second; the computation stops when it returns True.
     keep : KeptStages, optional
-        Hand the same object to several runs on one mesh, one after the other: each computes what changed only.
+        Pass the same object to successive runs on one mesh: each recomputes only what changed.
 
     Returns
     -------
@@ -96,7 +96,7 @@ def canonical_form(
     form = shaped(bodies, [each.points for each in forms], monitor, area_kept=True)
     features = gathered_features(bodies, [each.features for each in forms])
     histories = [each.embedded.history for each in forms]
-    steps = max(map(len, histories))  # each stays at its end value once it has ended
+    steps = max(map(len, histories))  # a history that has ended keeps its last value
     pair_count = sum(each.embedded.pair_count for each in forms)
     return CanonicalForm(
         form,
@@ -115,7 +115,7 @@ def canonical_form(
 
 
 class _BodyForm(NamedTuple):
-    """The form of a body in its place, what was found on its surface, and what the method gave."""
+    """The placed form of a body, the features of its surface, and the result of the method."""
 
     points: FloatArray
     features: WholeFeatures
@@ -131,7 +131,7 @@ def _body_form(
     method: Method,
     settings: Settings,
 ) -> _BodyForm:
-    """Find the features of a body, unfold it, and put the form in its place."""
+    """Find the features of a body, unfold it, and place the form."""
     found = body.features(chosen, settings, monitor)
     embedded = method.unfold(found, settings, monitor)
     with monitor.stage("Alignment"):

@@ -1,4 +1,4 @@
-"""The doors to distances from chosen vertices, each useful by itself: the pictures of the paper's section 3.3."""
+"""Entry points for distances from source vertices, each useful by itself: the figures of the paper's section 3.3."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ from .surface.triangulation import Triangulation, triangulated
 _STAGES: Plan = {"Surface": 10, "Pieces": 90}
 _BODY_STAGES: Plan = {"Coarse mesh": 20, "Triangulation": 5, "Distances": 75}
 _WORKED_ON = 2000  # vertices between which biharmonic distance and commute time are computed, all pairs
-_WHOLE = 30_000  # vertices up to which the heat method takes the surface as it is
-_COARSE = 20_000  # vertices, and the sources, that it takes of a larger one
-_ONE_BY_ONE = 16  # sources that the heat method measures from one by one, which is more accurate
-_OFF = 0.1  # of the largest distance: how far one may be held before it is reported
-_MOST_SOURCES = 1000  # of these kinds: each stays in the coarse mesh
+_WHOLE = 30_000  # vertices up to which the heat method uses the surface as it is
+_COARSE = 20_000  # vertices, besides the sources, to which it reduces a larger one
+_ONE_BY_ONE = 16  # sources up to which the heat method treats each separately, which is more accurate
+_OFF = 0.1  # of the largest distance: clamping by more than this is reported
+_MOST_SOURCES = 1000  # for the spectral kinds: each stays in the coarse mesh
 
 
 def distance_field(
@@ -45,7 +45,7 @@ def distance_field(
     warned: Warned | None = None,
     memory_limit: float = 0.0,
 ) -> FloatArray:
-    """Measure the distance of every vertex of a mesh from the nearest of some vertices.
+    """Compute the distance of every vertex of a mesh from the nearest source vertex.
 
     Parameters
     ----------
@@ -57,16 +57,16 @@ def distance_field(
         Vertices to measure from.
     kind : {'heat', 'fast_marching', 'biharmonic', 'commute_time'}
         Geodesic distance by the heat method or by fast marching, biharmonic distance (equation 9) or commute time
-        (the root of equation 8). The last two are computed on 2,000 vertices and carried to all; the heat method, above
-        30,000 vertices, on 20,000.
+        (the root of equation 8). The last two are computed on 2,000 vertices and interpolated to all; the heat
+        method, above 30,000 vertices, on 20,000.
     progress : callable, optional
         Called with the fraction done (0 to 1) and the name of the stage.
     cancelled : callable, optional
         The computation stops when it returns True; one factorisation, up to a second, is not interrupted.
     warned : callable, optional
-        Called with each warning, a sentence; without it they are Python's own.
+        Called with the sentence of each warning; if omitted, Python warnings are issued.
     memory_limit : float
-        Gigabytes that the computation may take; 0 for 60 % of the free memory.
+        Gigabytes that the computation may use; 0 for 60 % of the free memory.
 
     Returns
     -------
@@ -117,7 +117,7 @@ def heat_geodesics(
     warned: Warned | None = None,
     memory_limit: float = 0.0,
 ) -> FloatArray:
-    """Measure geodesic distances from some vertices of a mesh to all its vertices, one by one, by the heat method.
+    """Compute the geodesic distances from each of several source vertices to all vertices by the heat method.
 
     Parameters
     ----------
@@ -128,9 +128,9 @@ def heat_geodesics(
     sources : (s,) array_like of int
         Vertex indices to measure from.
     warned : callable, optional
-        Called with each warning, a sentence; without it they are Python's own.
+        Called with the sentence of each warning; if omitted, Python warnings are issued.
     memory_limit : float
-        Gigabytes that the computation may take; 0 for 60 % of the free memory.
+        Gigabytes that the computation may use; 0 for 60 % of the free memory.
 
     Returns
     -------
@@ -187,7 +187,7 @@ def _measurable(
     memory_limit: float,
     monitor: Monitor,
 ) -> tuple[Bodies, list[Chosen]]:
-    """Find the bodies and the sources in them, and refuse what is too large before anything is computed."""
+    """Find the bodies and their sources, and reject what is too large before anything is computed."""
     with monitor.stage("Surface"):
         bodies = bodies_of(vertices, faces, monitor)
         monitor.extend(bodies.pieces.repairs)
@@ -218,7 +218,7 @@ def _heat_on(
     memory_limit: float,
     monitor: Monitor,
 ) -> tuple[HeatMethod, IntArray, Callable[[FloatArray], FloatArray]]:
-    """Prepare the heat method on a surface, or on a coarse mesh of it: the method, the sources there, the way back."""
+    """Prepare the heat method on a surface or its coarse mesh: return it, the sources there and the interpolation."""
     if len(points) <= _WHOLE:
         return HeatMethod(surface, monitor=monitor, fewest=WHOLE), chosen, lambda field: field
     fixed = np.unique(chosen)
@@ -227,14 +227,14 @@ def _heat_on(
         count = len(coarse.points)
         require_distance_memory(len(points), "heat", unknowns=_unknowns(count), limit=memory_limit)
         monitor.warn("coarse_mesh_stuck", count=count)
-    # split triangles of a coarse mesh measure more accurately than those of the fine one as they are
+    # the split triangles of a coarse mesh give more accurate distances than the unsplit ones of the fine mesh
     refine = len(coarse.points) <= _WHOLE
     heat = HeatMethod(coarse.triangulation, refine=refine, monitor=monitor, fewest=WHOLE)
     return heat, coarse.numbers_of(chosen), coarse.prolong
 
 
 def _unknowns(count: int) -> int:
-    """Count the vertices of the triangles that the heat method solves on: a few are split in four."""
+    """Count the unknowns of the heat method: the triangles of a small surface are split into four."""
     return 4 * count if count <= _WHOLE else count
 
 
@@ -262,7 +262,7 @@ def _marched_field(body: Body, chosen: IntArray, memory_limit: float, monitor: M
 
 
 def _border(body: Body, chosen: IntArray) -> IntArray:
-    """Find those of the chosen vertices from which others are reached; what lies inside is at no distance."""
+    """Find the chosen vertices on the border of the chosen region; those inside affect no other vertex."""
     if len(body.parts) > 1:  # others may be reached over a bridge
         return chosen
     inside = np.zeros(len(body.vertices), dtype=bool)
@@ -273,7 +273,7 @@ def _border(body: Body, chosen: IntArray) -> IntArray:
 
 
 def _possible(field: FloatArray, straight: FloatArray, longest: FloatArray, monitor: Monitor) -> FloatArray:
-    """Hold distances between the straight ones and the ways along edges, which heat misses beside spikes."""
+    """Clamp distances between the straight lines and the paths along edges; the heat method fails beside spikes."""
     held = np.clip(field, np.minimum(straight, longest), longest)
     off = ~(np.abs(held - field) <= _OFF * longest.max(axis=0))
     far = np.count_nonzero(off.reshape(len(off), -1).any(axis=1))
@@ -318,7 +318,7 @@ def _spectral_field(
     return surface.prolong(field)
 
 
-_FIELDS = {  # how each of `KINDS` is measured on a body, in the unit of the mesh
+_FIELDS = {  # how each of `KINDS` is computed on a body, in the unit of the mesh
     "heat": _heat_field,
     "fast_marching": _marched_field,
     "biharmonic": _biharmonic_field,

@@ -1,4 +1,4 @@
-"""The door to feature points and patches alone."""
+"""Entry point for feature points and patches only."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def feature_patches(
     progress: Progress | None = None,
     cancelled: Cancelled | None = None,
 ) -> FeaturePatches:
-    """Find the feature points and patches of a mesh, and stop there.
+    """Find the feature points and patches of a mesh, without computing its form.
 
     Parameters
     ----------
@@ -33,12 +33,12 @@ def feature_patches(
     Returns
     -------
     FeaturePatches
-        The same that `canonical_form` finds.
+        The same as `canonical_form` finds.
 
     Raises
     ------
     CanonicalFormError
-        As `canonical_form` does.
+        As in `canonical_form`.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""The door to the form of some limbs only: the rest of the surface keeps its pose."""
+"""Entry point for the form of selected limbs: the rest of the surface keeps its pose."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ def limb_shapes(
     together: bool = True,
     monitor: Monitor | None = None,
 ) -> list[FloatArray]:
-    """Take the pose out of some limbs, fully or in part.
+    """Remove the pose from selected limbs, fully or in part.
 
-    Where the limbs have less than half of the area, all else stays where it is and they hang on it. Where they have
-    more, they are where the form has them and the rest, in its pose, hangs on them: one arm that keeps its pose does
-    not turn the body around.
+    If the limbs have less than half of the area, the rest stays in place and they remain attached to it. If they have
+    more, they lie as in the form and the rest, in its pose, is attached to them: one arm that keeps its pose does not
+    turn the body around.
 
     Parameters
     ----------
@@ -44,9 +44,9 @@ def limb_shapes(
     form : (n, 3) ndarray of float
         Vertices of the form, rigidly aligned to the pose.
     chosen : (n,) ndarray of bool
-        The vertices of those limbs: whole patches.
+        The vertices of these limbs: whole patches.
     ways : sequence of float
-        Parts of the way, 0 to 1.
+        Fractions of the way from pose to form, 0 to 1.
     together : bool
         Whether pieces that belong together are one body, as in the form; otherwise each is treated by itself.
     monitor : Monitor, optional
@@ -55,12 +55,12 @@ def limb_shapes(
     Returns
     -------
     list of (n, 3) ndarray of float
-        A shape for each part of the way.
+        A shape for each fraction.
 
     Raises
     ------
     InvalidMeshError, InvalidSettingsError
-        If the mesh cannot be used, or the rest does not fit to it; the message says what to do.
+        If the mesh cannot be used, or the other arguments do not fit it; the message says what to do.
     CancelledError
         If the run is cancelled.
 

@@ -1,4 +1,4 @@
-"""The door to the mannequin: a human body in a T-pose or an A-pose, made of simple solids."""
+"""Entry point for the mannequin: a human body in a T-pose or an A-pose, made of simple solids."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from .run.errors import InvalidSettingsError
 T_POSE, A_POSE = 0.0, 45.0  # degrees
 VERTEX_COUNT = 30_346  # of a mannequin
 
-_STEP, _BLEND = 0.009, 0.007  # of the grid, and how far solids flow together, in metres
-_LIFTED = 90.0  # degrees: arms are turned no further up or down
-_SHOULDER_WIDTH, _SHOULDER_HEIGHT = (0.11, 0.22), (1.28, 1.36)  # metres: over which an arm begins to turn
+_STEP, _BLEND = 0.009, 0.007  # grid spacing, and width over which solids are blended, in metres
+_LIFTED = 90.0  # degrees: the arms cannot be raised or lowered further
+_SHOULDER_WIDTH, _SHOULDER_HEIGHT = (0.11, 0.22), (1.28, 1.36)  # metres: where the rotation of an arm sets in
 
 
 def mannequin(arms: float = T_POSE) -> tuple[FloatArray, IntArray]:
-    """Make a mannequin: an adult body, standing upright, legs straight.
+    """Build a mannequin: an adult body, standing upright, legs straight.
 
     Parameters
     ----------
@@ -29,7 +29,7 @@ def mannequin(arms: float = T_POSE) -> tuple[FloatArray, IntArray]:
     Returns
     -------
     vertices : (n, 3) ndarray of float
-        Positions in metres. It looks along negative Y, and stands on Z = 0.
+        Positions in metres. It faces negative Y and stands on Z = 0.
     faces : (m, 3) ndarray of int
         Triangles, the same for every pose.
 
@@ -58,7 +58,7 @@ def mannequin(arms: float = T_POSE) -> tuple[FloatArray, IntArray]:
 
 
 def _with_arms_lowered(points: FloatArray, angle: float) -> FloatArray:
-    """Turn the arms about the shoulders, less and less towards the trunk."""
+    """Rotate the arms about the shoulders, less towards the trunk."""
     x, y, z = points.T
     share = _ramp(np.abs(x), _SHOULDER_WIDTH) * _ramp(z, _SHOULDER_HEIGHT)
     cos, sin = np.cos(share * angle), np.sin(share * angle)
@@ -67,6 +67,6 @@ def _with_arms_lowered(points: FloatArray, angle: float) -> FloatArray:
 
 
 def _ramp(values: FloatArray, between: tuple[float, float]) -> FloatArray:
-    """Rise smoothly from 0 to 1."""
+    """Compute a smooth step from 0 to 1."""
     share = np.clip((values - between[0]) / (between[1] - between[0]), 0.0, 1.0)
     return share * share * (3 - 2 * share)

@@ -1,4 +1,4 @@
-"""The door to a match: for every vertex of a mesh the point of another that is its like."""
+"""Entry point for a match: for every vertex of a mesh, the corresponding point of another."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ from .run.monitor import Cancelled, Monitor, Progress
 
 _UNFOLDED = 0.4  # of the work, one mesh
 _MATCHING = {"Ways to match": 55, "Match": 45}  # stages
-_UNLIKE = -3.6  # score from which on two bodies count as unlike; poses of a body reach -4 to -6
-_CLOSE = 0.1  # difference of scores below which another side is as likely
+_UNLIKE = -3.6  # score above which two bodies count as dissimilar; poses of a body reach -4 to -6
+_CLOSE = 0.1  # difference of scores below which another side is equally likely
 _UNSURE = 0.4  # mean confidence below which a match is doubtful
 
 
 class MatchedBodies(NamedTuple):
-    """Two meshes as bodies, unfolded, with the maps from those of the first to those of the other.
+    """The unfolded bodies of two meshes, with the maps from those of the first to those of the other.
 
     Attributes
     ----------
@@ -44,11 +44,11 @@ class MatchedBodies(NamedTuple):
     surfaces, other_surfaces : list of Unfolded
         Their bodies with their forms.
     pairs : list of (int, int)
-        The bodies that are matched, and with which.
+        Indices of the matched bodies in the two meshes.
     maps : list of PointMap
         The map of each pair.
     match : Match
-        All of it on the vertices of the whole mesh.
+        The result on the vertices of the whole mesh.
     """
 
     bodies: Bodies
@@ -71,7 +71,7 @@ def match(
     progress: Progress | None = None,
     cancelled: Cancelled | None = None,
 ) -> Match:
-    """Match two meshes of like bodies, whatever their poses and their triangles.
+    """Match two meshes of similar bodies, whatever their poses and triangulations.
 
     Parameters
     ----------
@@ -84,10 +84,10 @@ def match(
     other_faces : (m', 3) array_like of int
         Its triangles.
     settings : Settings, optional
-        Options of the forms of both; chosen feature points are of the first.
+        Options of both forms; chosen feature points refer to the first mesh.
     side : str or int
-        "auto", or the number of one of the `Match.sides`, 0 for the likeliest, where left and right or front and back
-        came out wrong.
+        "auto", or the index of one of the `Match.sides`, 0 for the likeliest, to use where left and right or front and
+        back are swapped.
     progress : callable, optional
         Called with the fraction done (0 to 1) and the name of the stage.
     cancelled : callable, optional
@@ -96,7 +96,7 @@ def match(
     Returns
     -------
     Match
-        For every vertex the point on the other mesh, and how sure it is.
+        For every vertex, the corresponding point on the other mesh and its confidence.
 
     Raises
     ------
@@ -121,7 +121,7 @@ def match(
     References
     ----------
     Melzi and others, "ZoomOut", 2019, doi:10.1145/3355089.3356524; Eisenberger, Lähner and Cremers, "Smooth Shells",
-    2020, doi:10.1109/CVPR42600.2020.01228; docs/method.md says what is this project's own.
+    2020, doi:10.1109/CVPR42600.2020.01228; docs/method.md lists what is original to this project.
     """
     monitor = Monitor(progress, cancelled)
     return matched_bodies(vertices, faces, other_vertices, other_faces, settings, side, monitor, 1.0).match
@@ -146,7 +146,7 @@ def matched_bodies(
     monitor : Monitor
         Of the whole run; receives warnings; polled for cancellation.
     share : float
-        Of the whole run that this is worth.
+        Share of the whole run that this takes.
 
     Returns
     -------
@@ -222,7 +222,7 @@ def _unfolded_bodies(
 
 
 def _count(vertices: ArrayLike) -> int:
-    """Count vertices before they are checked; what is no array of numbers is refused later."""
+    """Count vertices before they are checked; invalid arrays are rejected later."""
     try:
         return np.size(vertices) // 3
     except ValueError:  # rows of different lengths
@@ -244,7 +244,7 @@ def _on_meshes(
     monitor: Monitor,
     other_monitor: Monitor,
 ) -> Match:
-    """Tell the matches of bodies in terms of the whole meshes."""
+    """Express the matches of bodies in terms of the whole meshes."""
     face = [np.full(len(body.vertices), -1) for body in bodies.bodies]
     weights = [np.zeros((len(body.vertices), 3)) for body in bodies.bodies]
     confidence = [np.zeros(len(body.vertices)) for body in bodies.bodies]
@@ -272,7 +272,7 @@ def _on_meshes(
 
 
 def _warn(surfaces: list[Unfolded], maps: list[PointMap], scores: list[float], monitor: Monitor) -> None:
-    """Tell where a match is doubtful."""
+    """Warn if a match is doubtful."""
     if max(found.score for found in maps) > _UNLIKE:
         monitor.warn("match_unlike")
     elif min(_sure(*each) for each in zip(surfaces, maps, strict=True)) < _UNSURE:
@@ -282,5 +282,5 @@ def _warn(surfaces: list[Unfolded], maps: list[PointMap], scores: list[float], m
 
 
 def _sure(surface: Unfolded, found: PointMap) -> float:
-    """Average the confidence over the vertices that are worked on, which are spread evenly."""
+    """Average the confidence over the working vertices, which are spread evenly."""
     return float(found.confidence[surface.found.surface.kept].mean())

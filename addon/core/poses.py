@@ -1,4 +1,4 @@
-"""The door to another's pose: a mesh posed as another stands."""
+"""Entry point for pose transfer: a mesh in the pose of another."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def pose_like(
     progress: Progress | None = None,
     cancelled: Cancelled | None = None,
 ) -> PosedLike:
-    """Pose a mesh as another of a like body stands, and keep its shape.
+    """Transfer the pose of another mesh of a similar body to a mesh, which keeps its shape.
 
     Parameters
     ----------
@@ -48,12 +48,12 @@ def pose_like(
     reference_faces : (m', 3) array_like of int
         Its triangles.
     settings : Settings, optional
-        Options of the forms of both; chosen feature points are of the first.
+        Options of both forms; chosen feature points refer to the first mesh.
     side : str or int
         As in `match`.
     reference_pose : (n', 3) array_like of float, optional
-        Where the reference's vertices are in the pose that is wanted, if that is another than the one in which it is
-        matched: of a rigged character, matched as it was modelled, the pose that its rig has now.
+        Vertices of the reference in the wanted pose, if it differs from the pose in which the reference is matched: for
+        a rigged character matched as modelled, the current pose of its rig.
     progress : callable, optional
         Called with the fraction done (0 to 1) and the name of the stage.
     cancelled : callable, optional
@@ -67,7 +67,7 @@ def pose_like(
     Raises
     ------
     CanonicalFormError
-        As in `match`, and if `reference_pose` is not one position for each vertex of the reference.
+        As in `match`, and if `reference_pose` does not have one position for each vertex of the reference.
 
     Examples
     --------
@@ -118,7 +118,7 @@ def _wanted(pose: ArrayLike, vertices: ArrayLike) -> FloatArray:
 
 
 def _posed(one: Unfolded, other: Unfolded, pose: FloatArray, found: PointMap, monitor: Monitor) -> FloatArray:
-    """Pose one body as another stands, around its own centre, in its own unit."""
+    """Transfer the pose of another body to a body, around its own centre, in its own unit."""
     own, there = one.found, other.found
     surface = own.surface
     struts = struts_through(surface.points, surface.faces, own.to_features, monitor)

@@ -1,4 +1,4 @@
-"""What the doors give back."""
+"""Results of the entry points."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from .symmetry.limbs import BodyLimbs
 
 
 class _Summarised:
-    """Shows sizes in place of arrays."""
+    """Results whose representation shows array shapes."""
 
     warnings: list[Message]
 
@@ -37,7 +37,7 @@ class FeaturePatches(_Summarised):
     warnings : list of Message
         Sentences for the user.
     bodies : list of BodyLimbs
-        What tells the feature points of each body apart; a form of this mesh needs it to be a reference.
+        The limbs identified among the feature points of each body; a form of this mesh needs them to be a reference.
     """
 
     feature_points: IntArray
@@ -50,15 +50,15 @@ class FeaturePatches(_Summarised):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class CanonicalForm(_Summarised):
-    """The canonical form of a mesh and what was found on the way.
+    """The canonical form of a mesh and intermediate results.
 
     Attributes
     ----------
     vertices : (n, 3) ndarray of float
-        The form: the input's area, rigidly aligned to the input, each connected piece by itself. Vertices of no face
-        are where they were.
+        The form, with the area of the input and rigidly aligned to it, each connected piece by itself. Vertices of no
+        face keep their positions.
     faces : (m', 3) ndarray of int
-        The triangles that it is the form of: those given, repaired where the warnings say so.
+        The triangles of the form: those given, repaired where the warnings say so.
     feature_points : (k,) ndarray of int
         Vertices, in an order that does not depend on the pose: head, tail, limbs in pairs, left before right; or as
         given. Piece by piece, those of the largest first.
@@ -67,8 +67,8 @@ class CanonicalForm(_Summarised):
     adf : (n,) ndarray of float
         Auto Diffusion Function of each piece scaled to unit area; 0 at vertices of no face.
     stress : (s + 1,) ndarray of float
-        Equation 10 before each of the s steps and after the last, of the surface scaled to unit area; the sum over the
-        pieces.
+        Stress (equation 10) before each of the s steps and after the last, on the surface scaled to unit area; summed
+        over the pieces.
     pair_count : int
         Entries of the distance matrices that the stress uses, counted as the paper does: Σ p² over the patches and
         the feature points. Each pair of points is kept once.
@@ -79,10 +79,10 @@ class CanonicalForm(_Summarised):
     warnings : list of Message
         Sentences for the user.
     asymmetry : float
-        How far the form is from its own mirror image, in units of sqrt(area), root mean square; of several bodies the
-        farthest. nan where no left and right was found.
+        Root mean square deviation of the form from its mirror image, in units of sqrt(area); of several bodies, the
+        largest. nan where no left and right was found.
     bodies : list of BodyLimbs
-        What tells the feature points of each body apart.
+        The limbs identified among the feature points of each body.
     """
 
     vertices: FloatArray
@@ -101,7 +101,7 @@ class CanonicalForm(_Summarised):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Match(_Summarised):
-    """For every vertex of a mesh the point of another that is its like.
+    """For every vertex of a mesh, the corresponding point of another.
 
     Attributes
     ----------
@@ -112,10 +112,10 @@ class Match(_Summarised):
     weights : (n, 3) ndarray of float
         Its barycentric coordinates there; 0 where there is no match.
     confidence : (n,) ndarray of float
-        How sure each is, 0 to 1.
+        Confidence of each point, 0 to 1.
     sides : list of float
-        The ways to match that differ in what is left and right, or front and back, as scores without unit, the
-        likeliest first; lower is better. Of several bodies, those of the largest.
+        Scores, without unit, of the possible matches, which differ in left and right or front and back; lower is
+        better, the likeliest first. Of several bodies, those of the largest.
     other_faces : (m', 3) ndarray of int
         Triangles of the other mesh: those given, repaired where `other_warnings` says so.
     other_count : int
@@ -147,19 +147,19 @@ class PosedLike(_Summarised):
     Attributes
     ----------
     vertices : (n, 3) ndarray of float
-        The mesh in that pose, its own size, around its own centre; it stands as the other does.
+        The mesh in that pose, in its own size, around its own centre, oriented as the other.
     faces : (m', 3) ndarray of int
         Its triangles: those given, repaired where the warnings say so.
     feature_points : (k,) ndarray of int
-        As in `CanonicalForm`, found on the way.
+        As in `CanonicalForm`.
     patches : (n,) ndarray of int
         Index into `feature_points` of the patch that each vertex belongs to; -1 for vertices of no face.
     adf : (n,) ndarray of float
         Auto Diffusion Function of each piece scaled to unit area; 0 at vertices of no face.
     match : Match
-        What its vertices were matched with.
+        The match with the other mesh.
     edge_distortion : float
-        Median change of the length of edges, as a share.
+        Median relative change of edge length.
     timings : dict of str to float
         Seconds by stage, both meshes together.
     warnings : list of Message
@@ -177,5 +177,5 @@ class PosedLike(_Summarised):
     warnings: list[Message]
 
 
-Shaped = CanonicalForm | PosedLike  # what has a shape of its own
+Shaped = CanonicalForm | PosedLike  # results with a shape of their own
 AnyResult = FeaturePatches | Shaped

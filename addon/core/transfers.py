@@ -1,4 +1,4 @@
-"""The door to what a match carries over: values on vertices, values on corners, shapes."""
+"""Entry points for transfer along a match: values on vertices, values on corners, deformations."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .deformation.rotations import nearest_rotations
-from .mesh.connectivity import vertex_pairs
+from .mesh.edges import vertex_pairs
 from .mesh.geometry import surface_area
 from .mesh.islands import island_labels
 from .mesh.tables import rows_in
@@ -15,13 +15,13 @@ from .numerics.factoring import factored
 from .results import Match
 from .run.errors import InvalidMeshError
 
-_FARTHER = 1.2  # times what a map is stretched by: corners much farther apart there lie on different sides of a seam
-_ROUNDING = 1e-9  # of values, below which they are the same
-_WIDE = 0.03  # sqrt(area): how wide the surroundings are of which the turn is found
+_FARTHER = 1.2  # factor on the stretch of a map: corners farther apart there lie on different sides of a seam
+_ROUNDING = 1e-9  # difference below which values are the same
+_WIDE = 0.03  # sqrt(area): width of the neighbourhood over which the rotation is estimated
 
 
 def transferred(matched: Match, values: ArrayLike) -> FloatArray:
-    """Carry values on the vertices of the other mesh over to those of this one.
+    """Transfer values from the vertices of the other mesh to those of this one.
 
     Parameters
     ----------
@@ -33,8 +33,8 @@ def transferred(matched: Match, values: ArrayLike) -> FloatArray:
     Returns
     -------
     (n, ...) ndarray of float
-        Values on the vertices of this one, averages with the weights of the match; sums over columns, as of the weights
-        of bones, stay as they are. 0 at vertices without a match.
+        Values on the vertices of this mesh, averaged with the weights of the match; sums over columns, such as those of
+        bone weights, are preserved. 0 at vertices without a match.
 
     Raises
     ------
@@ -64,9 +64,9 @@ def transferred_corners(
     values: ArrayLike,
     other_vertex_of: IntArray,
 ) -> FloatArray:
-    """Carry values on the corners of the other mesh over, such as a UV map; a polygon never spans a seam.
+    """Transfer values on the corners of the other mesh, such as a UV map; no polygon spans a seam.
 
-    Where its corners come from different sides of a seam, the side of most of them goes on in a straight line.
+    Where its corners come from different sides of a seam, the side of most of them is extrapolated linearly.
 
     Parameters
     ----------
@@ -117,7 +117,7 @@ def transferred_corners(
     known = own >= 0
     label = np.where(known, island[own], -1)
     same = label == _commonest(polygon_of, label)[polygon_of]
-    base = np.full(int(polygon_of.max()) + 1, -1)  # a corner of each polygon that decides on which side of a seam it is
+    base = np.full(int(polygon_of.max()) + 1, -1)  # a corner of each polygon that decides its side of a seam
     base[polygon_of[same][::-1]] = np.flatnonzero(same)[::-1]
     base = base[polygon_of]
     carried = np.einsum("ij,ijk->ik", share, values[other_corners[own]])
@@ -139,7 +139,7 @@ def transferred_shape(
     other_vertices: ArrayLike,
     other_shape: ArrayLike,
 ) -> FloatArray:
-    """Carry a deformation of the other mesh over: every point moves as its like does, turned and sized as it is here.
+    """Transfer a deformation of the other mesh: every point moves as its counterpart, rotated and scaled to this mesh.
 
     Parameters
     ----------
@@ -155,7 +155,7 @@ def transferred_shape(
     Returns
     -------
     (n, 3) ndarray of float
-        Positions of this mesh after.
+        Positions of this mesh after the deformation.
 
     Raises
     ------
@@ -173,8 +173,8 @@ def transferred_shape(
 
     References
     ----------
-    Sumner and Popović, "Deformation Transfer for Triangle Meshes", 2004, doi:10.1145/1015706.1015736, whose idea it is
-    to carry changes and not places; this is simpler: one turn a vertex.
+    Sumner and Popović, "Deformation Transfer for Triangle Meshes", 2004, doi:10.1145/1015706.1015736, who transfer
+    changes instead of positions; this is simpler: one rotation per vertex.
     """
     from scipy.sparse import coo_array, diags
 
@@ -199,7 +199,7 @@ def transferred_shape(
 
 
 def _on_triangles(matched: Match, triangles: IntArray) -> tuple[IntArray, FloatArray]:
-    """Tell a match in terms of other triangles of the same mesh, corners in any order; -1 where there is none."""
+    """Express a match in terms of other triangles of the same mesh, corners in any order; -1 where there is none."""
     order = np.argsort(matched.other_faces, axis=1)
     own_order = np.argsort(triangles, axis=1)
     number = rows_in(np.take_along_axis(matched.other_faces, order, 1), np.take_along_axis(triangles, own_order, 1))
@@ -211,7 +211,7 @@ def _on_triangles(matched: Match, triangles: IntArray) -> tuple[IntArray, FloatA
 
 
 def _extended(triangles: FloatArray, points: FloatArray) -> FloatArray:
-    """Find barycentric coordinates of points in the planes of triangles, also beyond their sides."""
+    """Compute barycentric coordinates of points in the planes of triangles, also outside the triangles."""
     first, second = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
     normal = np.cross(first, second)
     size = np.maximum(np.einsum("ij,ij->i", normal, normal), np.finfo(float).tiny)
@@ -222,13 +222,13 @@ def _extended(triangles: FloatArray, points: FloatArray) -> FloatArray:
 
 
 def _stretch(points: FloatArray, values: FloatArray) -> FloatArray:
-    """Find how much longer the longest side of each triangle is in a map than in space."""
+    """Compute the ratio of the longest side of each triangle in a map to that in space."""
     there, here = (np.linalg.norm(each - np.roll(each, 1, axis=1), axis=2).max(axis=1) for each in (values, points))
     return np.asarray(there / np.maximum(here, np.finfo(float).tiny))
 
 
 def _commonest(group: IntArray, labels: IntArray) -> IntArray:
-    """Find the commonest label of each group, of several the smallest; -1 counts only where there is no other."""
+    """Find the most common label of each group, on ties the smallest; -1 only where there is no other."""
     known = labels >= 0
     pairs, count = np.unique(np.column_stack([group[known], labels[known]]), axis=0, return_counts=True)
     found = np.full(int(group.max()) + 1 if len(group) else 0, -1)

@@ -1,4 +1,4 @@
-"""What the commands of an evaluation share: arguments, and what is found out before the work begins."""
+"""Shared by the commands of an evaluation: arguments, and checks before the work begins."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from ..blender.files.file_access import require_folder
 from ..blender.words.file_errors import sentence
 from ..core import CanonicalFormError
 
-_PACKAGE = {"distributed": "dask[distributed]", "pyFM": "pyfmaps"}  # where it has another name than its module
+_PACKAGE = {"distributed": "dask[distributed]", "pyFM": "pyfmaps"}  # packages not named like their module
 
 
 def add_dataset(parser: argparse.ArgumentParser) -> None:
-    """Add the dataset, its classes and the folder for the results.
+    """Add the arguments for the dataset, its classes and the folder for the results.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ def add_dataset(parser: argparse.ArgumentParser) -> None:
 
 
 def add_workers(parser: argparse.ArgumentParser) -> None:
-    """Add who does the work.
+    """Add the arguments for the workers.
 
     Parameters
     ----------
@@ -45,21 +45,21 @@ def add_workers(parser: argparse.ArgumentParser) -> None:
 
 
 def exit_code(parser: argparse.ArgumentParser, words: Sequence[str], work: Callable[[argparse.Namespace], bool]) -> int:
-    """Run a command, and tell in a sentence why it cannot be done.
+    """Run a command and return its exit code; print a message if it cannot run.
 
     Parameters
     ----------
     parser : argparse.ArgumentParser
-        Reads the words.
+        Parses the arguments.
     words : sequence of str
-        The words after the command.
+        The arguments after the command.
     work : callable
-        The command: its options, to whether all of it was done.
+        The command: takes its options, returns whether all of it succeeded.
 
     Returns
     -------
     int
-        0 if all was done, 1 if not, 2 if nothing could be done, 130 if stopped by the keyboard.
+        0 if all succeeded, 1 if not, 2 if nothing could be computed, 130 after a keyboard interrupt.
     """
     try:
         options = parser.parse_args(words)
@@ -76,12 +76,12 @@ def exit_code(parser: argparse.ArgumentParser, words: Sequence[str], work: Calla
 
 
 def require_packages(names: Sequence[str]) -> None:
-    """Find out now what would be missing after hours.
+    """Check early that all modules are installed, instead of failing after hours.
 
     Parameters
     ----------
     names : sequence of str
-        Modules.
+        Names of modules.
 
     Raises
     ------
@@ -112,19 +112,19 @@ def require_workers(count: int) -> None:
 
 
 def own_folder(output: Path, inputs: Sequence[Path]) -> None:
-    """Make the folder for the results, which holds none of the files that are read: their names may be the same.
+    """Create the folder for the results, which must not contain input files, as file names may coincide.
 
     Parameters
     ----------
     output : Path
-        The folder.
+        The folder for the results.
     inputs : sequence of Path
-        The files.
+        The input files.
 
     Raises
     ------
     CanonicalFormError
-        If one is in it, or it cannot be made or written to.
+        If it contains an input file, or cannot be created or written to.
     """
     if output.resolve() in {path.resolve().parent for path in inputs}:
         raise CanonicalFormError(f"{output} holds files of the dataset. Choose another --output.")
@@ -132,11 +132,11 @@ def own_folder(output: Path, inputs: Sequence[Path]) -> None:
 
 
 def bar_style() -> dict[str, Any]:
-    """Say how progress bars look: in a file they are written less often.
+    """Return the options of progress bars; bars in a log file are updated less often.
 
     Returns
     -------
     dict
-        Arguments of a bar.
+        Arguments of a progress bar.
     """
     return {"smoothing": 0.05, "mininterval": 0.5 if sys.stderr.isatty() else 30.0}  # seconds

@@ -31,20 +31,20 @@ def main(arguments: list[str], output: TextIO | None = None) -> int:
     Parameters
     ----------
     arguments : list of str
-        The words after ``evaluate``.
+        The arguments after ``evaluate``.
     output : TextIO, optional
-        Where the names of the files go that were written; standard output when left out.
+        Stream for the names of the written files; standard output if omitted.
 
     Returns
     -------
     int
-        0 if every form was computed, 1 if one failed, 2 if nothing could be done, 130 if stopped by the keyboard.
+        0 if every form was computed, 1 if one failed, 2 if nothing could be computed, 130 after a keyboard interrupt.
     """
     return exit_code(_parser(), arguments, lambda options: _evaluate(options, output or sys.stdout))
 
 
 def _evaluate(options: argparse.Namespace, output: TextIO) -> bool:
-    """Evaluate, and tell whether every form was computed."""
+    """Run the evaluation, and return whether every form was computed."""
     require_packages(["matplotlib", "tqdm", "threadpoolctl", *(["distributed"] if options.scheduler else [])])
     require_workers(options.workers)
     methods = chosen_methods(_words(options.methods))
@@ -86,7 +86,7 @@ def _parser() -> argparse.ArgumentParser:
 def _evaluated(
     store: Store, shapes: list[Shape], methods: list[Method], options: argparse.Namespace, output: TextIO
 ) -> int:
-    """Do what is missing, write everything, and return how much failed."""
+    """Compute what is missing, write everything, and return the number of failures."""
     from tqdm import tqdm
 
     pending, lost = pending_forms(store, shapes, methods)
@@ -123,7 +123,7 @@ def _reported(
     lost_rows: dict[str, str],
     output: TextIO,
 ) -> int:
-    """Write tables and figures, name them, and return how many forms failed."""
+    """Write tables and figures, print their names, and return how many forms failed."""
     from .figures import write_figures
     from .report import write_report
 

@@ -21,7 +21,7 @@ class Shape:
     label : str
         Its class.
     name : str
-        Its name, unlike any other of its class, fit for a file name.
+        Its name, unique in its class and valid as a file name.
     path : Path
         The file.
     """
@@ -37,20 +37,20 @@ def shapes_in(folder: Path, classes: Path | None = None) -> list[Shape]:
     Parameters
     ----------
     folder : Path
-        Either one subfolder a class, or all meshes side by side and a file that tells their classes.
+        Either one subfolder per class, or all meshes in one folder with a file that lists their classes.
     classes : Path, optional
-        That file: a .cla file of the Princeton Shape Benchmark, as SHREC uses it, or lines ``file,class``. Looked for
-        in the folder where it is left out.
+        That file: a .cla file of the Princeton Shape Benchmark, as used by SHREC, or lines ``file,class``. If
+        omitted, it is looked for in the folder.
 
     Returns
     -------
     list of Shape
-        By class and name.
+        Sorted by class and name.
 
     Raises
     ------
     InvalidMeshError
-        If there is no mesh, or the file of classes does not fit the meshes; the message says what to do.
+        If there is no mesh, or the file of classes does not fit the meshes; the message names the remedy.
     """
     if not folder.is_dir():
         raise InvalidMeshError(f"{folder} is not a folder.")
@@ -93,7 +93,7 @@ def shapes_in(folder: Path, classes: Path | None = None) -> list[Shape]:
 
 
 def _safe(name: str) -> str:
-    """Make a name fit for a file, on any system."""
+    """Replace characters that are not valid in file names on every system."""
     safe = re.sub(r"[^\w.+-]", "_", name).strip(".")
     return safe or "_"
 
@@ -122,7 +122,7 @@ def _labelled(paths: list[Path], classes: Path) -> dict[Path, str]:
 
 
 def _read_cla(text: str, path: Path) -> dict[int, str]:
-    """Read a .cla file: a head, and for each class its name, its parent, a count, and so many numbers of shapes."""
+    """Read a .cla file: a header, and for each class its name, its parent, and the number and indices of its shapes."""
     words = text.split()
     label_of: dict[int, str] = {}
     try:
@@ -139,7 +139,7 @@ def _read_cla(text: str, path: Path) -> dict[int, str]:
 
 
 def _by_number(paths: list[Path], label_of: dict[int, str], classes: Path) -> dict[Path, str]:
-    """Match shapes to files by the number in the file's name: T17.off, m17.off, 17.off."""
+    """Assign shapes to files by the number in the file name: T17.off, m17.off, 17.off."""
     numbered: dict[int, Path] = {}
     for path in paths:
         number = re.search(r"(\d+)$", path.stem)

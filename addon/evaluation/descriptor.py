@@ -9,14 +9,14 @@ from ..core.numerics.arrays import FloatArray, IntArray
 
 SHELLS = 32  # between the centre and REACH
 DEGREES = 16  # l from 0 to 15
-REACH = 2.5  # in root mean square distances of the surface from its centre; what lies beyond counts to the last shell
+REACH = 2.5  # in root mean square distances of the surface from its centre; the last shell includes everything beyond
 
 
 def harmonic_descriptor(vertices: FloatArray, faces: IntArray) -> FloatArray:
-    """Describe a surface by what no rigid motion, mirror image or scale changes.
+    """Describe a surface by values that are invariant under rigid motions, mirroring and scaling.
 
-    The area of the surface is sorted into concentric shells around its centre. Within a shell it is a function of the
-    direction; the norm of its part of each degree l does not change when the shape is turned.
+    The area of the surface is divided into concentric shells around its centre. Within a shell it is a function of the
+    direction; the norm of its component of each degree l does not change when the shape is rotated.
 
     Parameters
     ----------
@@ -28,13 +28,13 @@ def harmonic_descriptor(vertices: FloatArray, faces: IntArray) -> FloatArray:
     Returns
     -------
     (512,) ndarray of float
-        Norms by shell and degree, of length 1 in all. To be compared by their Euclidean distance.
+        Norms by shell and degree, with total length 1. Compare them by their Euclidean distance.
 
     References
     ----------
     Kazhdan, Funkhouser and Rusinkiewicz, "Rotation Invariant Spherical Harmonic Representation of 3D Shape
-    Descriptors", 2003. Here the area of the surface stands for the voxels of the paper, and an area between two shells
-    belongs to both in part.
+    Descriptors", 2003. Here the area of the surface replaces the voxels of the paper, and an area between two shells
+    is divided between them.
     """
     area = vertex_areas(vertices, faces)
     area = area / area.sum()
@@ -52,7 +52,7 @@ def harmonic_descriptor(vertices: FloatArray, faces: IntArray) -> FloatArray:
             sums[:, column] += np.bincount(shells, values.real, SHELLS) + 1j * np.bincount(shells, values.imag, SHELLS)
     energy = np.abs(sums) ** 2
     degree, order = _degrees_and_orders()
-    energy *= np.where(order > 0, 2.0, 1.0)  # m and -m have the same
+    energy *= np.where(order > 0, 2.0, 1.0)  # m and -m have the same energy
     by_degree = np.zeros((SHELLS, DEGREES))
     for index, each in enumerate(degree):
         by_degree[:, each] += energy[:, index]

@@ -21,19 +21,19 @@ _MOST_CLASSES = 8  # in the gallery
 
 
 def write_figures(store: Store, tables: Sequence[MethodTable]) -> list[Path]:
-    """Draw precision and recall, compactness errors, and a gallery of one form a class and method.
+    """Draw precision and recall, compactness errors, and a gallery of one form per class and method.
 
     Parameters
     ----------
     store : Store
-        Has the forms.
+        Contains the forms.
     tables : sequence of MethodTable
         The results by method.
 
     Returns
     -------
     list of Path
-        The pictures.
+        The image files.
     """
     from matplotlib.figure import Figure
 
@@ -71,7 +71,7 @@ def gallery(store: Store, tables: Sequence[MethodTable]) -> Figure | None:
     Parameters
     ----------
     store : Store
-        Has the forms.
+        Contains the forms.
     tables : sequence of MethodTable
         The results by method.
 

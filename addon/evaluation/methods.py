@@ -1,4 +1,4 @@
-"""The methods that an evaluation compares: names, settings and where they come from."""
+"""The methods that an evaluation compares: names, settings and sources."""
 
 from __future__ import annotations
 
@@ -10,22 +10,22 @@ from ..core.method_api.catalogue import methods
 from ..core.method_api.registry import OURS
 from ..core.method_api.settings import current_options, former_options
 
-_PATIENT = 1e-5  # tolerance of the other methods, which need more steps to settle than ours
+_PATIENT = 1e-5  # tolerance of the other methods, which need more steps than ours to converge
 _TRUTH = {"true": True, "false": False}
 
 
 @dataclass(frozen=True)
 class Method:
-    """A method under the name it has in the tables.
+    """A method, under its name in the tables.
 
     Attributes
     ----------
     name : str
         Name in tables, files and on the command line.
     settings : Settings or None
-        Its settings; None for the mesh as it is.
+        Its settings; None for the unchanged mesh.
     source : str
-        Where it comes from.
+        Its origin.
     """
 
     name: str
@@ -34,12 +34,12 @@ class Method:
 
     @property
     def rival(self) -> bool:
-        """Whether it is another's method."""
+        """Whether it is a method of other authors."""
         return self.settings is not None and self.settings.method != OURS
 
 
 def _known() -> dict[str, Method]:
-    """List the methods: ours and its variants, then all others of the core, those of all pairs also at full quality."""
+    """Return all methods: ours and its variants, then the core's others, those with all pairs also at full quality."""
     found = [
         Method("input", None, "the mesh in its pose"),
         Method("ours", Settings(), "this project, default"),
@@ -62,18 +62,18 @@ def _known() -> dict[str, Method]:
 KNOWN = _known()
 DEFAULT = tuple(
     name for name in KNOWN if name not in ("input", "ours-draft") and not name.endswith("-full")
-)  # the quick ones
+)  # the fast ones
 INPUT = "input"
-_FORMER = {"ours-published": "as-published"}  # names of version 0.1, gone with version 2.0
+_FORMER = {"ours-published": "as-published"}  # names of version 0.1, to be removed in version 2.0
 
 
 def chosen_methods(words: list[str]) -> list[Method]:
-    """Turn words of the command line into methods; the mesh as it is always comes first.
+    """Convert arguments of the command line to methods; the unchanged mesh always comes first.
 
     Parameters
     ----------
     words : list of str
-        Names, each with settings of its own if wanted: ``ours:quality=draft,landmark_count=50``.
+        Names, optionally with settings: ``ours:quality=draft,landmark_count=50``.
 
     Returns
     -------
@@ -83,7 +83,7 @@ def chosen_methods(words: list[str]) -> list[Method]:
     Raises
     ------
     InvalidSettingsError
-        If a name or setting is not known.
+        If a name or setting is unknown.
     """
     chosen = {INPUT: KNOWN[INPUT]}
     for word in words:

@@ -1,4 +1,4 @@
-"""Draws meshes without a renderer: points on the surface, the nearest to the eye in each pixel, the inside in red."""
+"""Draws meshes without a renderer: points on the surface, the nearest one in each pixel, the inside in red."""
 
 from __future__ import annotations
 
@@ -29,18 +29,18 @@ def drawn(
     faces : (m, 3) ndarray of int
         Triangles.
     turn : (3, 3) ndarray of float, optional
-        Rotation before, ``x ↦ x R``.
+        Rotation before drawing, ``x ↦ x R``.
     size : int
         Width and height in pixels.
     colours : (n, 3) ndarray of float, optional
-        Colour of every vertex, 0 to 255, for the outside of the surface.
+        Colour of every vertex, 0 to 255, for the outer side of the surface.
     extent : float, optional
-        Length that fills the picture; that of the mesh when left out.
+        Length that fills the picture; that of the mesh if omitted.
 
     Returns
     -------
     (size, size, 3) ndarray of uint8
-        The picture; what is not the mesh is white.
+        The picture, with a white background.
     """
     rng = np.random.default_rng(0)
     if turn is not None:
@@ -67,7 +67,7 @@ def drawn(
 
 
 def upright(vertices: FloatArray) -> FloatArray:
-    """Find a rotation that shows a shape at its widest: its longest axis upwards, its shortest towards the eye.
+    """Return a rotation that shows the widest view of a shape: longest axis up, shortest axis towards the viewer.
 
     Parameters
     ----------

@@ -1,6 +1,6 @@
-"""Reads the mesh of a file: .off files directly, also .obj and .ply without Blender, all else through it.
+"""Reads the mesh of a file: .off files directly, .obj and .ply with or without Blender, other kinds with Blender.
 
-Blender may crash on a damaged file: it reads in a process of its own.
+Blender may crash on a damaged file, so it reads in a separate process.
 """
 
 from __future__ import annotations
@@ -23,13 +23,13 @@ from ..scheduling.crews import LocalCrew
 
 
 class Reader:
-    """Reads meshes one by one; where Blender has to, in another process, which may crash."""
+    """Reads meshes one by one; with Blender in another process, as it may crash."""
 
     def __init__(self) -> None:
-        self._process = LocalCrew(1, attempts=2)  # it may have died of the file before
+        self._process = LocalCrew(1, attempts=2)  # the previous file may have killed it
 
     def triangles(self, path: Path) -> tuple[FloatArray, IntArray]:
-        """Read the one mesh of a file.
+        """Read the only mesh of a file.
 
         Parameters
         ----------
@@ -46,7 +46,7 @@ class Reader:
         Raises
         ------
         InvalidMeshError
-            If it cannot be read, or holds more than one mesh, or Blender crashes on it.
+            If the file cannot be read, contains more than one mesh, or crashes Blender.
         """
         plain = _plain_triangles(path)
         if plain is not None:
@@ -67,7 +67,7 @@ class Reader:
 
 
 def _plain_triangles(path: Path) -> tuple[FloatArray, IntArray] | None:
-    """Read what needs no Blender; .obj and .ply are left to it where it is there."""
+    """Read a file that does not need Blender; .obj and .ply are left to Blender if it is installed."""
     if path.suffix.lower() != ".off" and (path.suffix.lower() not in PLAIN or has_blender()):
         return None
     vertices, polygons = read_plain(path)
@@ -77,8 +77,8 @@ def _plain_triangles(path: Path) -> tuple[FloatArray, IntArray] | None:
 
 
 def _read_by_blender(path: Path) -> tuple[FloatArray, IntArray]:
-    """Read a file in this process, which Blender may take along."""
-    # where the first process has loaded Blender, its folders came along, and half of a bpy in them
+    """Read a file in this process, which Blender may crash."""
+    # if the parent process has loaded Blender, it passed on Blender's folders, which contain an incomplete bpy
     sys.path[:] = [folder for folder in sys.path if Path(folder).parts[-2:] != ("scripts", "modules")]
     try:
         import bpy  # noqa: F401
@@ -93,7 +93,7 @@ def _read_by_blender(path: Path) -> tuple[FloatArray, IntArray]:
     try:
         with _blender_silenced():
             objects = open_meshes(path)
-    except (OSError, RuntimeError) as error:  # RuntimeError: Blender refuses
+    except (OSError, RuntimeError) as error:  # Blender's operators raise RuntimeError
         raise InvalidMeshError(str(error)) from error
     if len(objects) > 1:
         raise InvalidMeshError(f"{path.name} holds {len(objects)} meshes; an evaluation needs one a file.")
@@ -102,7 +102,7 @@ def _read_by_blender(path: Path) -> tuple[FloatArray, IntArray]:
 
 @contextmanager
 def _blender_silenced() -> Iterator[None]:
-    """Keep what Blender's importers print out of the progress bar."""
+    """Suppress the output of Blender's importers, which would disturb the progress bar."""
     sys.stdout.flush()
     kept = os.dup(1)
     nowhere = os.open(os.devnull, os.O_WRONLY)

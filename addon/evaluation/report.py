@@ -26,12 +26,12 @@ FIGURES = (
 def write_report(
     store: Store, shapes: Sequence[Shape], tables: Sequence[MethodTable], rows: Rows, lost_rows: dict[str, str]
 ) -> list[Path]:
-    """Write all tables. Times and memory stand in files of their own; all else is the same in every run.
+    """Write all tables. Times and memory are in separate files; everything else is identical in every run.
 
     Parameters
     ----------
     store : Store
-        Where to, and where the Hausdorff distances are.
+        Where to write, and where the Hausdorff distances are.
     shapes : sequence of Shape
         The dataset.
     tables : sequence of MethodTable
@@ -39,12 +39,12 @@ def write_report(
     rows : dict
         Rows of the Hausdorff matrices, from `hausdorff_rows`.
     lost_rows : dict of str to str
-        Reasons of those that could not be had.
+        Reasons for missing rows.
 
     Returns
     -------
     list of Path
-        The files.
+        The written files.
     """
     labels = sorted({shape.label for shape in shapes})
     matrices = {
@@ -90,12 +90,12 @@ def write_report(
             )
     written = [store.write_text(name, text) for name, text in files.items()]
     for kind in ("hausdorff-*.csv", "descriptor-distances-*.csv"):
-        for old in set(store.folder.glob(kind)) - set(written):  # of a run with other methods or classes
+        for old in set(store.folder.glob(kind)) - set(written):  # from a run with other methods or classes
             old.unlink()
     return written
 
 
-_DETAIL = {  # beyond the edges' median and 95th percentile; with the heads of their columns
+_DETAIL = {  # in addition to the median and 95th percentile of the edges; with column headings
     "edge_distortion_999": "99.9 %",
     "area_distortion_median": "areas, median",
     "area_distortion_95": "95 %",
@@ -153,7 +153,7 @@ def _method_line(table: MethodTable, matrices: dict[tuple[str, str], Any], label
 
 
 def _detail_line(table: MethodTable) -> list[str]:
-    """Write what a method keeps of the surface, in hundredths."""
+    """Format how much of the surface a method preserves, in hundredths."""
     names = ["edge_distortion_median", "edge_distortion_95", *_DETAIL]
     means = [_mean(table.values(name)) for name in names]
     return [table.method.name, *("" if np.isnan(mean) else f"{100 * mean:.2f}" for mean in means)]
@@ -176,7 +176,7 @@ def report_text(
     matrices : dict
         Hausdorff matrices by method and class.
     lost_rows : dict of str to str
-        Reasons of rows of these that could not be had.
+        Reasons for missing rows of these matrices.
 
     Returns
     -------
@@ -234,7 +234,7 @@ def report_text(
 
 
 def costs_text(tables: Sequence[MethodTable]) -> str:
-    """Write seconds and memory in Markdown, by number of vertices.
+    """Write computation times and memory in Markdown, by number of vertices.
 
     Parameters
     ----------

@@ -12,20 +12,20 @@ from ..core.numerics.arrays import FloatArray
 
 @dataclass(frozen=True)
 class Retrieval:
-    """How well shapes of one class find each other, means over all queries, 0 to 1.
+    """How well shapes retrieve others of their class; means over all queries, 0 to 1.
 
     Attributes
     ----------
     nearest_neighbour : float
         Share of the queries whose nearest shape is of their class.
     first_tier : float
-        Share of the query's class, of c others, among the c nearest.
+        Share of the c others of the query's class among the c nearest shapes.
     second_tier : float
-        The same among the 2 c nearest.
+        Share of them among the 2 c nearest shapes.
     discounted_gain : float
-        Discounted cumulative gain, over that of a perfect order.
+        Discounted cumulative gain, relative to that of a perfect order.
     queries : int
-        Number of queries: shapes that are not alone in their class.
+        Number of queries: shapes with others in their class.
     """
 
     nearest_neighbour: float
@@ -36,19 +36,19 @@ class Retrieval:
 
 
 def retrieval(distances: FloatArray, classes: Sequence[str]) -> Retrieval:
-    """Let every shape look for the others of its class.
+    """Use every shape as a query for the others of its class.
 
     Parameters
     ----------
     distances : (n, n) ndarray of float
-        Distances between the shapes; the query itself is left out. Equal distances count in the order of the shapes.
+        Distances between the shapes; the query itself is excluded. Ties keep the order of the shapes.
     classes : sequence of str
         Class of each shape.
 
     Returns
     -------
     Retrieval
-        The measures; nan without a query.
+        The measures; NaN without a query.
 
     References
     ----------
@@ -77,7 +77,7 @@ def retrieval(distances: FloatArray, classes: Sequence[str]) -> Retrieval:
 
 
 def precision_at_recall(distances: FloatArray, classes: Sequence[str], steps: int = 20) -> FloatArray:
-    """Compute the precision at evenly spaced recalls, the mean over all queries.
+    """Return the precision at evenly spaced recalls, averaged over all queries.
 
     Parameters
     ----------
@@ -91,7 +91,7 @@ def precision_at_recall(distances: FloatArray, classes: Sequence[str], steps: in
     Returns
     -------
     (steps,) ndarray of float
-        Precision: the best at that recall or a higher one.
+        Precision: the best value at this or a higher recall.
     """
     labels = np.asarray(classes)
     curves = []

@@ -1,4 +1,4 @@
-"""Runs what is not done yet: forms and their measures first, then Hausdorff distances within the classes."""
+"""Runs what is not done yet: forms and their measures first, then Hausdorff distances within classes."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ Rows = dict[str, tuple[Method, list[Shape], str]]
 def pending_forms(
     store: Store, shapes: Sequence[Shape], methods: Sequence[Method]
 ) -> tuple[dict[Shape, list[Method]], Lost]:
-    """List what has to be computed, and tell the store what is wanted.
+    """Return the missing results, and register the expected keys in the store.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ def pending_forms(
     pending : dict of Shape to list of Method
         Methods to run on each shape.
     lost : dict of (Shape, Method) to str
-        Reasons of shapes whose files cannot be opened.
+        Reasons for shapes whose files cannot be opened.
     """
     pending: dict[Shape, list[Method]] = {}
     lost: Lost = {}
@@ -59,12 +59,12 @@ def pending_forms(
 
 
 def compute_forms(store: Store, pending: dict[Shape, list[Method]], crew: Crew, told: Told, pace: list[float]) -> Lost:
-    """Compute and keep all forms that are missing.
+    """Compute and store all missing forms.
 
     Parameters
     ----------
     store : Store
-        Takes the results.
+        Receives the results.
     pending : dict
         From `pending_forms`.
     crew : Crew
@@ -72,18 +72,18 @@ def compute_forms(store: Store, pending: dict[Shape, list[Method]], crew: Crew, 
     told : callable
         Called with a name for each result.
     pace : list of float
-        Takes the seconds that each result took its worker.
+        Receives the computation time of each result in seconds.
 
     Returns
     -------
     dict of (Shape, Method) to str
-        Reasons of results that could not be had here and now: a mesh that cannot be read, a worker that died. A second
-        run tries these again.
+        Reasons for results that failed in this run: a mesh that cannot be read, a worker that died. Another run tries
+        them again.
 
     Raises
     ------
     CanonicalFormError
-        If the crew is lost.
+        If the connection to the workers is lost.
     """
     lost: Lost = {}
     faces_of: dict[Shape, np.ndarray] = {}
@@ -118,23 +118,23 @@ def compute_forms(store: Store, pending: dict[Shape, list[Method]], crew: Crew, 
 
 
 def hausdorff_rows(store: Store, shapes: Sequence[Shape], methods: Sequence[Method], count: int) -> Rows:
-    """List the rows of the Hausdorff matrices: each of some shapes of a class against those after it.
+    """Return the rows of the Hausdorff matrices: each shape of a class against those after it.
 
     Parameters
     ----------
     store : Store
-        The forms.
+        Contains the forms.
     shapes : sequence of Shape
         The dataset.
     methods : sequence of Method
         The methods.
     count : int
-        Number of shapes of a class at most; below 2 there are no matrices.
+        Largest number of shapes per class; below 2 there are no matrices.
 
     Returns
     -------
     dict of str to (Method, list of Shape, str)
-        By name of the row: the method, the shapes, and the key to keep the row under.
+        By name of the row: the method, the shapes, and the key for the store.
     """
     rows: Rows = {}
     for method in methods:
@@ -147,12 +147,12 @@ def hausdorff_rows(store: Store, shapes: Sequence[Shape], methods: Sequence[Meth
 
 
 def hausdorff_shapes(store: Store, shapes: Sequence[Shape], method: Method, label: str, count: int) -> list[Shape]:
-    """Choose the shapes of a class that are compared with each other.
+    """Choose the shapes of a class to be compared with each other.
 
     Parameters
     ----------
     store : Store
-        The forms.
+        Contains the forms.
     shapes : sequence of Shape
         The dataset.
     method : Method
@@ -160,7 +160,7 @@ def hausdorff_shapes(store: Store, shapes: Sequence[Shape], method: Method, labe
     label : str
         The class.
     count : int
-        Number of shapes at most.
+        Largest number of shapes.
 
     Returns
     -------
@@ -177,7 +177,7 @@ def hausdorff_shapes(store: Store, shapes: Sequence[Shape], method: Method, labe
 
 
 def row_name(method: Method, label: str, first: int) -> str:
-    """Name a row of a Hausdorff matrix.
+    """Return the name of a row of a Hausdorff matrix.
 
     Parameters
     ----------
@@ -186,7 +186,7 @@ def row_name(method: Method, label: str, first: int) -> str:
     label : str
         The class.
     first : int
-        Number of the row.
+        Index of the row.
 
     Returns
     -------
@@ -197,30 +197,30 @@ def row_name(method: Method, label: str, first: int) -> str:
 
 
 def compute_hausdorff(store: Store, rows: Rows, crew: Crew, told: Told, pace: list[float]) -> dict[str, str]:
-    """Measure and keep the rows of the Hausdorff matrices that are missing.
+    """Compute and store all missing rows of the Hausdorff matrices.
 
     Parameters
     ----------
     store : Store
-        Has the forms and takes the rows.
+        Contains the forms, and receives the rows.
     rows : dict
-        From `hausdorff_rows`, those that are missing.
+        The missing rows, from `hausdorff_rows`.
     crew : Crew
         The workers.
     told : callable
         Called with a name for each row.
     pace : list of float
-        Takes the seconds that each row took its worker.
+        Receives the computation time of each row in seconds.
 
     Returns
     -------
     dict of str to str
-        Reasons of rows that could not be had, by name.
+        Reasons for missing rows, by name.
 
     Raises
     ------
     CanonicalFormError
-        If the crew is lost.
+        If the connection to the workers is lost.
     """
     lost: dict[str, str] = {}
 

@@ -1,4 +1,4 @@
-"""Keeps results on disk, each in a file of its own that is whole or not there, so that a run can be taken up again."""
+"""Stores each result on disk in a separate file that is never partial, so that a run can be resumed."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ from .work import Outcome
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-_BROKEN = (OSError, ValueError, KeyError, EOFError, TypeError, zipfile.BadZipFile, zlib.error)  # of a cut-short file
-_DOTS = 110  # an inch, of pictures
-_STALE = 3600.0  # seconds after which a partial file is nobody's any more
+_BROKEN = (OSError, ValueError, KeyError, EOFError, TypeError, zipfile.BadZipFile, zlib.error)  # of a truncated file
+_DOTS = 110  # per inch, in images
+_STALE = 3600.0  # seconds after which a partial file belongs to no running process
 
 
 class Store:
@@ -35,7 +35,7 @@ class Store:
     Parameters
     ----------
     folder : Path
-        The output folder; results go to ``results`` in it.
+        The output folder; results are in its subfolder ``results``.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -49,7 +49,7 @@ class Store:
                     partial.unlink()
 
     def expects(self, shape: Shape, method: Method, key: str) -> bool:
-        """Say which result is wanted from now on, and tell whether it is there.
+        """Set the key of the expected result, and return whether the result exists.
 
         Parameters
         ----------
@@ -58,18 +58,18 @@ class Store:
         method : Method
             The method.
         key : str
-            From `key_of`.
+            From `keys_of`.
 
         Returns
         -------
         bool
-            Whether nothing needs to be done.
+            True if nothing needs to be computed.
         """
         self._keys[shape, method.name] = key
         return self._key_in(self._path(shape, method)) == key
 
     def key(self, shape: Shape, method: Method) -> str:
-        """Give the key of the result that is wanted.
+        """Return the key of the expected result.
 
         Parameters
         ----------
@@ -81,12 +81,12 @@ class Store:
         Returns
         -------
         str
-            The key; empty if none is wanted.
+            The key; empty if no result is expected.
         """
         return self._keys.get((shape, method.name), "")
 
     def keep(self, shape: Shape, method: Method, outcome: Outcome, faces: np.ndarray | None = None) -> None:
-        """Write the result that is wanted.
+        """Write the expected result.
 
         Parameters
         ----------
@@ -97,7 +97,7 @@ class Store:
         outcome : Outcome
             The result.
         faces : (m, 3) ndarray of int, optional
-            Triangles, kept once a shape.
+            Triangles, stored once per shape.
         """
         arrays = {"form": outcome.form, "descriptor": outcome.descriptor, "faces": faces}
         head = {"key": self.key(shape, method), "row": outcome.row, "cost": outcome.cost}
@@ -116,7 +116,7 @@ class Store:
         Returns
         -------
         dict or None
-            ``row`` and ``cost``, as in `Outcome`; None if the result that is wanted is not there.
+            ``row`` and ``cost``, as in `Outcome`; None if the expected result does not exist.
         """
         head = self._head(self._path(shape, method))
         return head if head is not None and head.get("key") == self.key(shape, method) else None
@@ -131,12 +131,12 @@ class Store:
         method : Method
             The method.
         name : {'form', 'descriptor', 'faces'}
-            Which.
+            Which array.
 
         Returns
         -------
         ndarray or None
-            The array; None if the result that is wanted has none.
+            The array; None if the expected result does not have it.
         """
         try:
             with np.load(self._path(shape, method)) as stored:
@@ -146,19 +146,19 @@ class Store:
             return None
 
     def has(self, name: str, key: str) -> bool:
-        """Tell whether a comparison of shapes is there.
+        """Return whether a comparison of shapes exists.
 
         Parameters
         ----------
         name : str
             Its name.
         key : str
-            Of what it was made from.
+            Key of its inputs.
 
         Returns
         -------
         bool
-            Whether nothing needs to be done.
+            True if nothing needs to be computed.
         """
         return self._key_in(self._results / f"{name}.npz") == key
 
@@ -170,9 +170,9 @@ class Store:
         name : str
             Its name.
         key : str
-            Of what it was made from.
+            Key of its inputs.
         figures : dict
-            Single figures.
+            Scalar figures.
         arrays : dict of str to ndarray
             Arrays.
         """
@@ -186,7 +186,7 @@ class Store:
         name : str
             Its name.
         key : str
-            Of what it must be made from.
+            Key that its inputs must have.
 
         Returns
         -------
@@ -201,7 +201,7 @@ class Store:
             return head.get("figures", {}), {each: stored[each] for each in stored.files if each != "head"}
 
     def write_text(self, name: str, text: str) -> Path:
-        """Write a file of the report; it is replaced in one step.
+        """Write a file of the report, atomically.
 
         Parameters
         ----------
@@ -221,14 +221,14 @@ class Store:
         return path
 
     def write_picture(self, name: str, figure: Figure) -> Path:
-        """Write a picture; it is replaced in one step.
+        """Write an image, atomically.
 
         Parameters
         ----------
         name : str
             Its name in the output folder.
         figure : matplotlib.figure.Figure
-            The picture.
+            The figure.
 
         Returns
         -------
@@ -261,7 +261,7 @@ class Store:
 
 
 class _replacing:
-    """A file that takes the place of another in one step when it is whole."""
+    """A file that atomically replaces another when it is complete."""
 
     def __init__(self, path: Path) -> None:
         self._path, self._beside = path, path.with_name(f".{path.name}.{os.getpid()}.partial")
@@ -282,7 +282,7 @@ class _replacing:
 
 
 def file_digest(path: Path) -> str:
-    """Make a key of the content of a file.
+    """Return the digest of a file's content.
 
     Parameters
     ----------
@@ -292,30 +292,30 @@ def file_digest(path: Path) -> str:
     Returns
     -------
     str
-        The key.
+        The digest.
 
     Raises
     ------
     OSError
-        If it cannot be read.
+        If the file cannot be read.
     """
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 def keys_of(path: Path, methods: Sequence[Method]) -> list[str]:
-    """Make the keys of results: they change with the mesh's file, the settings and the code.
+    """Return the keys of results: they change with the mesh file, the settings and the code.
 
     Parameters
     ----------
     path : Path
-        The mesh's file.
+        The mesh file.
     methods : sequence of Method
         The methods.
 
     Returns
     -------
     list of str
-        A key a method.
+        One key per method.
 
     Raises
     ------
@@ -327,7 +327,7 @@ def keys_of(path: Path, methods: Sequence[Method]) -> list[str]:
     return [digest(content, path.suffix.lower(), each, code_version()) for each in settings]
 
 
-_MATTER = (  # beside the core
+_MATTER = (  # in addition to the core
     "batch/plain_files.py",
     "blender/files/off_format.py",
     "blender/files/reading_files.py",
@@ -342,12 +342,12 @@ _MATTER = (  # beside the core
 
 @cache
 def code_version() -> str:
-    """Make a key of the code that results depend on.
+    """Return the digest of the code that results depend on.
 
     Returns
     -------
     str
-        The key.
+        The digest.
     """
     root = Path(__file__).resolve().parents[1]
     files = sorted((root / "core").rglob("*.py"))
@@ -356,7 +356,7 @@ def code_version() -> str:
 
 
 def digest(*parts: str) -> str:
-    """Make one short key of several texts.
+    """Return one short digest of several texts.
 
     Parameters
     ----------
@@ -366,6 +366,6 @@ def digest(*parts: str) -> str:
     Returns
     -------
     str
-        The key.
+        The digest.
     """
     return hashlib.sha256("\0".join(parts).encode()).hexdigest()[:24]

@@ -1,4 +1,4 @@
-"""Puts the results of an evaluation together: by method, by class, pose, retrieval and Hausdorff distances."""
+"""Collects the results of an evaluation by method: per class, pose, retrieval and Hausdorff distances."""
 
 from __future__ import annotations
 
@@ -17,21 +17,21 @@ from .methods import INPUT, KNOWN, Method
 from .retrieval import Retrieval, retrieval
 from .store import Store
 
-_POSES = 30  # of a class are compared with each other at most, evenly chosen
+_POSES = 30  # largest number of shapes of a class that are compared with each other, evenly chosen
 
 
 @dataclass(frozen=True)
 class PoseRatio:
-    """How far the forms of a class are apart, over how far its poses are; nan where the vertex order is not shared.
+    """Distance between the forms of a class, relative to that of its poses; NaN without a shared vertex order.
 
     Attributes
     ----------
     apart : float
         Mean root mean square distance of two forms, in units of sqrt(area).
     apart_mirrored : float
-        The same where a mirror image may be used.
+        The same with mirror images allowed.
     poses_apart : float
-        The same of the meshes in their poses.
+        The same for the meshes in their poses.
     """
 
     apart: float = float("nan")
@@ -45,30 +45,30 @@ class PoseRatio:
 
     @property
     def ratio_mirrored(self) -> float:
-        """The ratio, mirror images allowed."""
+        """The ratio, with mirror images allowed."""
         return self.apart_mirrored / self.poses_apart
 
 
 @dataclass(frozen=True, eq=False)
 class MethodTable:
-    """What the tables say of one method.
+    """Results of one method for the tables.
 
     Attributes
     ----------
     method : Method
         The method.
     rows : dict of Shape to dict
-        Figures of each shape that was done.
+        Figures of each successful shape.
     costs : dict of Shape to dict
-        Seconds and memory of each.
+        Seconds and memory of each successful shape.
     failures : dict of Shape to str
-        Reasons of those that were not.
+        Reasons for failed shapes.
     poses : dict of str to PoseRatio
         By class.
     found : Retrieval
-        Retrieval over all that was done.
+        Retrieval over all successful shapes.
     distances : (n, n) ndarray of float
-        Between the descriptors of the shapes that were done, in their order.
+        Distances between the descriptors of the successful shapes, in their order.
     """
 
     method: Method
@@ -80,25 +80,25 @@ class MethodTable:
     distances: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
 
     def values(self, name: str, label: str | None = None) -> FloatArray:
-        """Collect one figure of all shapes.
+        """Return one figure of all shapes.
 
         Parameters
         ----------
         name : str
             The figure.
         label : str, optional
-            A class; all classes when left out.
+            A class; all classes if omitted.
 
         Returns
         -------
         (s,) ndarray of float
-            The values that there are.
+            The existing values.
         """
         kept = [row[name] for shape, row in self.rows.items() if label in (None, shape.label)]
         return np.array([value for value in kept if value is not None], dtype=np.float64)
 
     def pose_ratio(self, mirrored: bool = False) -> float:
-        """Sum over the classes that share a vertex order, forms over poses.
+        """Return the ratio of forms to poses, summed over the classes that share a vertex order.
 
         Parameters
         ----------
@@ -108,7 +108,7 @@ class MethodTable:
         Returns
         -------
         float
-            The ratio of the sums; nan if there is no such class.
+            The ratio of the sums; NaN if there is no such class.
         """
         usable = [each for each in self.poses.values() if np.isfinite(each.apart) and each.poses_apart > 0]
         if not usable:
@@ -117,7 +117,7 @@ class MethodTable:
 
 
 def method_table(store: Store, shapes: Sequence[Shape], method: Method, lost: dict[Shape, str]) -> MethodTable:
-    """Read the results of a method and put them together.
+    """Collect the results of a method.
 
     Parameters
     ----------
@@ -128,7 +128,7 @@ def method_table(store: Store, shapes: Sequence[Shape], method: Method, lost: di
     method : Method
         The method.
     lost : dict of Shape to str
-        Reasons of shapes whose result was lost with a worker, or that could not be read.
+        Reasons for shapes whose result was lost with a worker, or that could not be read.
 
     Returns
     -------
@@ -152,7 +152,7 @@ def method_table(store: Store, shapes: Sequence[Shape], method: Method, lost: di
 
 
 def descriptor_distances(descriptors: FloatArray) -> FloatArray:
-    """Measure the Euclidean distances between descriptors.
+    """Return the Euclidean distances between descriptors.
 
     Parameters
     ----------
@@ -172,19 +172,19 @@ def descriptor_distances(descriptors: FloatArray) -> FloatArray:
 
 
 def evenly(shapes: Sequence[Shape], count: int) -> list[Shape]:
-    """Choose some of many, evenly, the first among them.
+    """Choose shapes at even intervals, including the first.
 
     Parameters
     ----------
     shapes : sequence of Shape
-        All.
+        All shapes.
     count : int
-        How many at most.
+        Largest number of shapes.
 
     Returns
     -------
     list of Shape
-        Those chosen, in their order.
+        The chosen shapes, in their order.
     """
     places = np.unique(np.linspace(0, len(shapes) - 1, min(count, len(shapes))).round().astype(int))
     return [shapes[place] for place in places]
@@ -207,7 +207,7 @@ def _pose_ratio(store: Store, shapes: list[Shape], method: Method) -> PoseRatio:
 
 
 def mean_apart(forms: Sequence[FloatArray], mirror: bool = False) -> float:
-    """Measure how far forms with one vertex order are apart, the mean over all pairs of them.
+    """Return the mean distance of forms with a shared vertex order, over all pairs.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What a worker does: one form and its measures, or the Hausdorff distances of one shape from others."""
+"""The tasks of a worker: one form and its measures, or the Hausdorff distances of one shape from others."""
 
 from __future__ import annotations
 
@@ -24,15 +24,15 @@ from .methods import Method
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """What came of one shape and one method.
+    """Result for one shape and one method.
 
     Attributes
     ----------
     row : dict
-        Figures that the same mesh and settings give again, to the bit; ``error`` with the reason where there are none.
+        Figures that are bitwise reproducible for a mesh and settings; ``error`` with the reason after a failure.
     cost : dict
-        Figures that differ from run to run: ``seconds`` of the method alone, ``all_seconds`` with all that is
-        measured, ``memory`` in megabytes (None where it is not known).
+        Figures that differ between runs: ``seconds`` of the method alone, ``all_seconds`` including the measures,
+        ``memory`` in megabytes (None if unknown).
     form : (n, 3) ndarray of float32 or None
         The form.
     descriptor : (d,) ndarray of float or None
@@ -60,12 +60,12 @@ def measured(vertices: FloatArray, faces: IntArray, method: Method) -> Outcome:
     Returns
     -------
     Outcome
-        The figures; an error of the method is one of them.
+        The figures; an error of the method is included.
 
     Raises
     ------
     MemoryError
-        If this machine has too little memory, of which another may have more.
+        If this machine has too little memory; another machine may have enough.
     """
     began = time.perf_counter()
     peak = _Peak()
@@ -80,7 +80,7 @@ def measured(vertices: FloatArray, faces: IntArray, method: Method) -> Outcome:
             figures = summary(vertices, after, faces) | detail_measures(vertices, after, faces, patches)
             row |= {name: _plain(value) for name, value in figures.items()}
             described = harmonic_descriptor(after, faces)
-            form = (after - after.mean(axis=0)).astype(np.float32)  # its place says nothing and costs digits
+            form = (after - after.mean(axis=0)).astype(np.float32)  # its position has no meaning and costs digits
     except CanonicalFormError as error:
         row["error"] = " ".join(str(error).split())
         memory = peak.megabytes()
@@ -91,13 +91,13 @@ def measured(vertices: FloatArray, faces: IntArray, method: Method) -> Outcome:
 def _computed(
     vertices: FloatArray, faces: IntArray, settings: Settings | None
 ) -> tuple[FloatArray, IntArray, IntArray | None, dict[str, Any], float]:
-    """Compute a form: vertices, triangles, patches, figures and seconds."""
+    """Compute a form and return vertices, triangles, patches, figures and seconds."""
     if settings is None:
         return vertices, faces, None, {"features": None, "pair_count": None, "warnings": 0}, 0.0
     began = time.perf_counter()
     form = canonical_form(vertices, faces, settings)
     seconds = time.perf_counter() - began
-    if method_named(settings.method).pairs != "patches":  # feature points are found for show only
+    if method_named(settings.method).pairs != "patches":  # feature points are computed only for display
         seconds -= sum(form.timings.get(stage, 0.0) for stage in DETECTION)
     row = {"features": len(form.feature_points), "pair_count": form.pair_count, "warnings": len(form.warnings)}
     return form.vertices, form.faces, form.patches, row, seconds
@@ -108,7 +108,7 @@ def _plain(value: float) -> float | None:
 
 
 def hausdorff_row(forms: list[tuple[FloatArray, IntArray]]) -> tuple[list[float], float]:
-    """Measure how far the first of some shapes is from the others, after rigid alignment, mirror images allowed.
+    """Return the distances of the first of several shapes from the others, after rigid alignment, with mirror images.
 
     Parameters
     ----------
@@ -120,7 +120,7 @@ def hausdorff_row(forms: list[tuple[FloatArray, IntArray]]) -> tuple[list[float]
     distances : list of float
         Hausdorff distances of the second, third … from the first, in units of sqrt(area).
     seconds : float
-        How long it took.
+        Computation time.
     """
     began = time.perf_counter()
     with one_thread():
@@ -130,12 +130,12 @@ def hausdorff_row(forms: list[tuple[FloatArray, IntArray]]) -> tuple[list[float]
 
 
 def one_thread() -> Any:
-    """Keep linear algebra on one thread: no worker slows another, and all machines of a kind give the same bits.
+    """Limit linear algebra to one thread: workers do not slow each other down, and results are reproducible bit by bit.
 
     Returns
     -------
     context manager
-        In which it holds; does nothing where threadpoolctl is missing and the environment has to see to it.
+        Active while entered; does nothing without threadpoolctl, where the environment must limit the threads.
     """
     try:
         from threadpoolctl import threadpool_limits
@@ -145,13 +145,13 @@ def one_thread() -> Any:
 
 
 class _Peak:
-    """The most memory that this process has taken since the object was made, beyond what it had; Linux only."""
+    """Peak memory of this process since the object was created, minus its memory then; Linux only."""
 
     def __init__(self) -> None:
         self._before = None
         if sys.platform == "linux":
             try:
-                Path("/proc/self/clear_refs").write_text("5", encoding="ascii")  # forget the peak so far
+                Path("/proc/self/clear_refs").write_text("5", encoding="ascii")  # reset the peak
             except OSError:
                 return
             self._before = _kilobytes_on_linux("VmRSS")

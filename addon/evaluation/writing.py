@@ -1,4 +1,4 @@
-"""Writes tables as text: comma-separated or Markdown, figures in few digits or in many."""
+"""Formats tables as text: comma-separated or Markdown, with many or few digits."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 
 
 def number(value: Any) -> str:
-    """Write a figure with all digits that matter.
+    """Format a figure with all significant digits.
 
     Parameters
     ----------
@@ -21,7 +21,7 @@ def number(value: Any) -> str:
     Returns
     -------
     str
-        The word; empty for None and nan.
+        The text; empty for None and NaN.
     """
     if value is None or (isinstance(value, float) and np.isnan(value)):
         return ""
@@ -29,7 +29,7 @@ def number(value: Any) -> str:
 
 
 def short(word: str) -> str:
-    """Cut a figure to three digits after the point.
+    """Round a figure to three decimals.
 
     Parameters
     ----------
@@ -39,13 +39,13 @@ def short(word: str) -> str:
     Returns
     -------
     str
-        The word; empty where that is.
+        The text; empty if `word` is empty.
     """
     return f"{float(word):.3f}" if word else ""
 
 
 def csv_text(head: Sequence[str], lines: Iterable[Sequence[Any]]) -> str:
-    """Write a table as comma-separated values.
+    """Format a table as comma-separated values.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def csv_text(head: Sequence[str], lines: Iterable[Sequence[Any]]) -> str:
 
 
 def markdown_table(head: Sequence[str], lines: Iterable[Sequence[str]]) -> str:
-    """Write a table in Markdown.
+    """Format a table in Markdown.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What Blender's user meets: operators, panels, properties and the command line."""
+"""The user interface in Blender: operators, panels, properties and the command line."""
 
 from __future__ import annotations
 
@@ -38,12 +38,12 @@ _PARTS = (
 
 
 def register() -> None:
-    """Register every part, in order."""
+    """Register all modules, in order."""
     for part in _PARTS:
         part.register()
 
 
 def unregister() -> None:
-    """Unregister every part, in reverse."""
+    """Unregister all modules, in reverse order."""
     for part in reversed(_PARTS):
         part.unregister()

@@ -1,4 +1,4 @@
-"""The languages that the extension speaks beside English, handed to Blender."""
+"""Translations of the extension, registered with Blender."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ import bpy
 from ..blender.words.wording import CONTEXT
 from .preferences import PACKAGE
 
-LANGUAGES = Path(__file__).parents[1] / "languages"  # a file for each, named after Blender's name for it
-_NO_CONTEXT = "*"  # where Blender looks for tooltips; labels there would translate those of other extensions, too
+LANGUAGES = Path(__file__).parents[1] / "languages"  # one file per language, named after Blender's name of the language
+_NO_CONTEXT = "*"  # context of tooltips in Blender; labels in it would also translate those of other extensions
 
 
 def catalogues() -> dict[str, dict[tuple[str, str], str]]:
-    """Read the sentences of every language.
+    """Read the translations of all languages.
 
     Returns
     -------
     dict
-        By language, the words for each English sentence in each of Blender's contexts.
+        By language, the translation of each English sentence in each of Blender's translation contexts.
 
     Examples
     --------
@@ -36,10 +36,10 @@ def catalogues() -> dict[str, dict[tuple[str, str], str]]:
 
 
 def register() -> None:
-    """Hand the languages to Blender."""
+    """Register the translations with Blender."""
     bpy.app.translations.register(PACKAGE, catalogues())
 
 
 def unregister() -> None:
-    """Take them back."""
+    """Unregister the translations."""
     bpy.app.translations.unregister(PACKAGE)

@@ -1,4 +1,4 @@
-"""Makes ``blender --background --command canonical_form …`` known to Blender."""
+"""Registers the command ``blender --background --command canonical_form …`` with Blender."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -20,12 +20,12 @@ def _run(arguments: list[str]) -> int:
 
 @contextmanager
 def in_english() -> Iterator[None]:
-    """Say everything in English for a while, whatever language Blender is set to: programs read the lines.
+    """Temporarily switch Blender's interface and reports to English, as programs read the output.
 
     Yields
     ------
     None
-        Meanwhile Blender translates nothing of its interface and reports.
+        Interface and reports are in English until the end of the block.
     """
     view = bpy.context.preferences.view
     names = [name for name in ("use_translate_interface", "use_translate_reports") if hasattr(view, name)]

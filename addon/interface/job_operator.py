@@ -1,4 +1,4 @@
-"""The base of operators that compute in a thread while Blender stays usable, and the operator that cancels them."""
+"""The base of operators that compute in a thread while Blender stays responsive, and the operator that cancels them."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from ..blender.words.wording import CONTEXT, told, told_stage
 from ..core import CancelledError, CanonicalFormError, KeptStages
 
 _TICK = 0.1  # seconds between two timer events
-_REDRAW = 0.25  # seconds between two redraws of the progress: a redraw of the sidebar redraws the view too
+_REDRAW = 0.25  # seconds between two redraws of the progress, as a redraw of the sidebar also redraws the view
 _CANCEL_TIMEOUT = 0.4  # seconds to wait for a cancelled job before it is abandoned
-_KEPT_VERTICES = 1_000_000  # of objects up to which stages are kept for the next run: 0.3 to 0.7 kB each
+_KEPT_VERTICES = 1_000_000  # largest total size of objects with stages kept for the next run: 0.3 to 0.7 kB per vertex
 _HOLDING_MESH = (
     "TRANSFORM_OT_",
     "SCULPT_OT_",
@@ -35,15 +35,15 @@ class OBJECT_OT_canonical_form_cancel(bpy.types.Operator):
     bl_translation_context = CONTEXT
     bl_options = {"INTERNAL"}
 
-    job: ClassVar[Job | None] = None  # the running computation; there is at most one
+    job: ClassVar[Job | None] = None  # the running computation; only one at a time
     timer: ClassVar[bpy.types.Timer | None] = None
     kept: ClassVar[tuple[list[str], KeptStages] | None] = (
-        None  # of the objects that were last worked on, with their names
+        None  # of the objects that the last run worked on, with their names
     )
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Enable the button during a computation."""
+        """Enable the button while a computation is running."""
         if cls.job is None:
             cls.poll_message_set("Nothing is being computed.")
         return cls.job is not None
@@ -56,14 +56,14 @@ class OBJECT_OT_canonical_form_cancel(bpy.types.Operator):
 
 
 class JobOperator:
-    """Mixin for operators that compute: at once when called by a script, in a thread when called by a button.
+    """Mixin for operators that compute: directly when called from a script, in a thread when called from a button.
 
-    A subclass makes the task (`task`: an object with ``compute(progress, cancelled)``, which touches arrays only, and
-    ``write()``) and reports its outcome to the user (`written`).
+    A subclass creates the task (`task`: an object with ``compute(progress, cancelled)``, which accesses only arrays,
+    and ``write()``) and reports its result to the user (`written`).
     """
 
     def task(self, context: bpy.types.Context) -> Any:
-        """Make the task.
+        """Create the task.
 
         Parameters
         ----------
@@ -73,28 +73,28 @@ class JobOperator:
         Returns
         -------
         object
-            The task, with all it needs read from Blender's data.
+            The task, with everything it needs already read from Blender's data.
 
         Raises
         ------
         CanonicalFormError
-            If the task cannot be done; the message names the remedy.
+            If the task cannot be carried out; the message names the remedy.
         """
         raise NotImplementedError
 
     def written(self, context: bpy.types.Context, task: Any, outcome: Any, interactive: bool) -> None:
-        """Report the outcome to the user.
+        """Report the result to the user.
 
         Parameters
         ----------
         context : bpy.types.Context
-            The context at the end of the computation: by then another object may be active.
+            The context at the end of the computation; another object may be active by then.
         task : object
-            As `task` returned it.
+            The task that `task` returned.
         outcome : object
             Return value of the task's ``write()``.
         interactive : bool
-            Whether the operator was called by a button.
+            Whether the operator was called from a button.
         """
 
     def _failed(self, error: Exception) -> set[str]:
@@ -116,19 +116,19 @@ class JobOperator:
 
     @staticmethod
     def busy() -> str | None:
-        """Return why no computation can start, for `poll`.
+        """Return why no computation can start, for use in `poll`.
 
         Returns
         -------
         str or None
-            A sentence; None if nothing is being computed.
+            A sentence; None if no computation is running.
         """
         if OBJECT_OT_canonical_form_cancel.job is None:
             return None
         return told("A computation is under way. Wait for it, or cancel it with Esc.")
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Compute and write at once."""
+        """Compute and write without a thread."""
         manager = context.window_manager
         manager.progress_begin(0, 100)
         try:
@@ -157,7 +157,7 @@ class JobOperator:
         return {"RUNNING_MODAL"}
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Pass every event on but Esc; at the end of the computation write its result."""
+        """Pass through all events except Esc; write the result at the end of the computation."""
         if event.type == "ESC" and event.value == "PRESS":
             self._job.stop()
             return {"RUNNING_MODAL"}
@@ -182,7 +182,7 @@ class JobOperator:
         return {"FINISHED"}
 
     def cancel(self, context: bpy.types.Context) -> None:
-        """Cancel the job where Blender ends the operator: another file is opened, or the window is closed."""
+        """Cancel the job when Blender ends the operator because another file is opened or the window is closed."""
         self._job.stop()
         end_job(context)
 
@@ -240,17 +240,17 @@ def redraw_sidebars(context: bpy.types.Context) -> None:
 
 
 def kept_stages(objects: Sequence[bpy.types.Object]) -> KeptStages | None:
-    """Find what earlier runs on some objects found, so that the next computes what changed only.
+    """Return the stages kept from earlier runs on the same objects, so that only changes are computed again.
 
     Parameters
     ----------
     objects : sequence of bpy.types.Object
-        The objects. What is kept of others is dropped.
+        The objects. Stages of other objects are dropped.
 
     Returns
     -------
     KeptStages or None
-        What is kept; None in background, where scripts go from file to file, and for very large meshes.
+        The kept stages; None in background mode, where scripts process many files, and for very large meshes.
     """
     registry = OBJECT_OT_canonical_form_cancel
     if bpy.app.background or sum(len(obj.data.vertices) for obj in objects) > _KEPT_VERTICES:
@@ -264,12 +264,12 @@ def kept_stages(objects: Sequence[bpy.types.Object]) -> KeptStages | None:
 
 @bpy.app.handlers.persistent
 def _forget(*_: object) -> None:
-    """Drop what was kept of another file."""
+    """Drop the stages kept from another file."""
     OBJECT_OT_canonical_form_cancel.kept = None
 
 
 def user_is_busy(context: bpy.types.Context) -> bool:
-    """Tell whether a stroke or transform is running: the mesh must not change under it.
+    """Return whether a stroke or transform is running, during which the mesh must not change.
 
     Parameters
     ----------
@@ -279,7 +279,7 @@ def user_is_busy(context: bpy.types.Context) -> bool:
     Returns
     -------
     bool
-        Whether one is running.
+        True if one is running.
     """
     return any(running.bl_idname.startswith(_HOLDING_MESH) for running in context.window.modal_operators)
 
@@ -288,7 +288,7 @@ CLASSES = (OBJECT_OT_canonical_form_cancel,)
 
 
 def register() -> None:
-    """Register the operator, and forget what is kept when another file is opened."""
+    """Register the operator, and drop kept stages when another file is opened."""
     for each in CLASSES:
         bpy.utils.register_class(each)
     bpy.app.handlers.load_post.append(_forget)

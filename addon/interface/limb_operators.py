@@ -1,4 +1,4 @@
-"""Operators on the result: the form of single limbs, smooth in-betweens, and selecting a patch."""
+"""Operators on the result: remove the pose of single limbs, add smooth in-betweens, select a patch."""
 
 # no `from __future__ import annotations`: Blender reads the annotations below as properties
 
@@ -49,7 +49,7 @@ class OBJECT_OT_canonical_form_limb(JobOperator, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Disable the button, with a reason, where there is no form."""
+        """Disable the button, with a reason, if there is no form."""
         return allowed(cls, cls.busy() or variant_refusal(meant_object(context)) or refusal(meant_object(context)))
 
     def task(self, context: bpy.types.Context) -> "VariantTask":
@@ -71,7 +71,7 @@ class OBJECT_OT_canonical_form_limb(JobOperator, bpy.types.Operator):
         return VariantTask(obj, limbs=limbs, keep=kept_stages(companions_of(obj)))
 
     def written(self, context: bpy.types.Context, task: "VariantTask", outcome: Any, interactive: bool) -> None:
-        """Report from how many patches the pose is taken out."""
+        """Report how many patches have their pose removed."""
         self.report(
             {"INFO"},
             told("The pose is out of {out} of {count} patches.", out=sum(task.limbs), count=len(task.limbs)),
@@ -98,7 +98,7 @@ class OBJECT_OT_canonical_form_in_betweens(JobOperator, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Disable the button, with a reason, where there is no form."""
+        """Disable the button, with a reason, if there is no form."""
         return allowed(cls, cls.busy() or variant_refusal(meant_object(context)) or refusal(meant_object(context)))
 
     def task(self, context: bpy.types.Context) -> "VariantTask":
@@ -109,7 +109,7 @@ class OBJECT_OT_canonical_form_in_betweens(JobOperator, bpy.types.Operator):
         return VariantTask(obj, in_betweens=self.count, keep=kept_stages(companions_of(obj)))
 
     def written(self, context: bpy.types.Context, task: "VariantTask", outcome: Any, interactive: bool) -> None:
-        """Report how many keys there are now; by now another object may be active."""
+        """Report the number of keys; another object may be active by then."""
         count = task.in_betweens
         self.report(
             {"INFO"},
@@ -128,14 +128,14 @@ class OBJECT_OT_canonical_form_remove_in_betweens(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Disable the button, with a reason, where there are none."""
+        """Disable the button, with a reason, if there are none."""
         obj = meant_object(context)
         nothing = obj is None or obj.type != "MESH" or not has_in_betweens(obj.data)
         reason = told("The active object has no in-betweens.") if nothing else refusal(obj)
         return allowed(cls, JobOperator.busy() or reason)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Remove them from the object and all that follow its slider."""
+        """Remove them from the object and its companions."""
         obj = require_object(context)
         with object_mode(obj):
             objects = [each for each in companions_of(obj) if refusal(each) is None]
@@ -164,13 +164,13 @@ class OBJECT_OT_canonical_form_select_patch(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Disable the button, with a reason, where there are no patches."""
+        """Disable the button, with a reason, if there are no patches."""
         obj = meant_object(context)
         nothing = obj is None or obj.type != "MESH" or not len(obj.data.canonical_form_patches)
         return allowed(cls, told("The active object has no patches. Compute them first.") if nothing else refusal(obj))
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Extend the selection while Shift is held."""
+        """Extend the selection if Shift is held."""
         self.extend = event.shift
         return self.execute(context)
 
@@ -190,7 +190,7 @@ class OBJECT_OT_canonical_form_select_patch(bpy.types.Operator):
 
 
 def select_vertices(mesh: bpy.types.Mesh, chosen: Any, extend: bool) -> None:
-    """Select vertices of a mesh and the edges and faces that lie between them.
+    """Select vertices of a mesh, and the edges and faces between them.
 
     Parameters
     ----------
@@ -199,7 +199,7 @@ def select_vertices(mesh: bpy.types.Mesh, chosen: Any, extend: bool) -> None:
     chosen : (n,) ndarray of bool
         The vertices.
     extend : bool
-        Keep what is selected.
+        Keep the current selection.
     """
     if extend:
         now = np.empty(len(mesh.vertices), dtype=bool)
@@ -219,7 +219,7 @@ def select_vertices(mesh: bpy.types.Mesh, chosen: Any, extend: bool) -> None:
 
 
 def _set_selection(mesh: bpy.types.Mesh, name: str, domain: str, values: Any) -> None:
-    """Write a selection to a new attribute: Blender 5.0 crashes on the old one where everything was selected."""
+    """Write a selection to a new attribute, as Blender 5.0 crashes on the old one if everything was selected."""
     if name in mesh.attributes:
         mesh.attributes.remove(mesh.attributes[name])
     mesh.attributes.new(name=name, type="BOOLEAN", domain=domain).data.foreach_set("value", values)

@@ -1,4 +1,4 @@
-"""The form follows the options: computed again, in a thread, as soon as one of them has changed."""
+"""Live update: computes the form again, in a thread, whenever an option changes."""
 
 from __future__ import annotations
 
@@ -24,16 +24,16 @@ from .viewport import show_colours
 if TYPE_CHECKING:
     from ..blender.jobs.form_task import FormTask
 
-_TICK, _IDLE = 0.01, 0.1  # seconds between two looks, during a computation and otherwise
-_SETTLED = 0.04  # seconds for which nothing was read or written, so that a slider that is dragged stays fluent
+_TICK, _IDLE = 0.01, 0.1  # seconds between two checks, during a computation and otherwise
+_SETTLED = 0.04  # seconds without reading or writing after a result, so that a dragged slider stays responsive
 
 
 class LiveUpdate:
     """Watches the options in the panel, and computes the form of the object again when they change.
 
-    What the options were is compared, not heard: so undo, scripts and drivers count too. The constructor takes what is
-    there as shown, unless the object has no form yet. Computing touches no data of Blender's; a change of the options
-    meanwhile stops it. Only the first result has an undo step of its own: undo and redo bring later ones up to date.
+    Options are polled and compared, so changes by undo, scripts and drivers count too. If the object has a form, the
+    constructor assumes that it shows the current options. The computation does not access Blender's data, and is
+    cancelled if options change meanwhile. Only the first result has an undo step; undo and redo update later ones.
 
     Parameters
     ----------
@@ -43,24 +43,24 @@ class LiveUpdate:
     Attributes
     ----------
     state : str
-        What it does, in a line for the panel.
+        Current state, in one line for the panel.
     """
 
     def __init__(self, context: bpy.types.Context) -> None:
         self.state = "Live: change an option"
-        self._window = context.window.as_pointer()  # whose scene and active object count
+        self._window = context.window.as_pointer()  # whose scene and active object are used
         self._job: Job | None = None
         self._task: FormTask | None = None
         self._began = 0.0
-        self._name: str | None = None  # of the object that the choices are about
-        self._shown: dict[str, Any] | None = None  # the choices whose result is there or on its way
-        self._records: dict[str, str | None] = {}  # of the objects that are worked on, when they were read
+        self._name: str | None = None  # of the object that the options apply to
+        self._shown: dict[str, Any] | None = None  # the options of the current result, or of the one being computed
+        self._records: dict[str, str | None] = {}  # of the objects being processed, when they were read
         obj = meant_object(context)
         if obj is not None and _has_form(obj):
             self._name, self._shown = obj.name, _choices(context)
 
     def undone(self, context: bpy.types.Context) -> None:
-        """Bring the form up to date after undo or redo, which may lead to before it was; one that is gone stays so.
+        """Update the form after undo or redo, which may restore an older state; a removed form is not computed again.
 
         Parameters
         ----------
@@ -72,18 +72,18 @@ class LiveUpdate:
         self._shown = None if obj is not None and _has_form(obj) else _choices(context)
 
     def stop(self) -> None:
-        """Stop what is being computed."""
+        """Cancel the current computation."""
         if self._job is not None:
             self._job.stop()
             self._shown = None
 
     def look(self) -> float:
-        """Look whether the options have changed, or a computation has ended.
+        """Check whether the options have changed or a computation has ended.
 
         Returns
         -------
         float
-            Seconds until it wants to look again.
+            Seconds until the next check.
         """
         context = bpy.context
         windows = context.window_manager.windows
@@ -96,7 +96,7 @@ class LiveUpdate:
                 wait = self._step(context)
             except (CanonicalFormError, MemoryError) as error:
                 self.state, wait = told("Live: {reason}", reason=explained(error)), _IDLE
-            except Exception as error:  # a timer that raises would end without a word
+            except Exception as error:  # Blender would silently remove a timer that raises an error
                 traceback.print_exc()
                 self.state, wait = (
                     told("Live: an error in the extension, told in the console: {error!r}", error=error),
@@ -107,11 +107,11 @@ class LiveUpdate:
         return wait
 
     def _step(self, context: bpy.types.Context) -> float:
-        """Write what is computed, and begin what is not."""
-        if OBJECT_OT_canonical_form_cancel.job is not None:  # another computation: one at a time
+        """Write a finished result, or start the next computation."""
+        if OBJECT_OT_canonical_form_cancel.job is not None:  # another computation: only one at a time
             if self._job is not None:
                 self.stop()
-                self._shown = _choices(context)  # what that one writes stays
+                self._shown = _choices(context)  # keep what the other computation writes
             return _IDLE
         if self._job is not None and self._job.running:
             if _choices(context) != self._shown:
@@ -125,7 +125,7 @@ class LiveUpdate:
             self._write(context, job)
             return _SETTLED
         obj = meant_object(context)
-        if obj is not None and obj.name != self._name:  # the form of another object stays until an option changes
+        if obj is not None and obj.name != self._name:  # keep the form of another object until an option changes
             if self._name is not None:
                 self._shown = choices
             self._name = obj.name
@@ -140,28 +140,28 @@ class LiveUpdate:
         return _TICK
 
     def _begin(self, context: bpy.types.Context, choices: dict[str, Any]) -> None:
-        """Read the objects and begin to compute."""
+        """Read the objects and start the computation."""
         from ..blender.jobs.form_task import FormTask
 
         self._began = perf_counter()
         objects, _ = chosen_objects(context)
-        value = context.scene.canonical_form.value  # of keys that are not there yet
+        value = context.scene.canonical_form.value  # of new keys
         request = request_of(SimpleNamespace(**choices, value=value), kept=kept_stages(objects), live=True)
         self._records = {obj.name: obj.data.get(RECORD_PROPERTY) for obj in objects}
         self._task = FormTask(objects, request)
         self._job = Job(self._task.compute)
 
     def _write(self, context: bpy.types.Context, job: Job) -> None:
-        """Write what was computed."""
+        """Write the computed result."""
         job.result()
         task, self._task = self._task, None
         there = {obj.name: obj.data.get(RECORD_PROPERTY) for obj in bpy.data.objects if obj.name in self._records}
-        if task is None or there != self._records:  # cleared, computed or varied meanwhile: that stays
+        if task is None or there != self._records:  # cleared, computed or changed meanwhile: keep that
             return
         first = not any(obj.name in task.taken and _has_form(obj) for obj in bpy.data.objects)
         for name in task.write():
             list_patches(bpy.data.objects[name].data)
-        if first:  # a step of its own, to which undoing the first change of an option leads back
+        if first:  # a separate undo step, to return to after the first change of an option
             show_colours(context)
             bpy.ops.ed.undo_push(message="Canonical Form Live Update")
         problems = task.errors
@@ -181,26 +181,26 @@ class OBJECT_OT_canonical_form_live(bpy.types.Operator):
     bl_options = {"UNDO"}
 
     update: ClassVar[LiveUpdate | None] = None
-    timer: ClassVar[Any] = None  # what Blender calls again and again; it forgets it when another file is opened
+    timer: ClassVar[Any] = None  # the function that Blender calls repeatedly, until another file is opened
 
     @classmethod
     def running(cls) -> LiveUpdate | None:
-        """Return the live update that is under way.
+        """Return the live update that is running.
 
         Returns
         -------
         LiveUpdate or None
-            The update; None where there is none, or it ended with an earlier file.
+            The live update; None if there is none, or if it ended with an earlier file.
         """
         return cls.update if cls.timer is not None and bpy.app.timers.is_registered(cls.timer) else None
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Disable the button, with a reason, where there is nothing to compute."""
+        """Disable the button, with a reason, if nothing can be computed."""
         return allowed(cls, None if cls.running() else refusal(meant_object(context)))
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Start it, or stop it."""
+        """Start or stop the live update."""
         kind = OBJECT_OT_canonical_form_live
         if kind.running():
             kind.end()
@@ -230,11 +230,11 @@ class OBJECT_OT_canonical_form_live(bpy.types.Operator):
 
 
 def _choices(context: bpy.types.Context) -> dict[str, Any]:
-    """List the choices in the panel that a form depends on."""
+    """Return the options in the panel that a form depends on."""
     chosen = SimpleNamespace()
     hand_over(context.scene.canonical_form, chosen)  # type: ignore[arg-type]
     choices = vars(chosen)
-    del choices["value"]  # the slider is the user's
+    del choices["value"]  # the slider belongs to the user
     choices["result"] = "KEY"
     if chosen.mesh == "SHOWN":
         choices["frame"] = context.scene.frame_current
@@ -242,13 +242,13 @@ def _choices(context: bpy.types.Context) -> dict[str, Any]:
 
 
 def _has_form(obj: bpy.types.Object) -> bool:
-    """Tell whether a mesh has a form."""
+    """Return whether an object has a form."""
     record = read_record(obj.data) if obj.type == "MESH" else None
     return record is not None and record.report.has_form
 
 
 def _waits_for(context: bpy.types.Context) -> str | None:
-    """Tell why nothing can be computed at present."""
+    """Return why nothing can be computed at present."""
     obj = meant_object(context)
     reason = refusal(obj)
     if reason is not None or obj is None:
@@ -263,7 +263,7 @@ def _waits_for(context: bpy.types.Context) -> str | None:
 
 @bpy.app.handlers.persistent
 def _after_undo(*_: object) -> None:
-    """Tell the live update that something was undone or redone."""
+    """Notify the live update of undo or redo."""
     live = OBJECT_OT_canonical_form_live.running()
     if live is not None:
         live.undone(bpy.context)
@@ -279,7 +279,7 @@ CLASSES = (OBJECT_OT_canonical_form_live,)
 
 
 def register() -> None:
-    """Register the operator, and stop it before another file is opened."""
+    """Register the operator, and the handlers for undo and for opening another file."""
     for each in CLASSES:
         bpy.utils.register_class(each)
     bpy.app.handlers.load_pre.append(_end)

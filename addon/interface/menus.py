@@ -1,4 +1,4 @@
-"""Every action of the panel in Blender's menus, where its search (F3) finds them too."""
+"""Every action of the panel in Blender's menus, where menu search (F3) also finds them."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ class VIEW3D_MT_canonical_form_limbs(bpy.types.Menu):
     bl_translation_context = CONTEXT
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw two lines a limb, and one for all."""
+        """Draw two entries per limb, and one for all limbs."""
         layout, obj = self.layout, meant_object(context)
         layout.operator(OBJECT_OT_canonical_form_limb.bl_idname, text=told("All Limbs")).patch = 0
         names = _patches_of(obj)
@@ -83,19 +83,19 @@ class VIEW3D_MT_canonical_form_patches(bpy.types.Menu):
     bl_translation_context = CONTEXT
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw a line a patch."""
+        """Draw one entry per patch."""
         for patch, name in enumerate(_patches_of(meant_object(context)), start=1):
             button = self.layout.operator(OBJECT_OT_canonical_form_select_patch.bl_idname, text=name)
             button.patch = patch
 
 
 def _patches_of(obj: bpy.types.Object | None) -> list[str]:
-    """Names of the patches of an object, in order."""
+    """Return the names of the patches of an object, in order."""
     return [patch.name for patch in obj.data.canonical_form_patches] if obj is not None and obj.type == "MESH" else []
 
 
 def draw_actions(menu: bpy.types.Menu, context: bpy.types.Context) -> None:
-    """Add all actions to a menu, as a menu of its own.
+    """Add all actions to a menu as a submenu.
 
     Parameters
     ----------
@@ -132,7 +132,7 @@ MENUS = (
 
 
 def register() -> None:
-    """Register the menus and add them to Blender's."""
+    """Register the menus and add them to Blender's menus."""
     for each in CLASSES:
         bpy.utils.register_class(each)
     for name, draw in MENUS:
@@ -140,7 +140,7 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Take them out again."""
+    """Remove them from Blender's menus and unregister them."""
     for name, draw in MENUS:
         getattr(bpy.types, name).remove(draw)
     for each in reversed(CLASSES):

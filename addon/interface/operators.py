@@ -1,4 +1,4 @@
-"""The main operators: compute canonical forms, and clear them."""
+"""The main operators: compute canonical forms, and clear their results."""
 
 # no `from __future__ import annotations`: Blender reads the annotations below as properties
 
@@ -47,7 +47,7 @@ class OBJECT_OT_canonical_form(JobOperator, MethodProperties, FormerProperties, 
 
     @classmethod
     def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
-        """Describe what the button does."""
+        """Return the tooltip of the button."""
         if properties.step == "FEATURES":
             return told("Find the feature points and stop there. An earlier form of the mesh is removed")
         if properties.step == "PATCHES":
@@ -56,7 +56,7 @@ class OBJECT_OT_canonical_form(JobOperator, MethodProperties, FormerProperties, 
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Disable the button, with a reason, where the active object cannot be used."""
+        """Disable the button, with a reason, if the active object cannot be used."""
         return allowed(cls, cls.busy() or refusal(meant_object(context)))
 
     def task(self, context: bpy.types.Context) -> "FormTask":
@@ -67,7 +67,7 @@ class OBJECT_OT_canonical_form(JobOperator, MethodProperties, FormerProperties, 
         return FormTask(objects, request_of(self, self.step, kept=kept_stages(objects)))
 
     def written(self, context: bpy.types.Context, task: "FormTask", outcome: list[str], interactive: bool) -> None:
-        """Report the warnings, then the results in one line."""
+        """Report the warnings, then summarise the results in one line."""
         tell_results(self, context, task, self._refused, interactive)
 
 
@@ -81,14 +81,14 @@ class OBJECT_OT_canonical_form_clear(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Disable the button, with a reason, where there is nothing to clear."""
+        """Disable the button, with a reason, if there is nothing to clear."""
         obj = meant_object(context)
         nothing = obj is None or obj.type != "MESH" or read_record(obj.data) is None
         reason = told("The active object has no canonical form.") if nothing else refusal(obj)
         return allowed(cls, JobOperator.busy() or reason)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Remove the results, also of the objects that are of one body with those meant."""
+        """Remove the results, including those of companions."""
         from ..blender.results.result_clearing import clear_from
 
         objects = [obj for obj in meant_objects(context) if obj.type == "MESH" and read_record(obj.data) is not None]
@@ -111,18 +111,18 @@ class OBJECT_OT_canonical_form_clear(bpy.types.Operator):
 
 
 def request_of(owner: Any, step: str = "FORM", *, kept: "KeptStages | None" = None, live: bool = False) -> "Request":
-    """Turn properties into what is computed and where the result goes.
+    """Convert properties to a request.
 
     Parameters
     ----------
     owner : MethodProperties and RequestProperties
-        An operator, or what `hand_over` has filled.
+        An operator, or an object filled by `hand_over`.
     step : str
-        How far to go.
+        The last step of the run.
     kept : KeptStages, optional
-        What earlier runs on the objects found.
+        Stages kept from earlier runs on the objects.
     live : bool
-        Whether a form is only brought up to date.
+        Whether to update a form only.
 
     Returns
     -------
@@ -132,7 +132,7 @@ def request_of(owner: Any, step: str = "FORM", *, kept: "KeptStages | None" = No
     Raises
     ------
     CanonicalFormError
-        If the options are not allowed, or the reference cannot be used; the message says why.
+        If the options are invalid, or the reference cannot be used; the message says why.
     """
     from ..blender.jobs.reference import Reference
     from ..blender.jobs.request import Request
@@ -152,7 +152,7 @@ def request_of(owner: Any, step: str = "FORM", *, kept: "KeptStages | None" = No
 
 
 def chosen_objects(context: bpy.types.Context) -> tuple[list[bpy.types.Object], list[str]]:
-    """List the meshes meant that can be used.
+    """Return the usable objects among those that a run applies to.
 
     Parameters
     ----------
@@ -164,7 +164,7 @@ def chosen_objects(context: bpy.types.Context) -> tuple[list[bpy.types.Object], 
     objects : list of bpy.types.Object
         The active one first.
     refused : list of str
-        Sentences about those that cannot be used.
+        Messages about those that cannot be used.
     """
     first, *others = meant_objects(context)
     objects, refused = [first], []
@@ -178,19 +178,19 @@ def chosen_objects(context: bpy.types.Context) -> tuple[list[bpy.types.Object], 
 
 
 def allowed(operator: type, reason: str | None) -> bool:
-    """Show why a button is disabled, if it is, in its tooltip.
+    """Set the tooltip of a disabled button to the reason.
 
     Parameters
     ----------
     operator : type
         The operator class, in its `poll`.
     reason : str or None
-        Why it cannot be used; None if it can.
+        Why the operator cannot be used; None if it can.
 
     Returns
     -------
     bool
-        Whether it can be used.
+        True if it can be used.
     """
     if reason is not None:
         operator.poll_message_set(reason)  # type: ignore[attr-defined]
@@ -200,7 +200,7 @@ def allowed(operator: type, reason: str | None) -> bool:
 def tell_results(
     operator: JobOperator, context: bpy.types.Context, task: "FormTask", refused: list[str], interactive: bool
 ) -> None:
-    """Report the warnings of a task, then its results in one line, and show them.
+    """Report the warnings of a task, summarise its results in one line, and show them.
 
     Parameters
     ----------
@@ -211,9 +211,9 @@ def tell_results(
     task : FormTask
         The task, with its results written.
     refused : list of str
-        Sentences about objects that were no part of it.
+        Messages about objects that were not part of it.
     interactive : bool
-        Whether the operator was called by a button.
+        Whether the operator was called from a button.
     """
     operator.warn([*refused, *task.errors])
     bodies = [item for item in task.items if item.written_to]
@@ -224,7 +224,7 @@ def tell_results(
         list_patches(bpy.data.objects[name].data)
     operator.report({"INFO"}, _summary(task))  # type: ignore[attr-defined]
     if interactive:
-        if context.mode == "OBJECT":  # a script goes on with the objects that it chose
+        if context.mode == "OBJECT":  # a script continues with its own selection
             make_active([bpy.data.objects[name] for name in task.written if name not in task.taken])
         show_colours(context)
 
@@ -254,7 +254,7 @@ def _summary(task: "FormTask") -> str:
 
 
 def _told_result(report: "FormReport", seconds: float) -> str:
-    """Tell what was found on one body."""
+    """Describe the result for one body."""
     if report.like is not None:
         return told("{key}: {confidence:.0%} sure of the match, {seconds:.1f} s.", key=report.like.key,
                     confidence=report.like.confidence, seconds=report.seconds)  # fmt: skip

@@ -25,7 +25,7 @@ class VIEW3D_GGT_canonical_form:
 
 
 def feature_labels(obj: bpy.types.Object | None, graph: bpy.types.Depsgraph) -> list[tuple[Any, tuple, str]]:
-    """List the feature points of an object, and of all that follow its slider, where the evaluated meshes have them.
+    """Return the labels for the feature points of an object and its companions, placed on the evaluated meshes.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ def feature_labels(obj: bpy.types.Object | None, graph: bpy.types.Depsgraph) -> 
 
 
 def _labels_on(obj: bpy.types.Object, graph: bpy.types.Depsgraph) -> list[tuple[Any, tuple, str]]:
-    """List the feature points that lie on one object."""
+    """Return the labels for the feature points on one object."""
     record = read_record(obj.data)
     if record is None or not obj.visible_get():
         return []
@@ -60,7 +60,7 @@ def _labels_on(obj: bpy.types.Object, graph: bpy.types.Depsgraph) -> list[tuple[
 
 
 def _places(obj: bpy.types.Object, graph: bpy.types.Depsgraph, record: Record) -> dict[int, Any]:
-    """Find where the object shows its feature points."""
+    """Return the positions at which the object shows its feature points."""
     wanted = [point for point in record.report.feature_points if 0 <= point < record.report.vertices]
     if obj.mode == "EDIT":
         import bmesh
@@ -113,7 +113,7 @@ def _draw() -> None:
 
 
 def register() -> None:
-    """Add the draw callback, where there is a window."""
+    """Add the draw callback, if there is a window."""
     if not bpy.app.background:
         VIEW3D_GGT_canonical_form.handle = bpy.types.SpaceView3D.draw_handler_add(_draw, (), "WINDOW", "POST_PIXEL")
 

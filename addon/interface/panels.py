@@ -44,8 +44,8 @@ _EVERY_METHOD = (
 )
 _BUTTON_SCALE = 1.4  # height of the main button relative to others
 _USUAL, _SHORTEST = 42, 20  # characters in a line of the sidebar
-_CHARACTER, _MARGIN = 6.4, 55  # width of a character and of what stands beside a line, in pixels
-_FOLDED = 2  # warnings that are shown without a fold
+_CHARACTER, _MARGIN = 6.4, 55  # width of a character, and of everything next to a line, in pixels
+_FOLDED = 2  # number of warnings shown without a subpanel
 
 
 class VIEW3D_PT_canonical_form(Tab, bpy.types.Panel):
@@ -100,7 +100,7 @@ class VIEW3D_PT_canonical_form_result(Tab, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Show the panel where there is a result."""
+        """Show the panel if there is a result."""
         return record_of(context) is not None
 
     def draw(self, context: bpy.types.Context) -> None:
@@ -120,7 +120,7 @@ class VIEW3D_PT_canonical_form_result(Tab, bpy.types.Panel):
                 layout.operator(OBJECT_OT_canonical_form_remove_in_betweens.bl_idname, text=told("Remove Anyway"))
         elif key is not None:
             layout.prop(key, "value", text=_slider(record), slider=True)
-        if key is not None or has_in_betweens(mesh):  # it stays, so that nothing moves under the mouse
+        if key is not None or has_in_betweens(mesh):  # always shown, so that nothing moves under the mouse
             row = layout.row(align=True)
             chosen = context.scene.canonical_form
             button = row.operator(
@@ -141,7 +141,7 @@ class VIEW3D_UL_canonical_form_patches(bpy.types.UIList):
     """The patches with their colours."""
 
     def draw_item(self, context, layout, data, item, icon, active_data, active_property, index=0, flt_flag=0):  # type: ignore[no-untyped-def]
-        """Draw a line: colour, name, and whether the key takes the pose out of this limb."""
+        """Draw one row: colour, name, and whether the key removes the pose of this limb."""
         limbs = limbs_of(data)
         row = layout.row(align=True)
         swatch = row.row()
@@ -169,7 +169,7 @@ class VIEW3D_PT_canonical_form_patches(Tab, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Show the panel where there are patches."""
+        """Show the panel if there are patches."""
         return record_of(context) is not None and len(require_object(context).data.canonical_form_patches) > 0
 
     def draw(self, context: bpy.types.Context) -> None:
@@ -183,7 +183,7 @@ class VIEW3D_PT_canonical_form_patches(Tab, bpy.types.Panel):
         limbs = limbs_of(mesh)
         if limbs:
             row = layout.row()
-            row.enabled = not all(limbs)  # it stays, so that nothing moves under the mouse
+            row.enabled = not all(limbs)  # always shown, so that nothing moves under the mouse
             every = row.operator(OBJECT_OT_canonical_form_limb.bl_idname, text=told("All Limbs"), icon="CHECKBOX_HLT")
             every.patch = 0
 
@@ -279,13 +279,13 @@ def _estimate(chosen: bpy.types.PropertyGroup, objects: list[bpy.types.Object]) 
 
 
 def _slider(record: Record) -> str:
-    """Name the slider."""
+    """Return the name of the slider."""
     like = record.report.like
     return told("Pose to Form") if like is None else told("Pose to {key}", key=like.key)
 
 
 def _draw_report(column: bpy.types.UILayout, record: Record) -> None:
-    """Draw what was found and measured, a line each."""
+    """Draw the results and measures, one per line."""
     report = record.report
     count, seconds = len(report.feature_points), report.seconds
     distortion = told("Edge distortion: median {distortion:.1%}", distortion=report.edge_distortion or 0.0)
@@ -300,7 +300,7 @@ def _draw_report(column: bpy.types.UILayout, record: Record) -> None:
             lines = [told("{count} feature points, {seconds:.1f} s", count=count, seconds=seconds)]
         if report.has_form:
             if report.method != OURS:
-                known = methods().get(report.method)  # a file may be of a later version
+                known = methods().get(report.method)  # a file may be from a later version
                 label = report.method if known is None else told(known.label)
                 lines.insert(0, told("Method: {method}", method=label))
             saved = report.pair_reduction
@@ -315,7 +315,7 @@ def _draw_report(column: bpy.types.UILayout, record: Record) -> None:
 
 
 def _offer_shown(layout: bpy.types.UILayout, chosen: bpy.types.PropertyGroup, obj: bpy.types.Object | None) -> None:
-    """Offer the pose that is seen where an armature moves the mesh and the base mesh would be taken."""
+    """Offer the displayed pose if an armature deforms the mesh and the base mesh would be used."""
     rig = armature_of(obj) if obj is not None and obj.type == "MESH" else None
     if rig is not None and chosen.mesh != "SHOWN":
         layout.label(text=told("{name} poses the mesh:", name=rig.name), icon="ARMATURE_DATA")
@@ -325,7 +325,7 @@ def _offer_shown(layout: bpy.types.UILayout, chosen: bpy.types.PropertyGroup, ob
 
 
 def _draw_frame(layout: bpy.types.UILayout, record: Record, scene: bpy.types.Scene) -> None:
-    """Tell of which frame the form is, and offer another run where a different one is shown."""
+    """Show the frame of the form, and offer another run if the scene is at a different frame."""
     frame = record.report.frame
     if frame is None:
         return
@@ -340,7 +340,7 @@ def _draw_frame(layout: bpy.types.UILayout, record: Record, scene: bpy.types.Sce
 
 
 def _draw_warnings(layout: bpy.types.UILayout, warnings: list[str], length: int) -> None:
-    """Draw the warnings, folded under their number where they are many."""
+    """Draw the warnings, collapsed under their number if there are many."""
     if len(warnings) > _FOLDED:
         header, layout = layout.panel("canonical_form_warnings", default_closed=True)
         header.label(text=told("{count} warnings", count=len(warnings)), icon="ERROR")
@@ -352,14 +352,14 @@ def _draw_warnings(layout: bpy.types.UILayout, warnings: list[str], length: int)
 
 
 def _draw_sentence(layout: bpy.types.UILayout, sentence: str, length: int, icon: str) -> None:
-    """Draw a sentence over as many lines as it takes."""
+    """Draw a sentence over as many lines as it needs."""
     for number, line in enumerate(textwrap.wrap(sentence, length)):
         layout.label(text=line, icon="BLANK1" if number else icon)
 
 
 def _line_length(context: bpy.types.Context) -> int:
-    """Estimate how many characters fit into a line of the region."""
-    if context.region is None:  # in background
+    """Estimate the number of characters that fit into a line of the region."""
+    if context.region is None:  # in background mode
         return _USUAL
     width = context.region.width / context.preferences.system.ui_scale
     return max(_SHORTEST, int((width - _MARGIN) / _CHARACTER))

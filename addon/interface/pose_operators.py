@@ -1,4 +1,4 @@
-"""Operators that pose a mesh like another object, or like a mannequin."""
+"""Operators that put a mesh into the pose of another object or a mannequin."""
 
 # no `from __future__ import annotations`: Blender reads the annotations below as properties
 
@@ -58,14 +58,14 @@ class OBJECT_OT_canonical_form_pose_like(JobOperator, MethodProperties, RequestP
 
     @classmethod
     def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
-        """Describe what the button does."""
+        """Return the tooltip of the button."""
         if properties.side >= 0:
             return told("Match the other way round: where left and right, or front and back, came out wrong")
         return told(_DESCRIPTIONS[properties.pose])
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Disable the button, with a reason, where the active object cannot be used."""
+        """Disable the button, with a reason, if the active object cannot be used."""
         return allowed(cls, cls.busy() or refusal(meant_object(context)))
 
     def task(self, context: bpy.types.Context) -> "FormTask":
@@ -96,7 +96,7 @@ class OBJECT_OT_canonical_form_pose_like(JobOperator, MethodProperties, RequestP
         return FormTask(objects, request)
 
     def written(self, context: bpy.types.Context, task: "FormTask", outcome: list[str], interactive: bool) -> None:
-        """Report the warnings, then the results in one line."""
+        """Report the warnings, then summarise the results in one line."""
         tell_results(self, context, task, self._refused, interactive)
 
 
@@ -128,7 +128,7 @@ class OBJECT_OT_canonical_form_transfer(JobOperator, MethodProperties, bpy.types
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Disable the button, with a reason, where the active object cannot be used."""
+        """Disable the button, with a reason, if the active object cannot be used."""
         return allowed(cls, cls.busy() or refusal(meant_object(context)))
 
     def task(self, context: bpy.types.Context) -> "TransferTask":
@@ -140,7 +140,7 @@ class OBJECT_OT_canonical_form_transfer(JobOperator, MethodProperties, bpy.types
         return TransferTask(objects, bpy.data.objects.get(self.like), self.kinds, settings_of(self), side)
 
     def written(self, context: bpy.types.Context, task: "TransferTask", outcome: None, interactive: bool) -> None:
-        """Report the warnings, then what was taken over."""
+        """Report the warnings, then what was transferred."""
         self.warn([*self._refused, *task.warnings])
         things = ", ".join(task.told) or told("nothing")
         self.report({"INFO"}, told("Taken over from {like}: {things}.", like=self.like, things=things))

@@ -1,4 +1,4 @@
-"""The panel of two meshes: another's pose, and what is taken over from it."""
+"""The panel for two meshes: take the pose of another object, and transfer data from it."""
 
 import bpy
 
@@ -27,7 +27,7 @@ class VIEW3D_PT_canonical_form_pose_like(Tab, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw the reference, the buttons, and how sure the last match was."""
+        """Draw the reference, the buttons, and the confidence of the last match."""
         layout, chosen = self.layout, context.scene.canonical_form
         layout.use_property_split = True
         layout.use_property_decorate = False
@@ -63,7 +63,7 @@ class VIEW3D_PT_canonical_form_pose_like(Tab, bpy.types.Panel):
 
 
 def _estimate(chosen: bpy.types.PropertyGroup, objects: list[bpy.types.Object]) -> str:
-    """Estimate memory and time of a match with the reference, or with a mannequin where there is none."""
+    """Estimate memory and time of a match with the reference, or with a mannequin if there is none."""
     from ..core.mannequins import VERTEX_COUNT
 
     settings = Settings(**{name: chosen_value(chosen, name) for name in ("method", "quality", "pieces")})
@@ -78,7 +78,7 @@ def _estimate(chosen: bpy.types.PropertyGroup, objects: list[bpy.types.Object]) 
 def _pose_button(
     layout: bpy.types.UILayout, chosen: bpy.types.PropertyGroup, pose: str, name: str, text: str
 ) -> bpy.types.OperatorProperties:
-    """Draw a button that takes a pose."""
+    """Draw a button that applies a pose."""
     button = layout.operator(OBJECT_OT_canonical_form_pose_like.bl_idname, text=text)
     hand_over(chosen, button)
     button.pose, button.like = pose, name

@@ -7,7 +7,7 @@ from bpy.props import BoolProperty
 
 from ..blender.words.wording import CONTEXT
 
-PACKAGE = (__package__ or "").rpartition(".addon.")[0] or "canonical_form"  # the name that Blender knows us by
+PACKAGE = (__package__ or "").rpartition(".addon.")[0] or "canonical_form"  # the extension's name in Blender
 
 
 class CanonicalFormPreferences(bpy.types.AddonPreferences):
@@ -28,7 +28,7 @@ class CanonicalFormPreferences(bpy.types.AddonPreferences):
 
 
 def switches_shading(context: bpy.types.Context) -> bool:
-    """Tell whether the shading of the views is to be switched.
+    """Return whether to switch the shading of the 3D Views.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The options of the method as Blender properties, shared by the operator and the panel."""
+"""The options of the method as Blender properties, shared by the operators and the panel."""
 
 # no `from __future__ import annotations`: Blender reads the annotations below as properties
 
@@ -39,7 +39,7 @@ TRANSFER_ITEMS = [
 
 
 def transfer_flag(kind: str) -> str:
-    """Name the check box of what can be taken over.
+    """Return the name of the check box for a kind of transferable data.
 
     Parameters
     ----------
@@ -55,17 +55,17 @@ def transfer_flag(kind: str) -> str:
 
 
 def method_items(_owner: Any, _context: bpy.types.Context | None) -> list[tuple[str, str, str, str, int]]:
-    """List the methods when Blender first asks for them: importing them all would slow down enabling.
+    """List the methods on Blender's first request, as importing them all would slow down enabling the extension.
 
     Parameters
     ----------
     _owner, _context
-        As Blender hands them over; not used.
+        Passed by Blender; not used.
 
     Returns
     -------
     list of tuple
-        Name, label, help, icon and number of each method. Blender needs the strings to stay alive.
+        Name, label, help, icon and number of each method. The strings must stay alive for Blender.
     """
     if not MethodProperties.listed_methods:
         found = methods().values()
@@ -74,10 +74,10 @@ def method_items(_owner: Any, _context: bpy.types.Context | None) -> list[tuple[
 
 
 def _property(name: str, about: Option, default: Any) -> Any:
-    """Turn what is known about an option into a Blender property."""
+    """Convert an option to a Blender property."""
     words = {"name": about.label, "description": about.help, "translation_context": CONTEXT}
     if name == "method":
-        return EnumProperty(items=method_items, default=0, **words)  # 0: the number of our method
+        return EnumProperty(items=method_items, default=0, **words)  # 0 is the number of our method
     if about.choices:
         items = [(choice.value, choice.label, choice.help) for choice in about.choices]
         return EnumProperty(items=items, default=default, **words)
@@ -94,7 +94,7 @@ def _property(name: str, about: Option, default: Any) -> Any:
 
 
 class FormerProperties:
-    """Options under the names that they had in version 0.1, for scripts; gone with version 2.0."""
+    """Options under the names that they had in version 0.1, for scripts; to be removed in version 2.0."""
 
     __annotations__ = {
         name: {bool: BoolProperty, int: IntProperty, float: FloatProperty}[type(value)](options={"HIDDEN", "SKIP_SAVE"})
@@ -103,9 +103,9 @@ class FormerProperties:
 
 
 class MethodProperties:
-    """Properties that mirror `Settings`, made from what it knows about its options."""
+    """Properties that mirror `Settings`, created from its options."""
 
-    listed_methods: ClassVar[list[tuple[str, str, str, str, int]]] = []  # of the property `method`, once they are known
+    listed_methods: ClassVar[list[tuple[str, str, str, str, int]]] = []  # items of the property `method`, once listed
     __annotations__ = {
         name: _property(name, about, getattr(_DEFAULT, name)) for name, about in options_of(Settings).items()
     }
@@ -115,7 +115,7 @@ METHOD_NAMES = tuple(MethodProperties.__annotations__)
 
 
 class RequestProperties:
-    """Properties that say what is read and where the result goes; mixed into the operator and the panel's choices."""
+    """Properties for what is read and where the result goes; mixed into the operator and the panel's options."""
 
     value: FloatProperty(  # type: ignore[valid-type]
         name="Value",
@@ -174,7 +174,7 @@ REQUEST_NAMES = tuple(RequestProperties.__annotations__)
 
 
 class TransferProperties:
-    """What is taken over from the reference, a check box each."""
+    """What to transfer from the reference, one check box each."""
 
     __annotations__ = {
         transfer_flag(kind): BoolProperty(
@@ -261,7 +261,7 @@ def list_patches(mesh: bpy.types.Mesh) -> None:
     """
     for name in ("canonical_form_patches", "canonical_form_patch"):
         mesh.property_unset(name)
-        mesh.pop(name, None)  # Blender 5 makes a second copy of it, for all to see, of what older files hold
+        mesh.pop(name, None)  # Blender 5 makes a second, visible copy of data from older files
     record = read_record(mesh)
     if record is None or not record.has_patches:
         return
@@ -271,7 +271,7 @@ def list_patches(mesh: bpy.types.Mesh) -> None:
 
 
 def chosen_value(owner: Any, name: str) -> Any:
-    """Read a choice; a file of another version may hold one that this version has not.
+    """Return the value of an option; a file of another version may have a value that this version does not have.
 
     Parameters
     ----------
@@ -283,7 +283,7 @@ def chosen_value(owner: Any, name: str) -> Any:
     Returns
     -------
     object
-        Its value; the default of a choice that is not known here.
+        Its value; the default if the value is unknown in this version.
     """
     value = getattr(owner, name)
     if value != "":
@@ -294,7 +294,7 @@ def chosen_value(owner: Any, name: str) -> Any:
 
 
 def settings_of(owner: Any) -> Settings:
-    """Turn properties into settings.
+    """Convert properties to settings.
 
     Parameters
     ----------
@@ -309,10 +309,10 @@ def settings_of(owner: Any) -> Settings:
     Raises
     ------
     InvalidSettingsError
-        If the feature points are not a list of whole numbers.
+        If the feature points are not a list of integers.
     """
     options = {name: chosen_value(owner, name) for name in METHOD_NAMES}
-    given = getattr(owner, "properties", owner)  # an operator's own, or the scene's
+    given = getattr(owner, "properties", owner)  # those of an operator, or of the scene
     known = [name for name in FormerProperties.__annotations__ if hasattr(owner, name)]
     former = [name for name in known if given.is_property_set(name)]
     options |= current_options({name: getattr(owner, name) for name in former})
@@ -329,12 +329,12 @@ def settings_of(owner: Any) -> Settings:
 
 
 def hand_over(chosen: CanonicalFormProperties, operator: bpy.types.OperatorProperties) -> None:
-    """Give the choices made in the panel to a button.
+    """Copy the options of the panel to the operator of a button.
 
     Parameters
     ----------
     chosen : CanonicalFormProperties
-        The scene's choices.
+        The scene's options.
     operator : bpy.types.OperatorProperties
         Properties of the button's operator.
     """
@@ -348,12 +348,12 @@ def hand_over(chosen: CanonicalFormProperties, operator: bpy.types.OperatorPrope
 
 
 def hand_over_transfer(chosen: CanonicalFormProperties, operator: bpy.types.OperatorProperties) -> None:
-    """Give the choices made in the panel to a button that takes over what another object has.
+    """Copy the options of the panel to the operator of a button that transfers data.
 
     Parameters
     ----------
     chosen : CanonicalFormProperties
-        The scene's choices.
+        The scene's options.
     operator : bpy.types.OperatorProperties
         Properties of the button's operator.
     """
@@ -367,7 +367,7 @@ CLASSES = (CanonicalFormProperties, CanonicalFormPatch)
 
 
 def register() -> None:
-    """Register the properties and hang them on the scene and the mesh."""
+    """Register the properties and add them to the scene and the mesh."""
     for each in CLASSES:
         bpy.utils.register_class(each)
     bpy.types.Scene.canonical_form = PointerProperty(type=CanonicalFormProperties)
@@ -378,7 +378,7 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Take the properties off the scene and the mesh and unregister them."""
+    """Remove the properties from the scene and the mesh, and unregister them."""
     del bpy.types.Mesh.canonical_form_patch
     del bpy.types.Mesh.canonical_form_patches
     del bpy.types.Scene.canonical_form

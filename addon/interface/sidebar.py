@@ -1,4 +1,4 @@
-"""What all panels of the sidebar share: their tab, and the result that they show."""
+"""Shared by all panels of the sidebar: their tab, and the result that they show."""
 
 import bpy
 
@@ -15,7 +15,7 @@ class Tab:
 
 
 def record_of(context: bpy.types.Context) -> Record | None:
-    """Read the record of the object that is meant.
+    """Read the record of the object whose result is shown.
 
     Parameters
     ----------
@@ -25,7 +25,7 @@ def record_of(context: bpy.types.Context) -> Record | None:
     Returns
     -------
     Record or None
-        The record; None where there is no result.
+        The record; None if there is no result.
     """
     obj = meant_object(context)
     return read_record(obj.data) if obj is not None and obj.type == "MESH" else None

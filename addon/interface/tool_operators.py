@@ -1,4 +1,4 @@
-"""Operators that need no result: feature points chosen by hand, and distance fields."""
+"""Operators that need no result: choosing feature points by hand, and distance fields."""
 
 # no `from __future__ import annotations`: Blender reads the annotations below as properties
 
@@ -54,12 +54,12 @@ class OBJECT_OT_canonical_form_choose(bpy.types.Operator):
 
     @classmethod
     def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
-        """Describe what the button does."""
+        """Return the tooltip of the button."""
         return told(_DESCRIPTIONS[properties.how])
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Disable the button, with a reason, where the active object cannot be used."""
+        """Disable the button, with a reason, if the active object cannot be used."""
         return allowed(cls, JobOperator.busy() or refusal(meant_object(context)))
 
     def execute(self, context: bpy.types.Context) -> set[str]:
@@ -100,11 +100,11 @@ class OBJECT_OT_canonical_form_distance(JobOperator, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Disable the button, with a reason, where the active object cannot be used."""
+        """Disable the button, with a reason, if the active object cannot be used."""
         return allowed(cls, cls.busy() or refusal(meant_object(context)))
 
     def task(self, context: bpy.types.Context) -> "DistanceTask":
-        """Read the mesh and its selection, and the other meshes meant."""
+        """Read the mesh with its selection, and the other meshes of the run."""
         from ..blender.jobs.distance_task import DistanceTask
 
         memory_limit = context.scene.canonical_form.memory_limit
@@ -112,7 +112,7 @@ class OBJECT_OT_canonical_form_distance(JobOperator, bpy.types.Operator):
         return DistanceTask(objects, self.kind, self.isolines, memory_limit=memory_limit)
 
     def written(self, context: bpy.types.Context, task: "DistanceTask", outcome: str, interactive: bool) -> None:
-        """Report where the distances are, with the warnings."""
+        """Report where the distances were written, with the warnings."""
         from ..blender.jobs.distance_task import WEIGHTS
 
         self.report(

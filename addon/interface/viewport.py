@@ -35,7 +35,7 @@ def show_colours(context: bpy.types.Context) -> None:
 
 
 def restore_shading(context: bpy.types.Context) -> None:
-    """Switch back the views that `show_colours` switched and that still show colour attributes.
+    """Switch back the views that `show_colours` switched, if they still show colour attributes.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def restore_shading(context: bpy.types.Context) -> None:
 
 
 def any_result() -> bool:
-    """Return whether any mesh of the file has colours that the extension wrote.
+    """Return whether any mesh of the file has colours written by this extension.
 
     Returns
     -------
@@ -66,13 +66,13 @@ def any_result() -> bool:
 
 @bpy.app.handlers.persistent
 def _after_undo(*_: object) -> None:
-    """Switch the views back where undo has removed the last result."""
+    """Switch the views back if undo has removed the last result."""
     if not any_result():
         restore_shading(bpy.context)
 
 
 def register() -> None:
-    """Add the handler of undo."""
+    """Add the undo handler."""
     bpy.app.handlers.undo_post.append(_after_undo)
 
 

@@ -1,1 +1,1 @@
-"""Work for many processes, of this machine or of a Dask cluster; one that dies costs its own piece of work only."""
+"""Distributes work to processes of this machine or of a Dask cluster; one that dies loses only its own task."""

@@ -1,4 +1,4 @@
-"""How a worker begins, tries a piece of work, and tells what it raised."""
+"""How a worker starts, runs a task, and reports the exception that it raised."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ from ..core.run.errors import CanonicalFormError
 from ..core.run.memory import free_memory
 
 _DIE_WITH_PARENT = 1  # PR_SET_PDEATHSIG of the Linux kernel
-_SHARE = 0.9  # of the free memory: the most that a worker may take, whatever a file asks for
+_SHARE = 0.9  # of the free memory: the most that a worker may use, whatever a file requests
 
 
 @dataclass(frozen=True)
 class Failure:
-    """Takes the place of a result where there is none.
+    """Replaces the result of a failed task.
 
     Attributes
     ----------
     reason : str
-        A sentence.
+        The error message.
     died : bool
-        Whether the work took its process along, again and again.
+        Whether the task repeatedly killed its worker process.
     """
 
     reason: str
@@ -33,19 +33,19 @@ class Failure:
 
 
 def attempted(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
-    """Run a piece of work where it may fail, and bring back what any process can read.
+    """Run a task and return its result or a `Failure`, which any process can read.
 
     Parameters
     ----------
     function : callable
-        The work.
+        The function to run.
     arguments : tuple
         Its arguments.
 
     Returns
     -------
     object
-        Its result, or a `Failure` with what it raised: an exception itself may not survive the way back.
+        Its result, or a `Failure` with the error message: the exception itself may not be picklable.
     """
     try:
         return function(*arguments)
@@ -53,28 +53,28 @@ def attempted(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
         return Failure(str(error))
     except MemoryError:
         return Failure("Not enough memory.")
-    except Exception as error:  # any: it must not take the worker along
+    except Exception as error:  # any error, as the worker must survive
         return Failure(f"{type(error).__name__}: {error}")
     finally:
         give_memory_back()
 
 
 def give_memory_back() -> None:
-    """Return freed memory to the system, where the C library keeps it: meshes of many sizes leave holes in it."""
+    """Return freed memory to the system where the C library keeps it: meshes of many sizes fragment it."""
     if sys.platform == "linux":
         import ctypes
 
-        with suppress(OSError, AttributeError):  # another C library, which has no need of it
+        with suppress(OSError, AttributeError):  # another C library, which does not need this
             ctypes.CDLL("libc.so.6").malloc_trim(0)
 
 
 def keep_below(gigabytes: float) -> None:
-    """Refuse this process more memory than that, where the system can: a damaged file may ask for any amount.
+    """Limit the memory of this process where the system can: a damaged file may request any amount.
 
     Parameters
     ----------
     gigabytes : float
-        The most; a limit that is lower already stays.
+        The limit; an existing lower limit stays.
     """
     if sys.platform == "linux":
         import resource
@@ -85,7 +85,7 @@ def keep_below(gigabytes: float) -> None:
 
 
 def begin_work() -> None:
-    """Leave the keyboard to the process that started this one, and end when that is gone, killed or not."""
+    """Ignore keyboard interrupts, and end when the process that started this one ends or is killed."""
     import signal
     from multiprocessing import parent_process
     from threading import Thread
@@ -95,7 +95,7 @@ def begin_work() -> None:
     if sys.platform == "linux":
         import ctypes
 
-        with suppress(OSError, AttributeError):  # at once, also while Blender reads
+        with suppress(OSError, AttributeError):  # takes effect at once, even while Blender reads a file
             ctypes.CDLL("libc.so.6").prctl(_DIE_WITH_PARENT, signal.SIGKILL)
     parent = parent_process()
     if parent is None:

@@ -1,4 +1,4 @@
-"""Hands work to processes of this machine or to a Dask cluster, and gets by without those that die."""
+"""Distributes work to processes of this machine or to a Dask cluster, and replaces workers that die."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ from .attempts import Failure, attempted, begin_work
 from .shipping import packed_code, remote_runner, unpacked
 
 _THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
-_AHEAD = 2  # pieces waiting for each worker
-_PATIENCE = "20s"  # for an answer of the scheduler
+_AHEAD = 2  # tasks queued for each worker
+_PATIENCE = "20s"  # timeout for a reply of the scheduler
 Work = tuple[Callable[..., Any], tuple[Any, ...]]
 
 
 class Crew(Protocol):
-    """Workers that take pieces of work in order and give results back in any."""
+    """Workers that take tasks in order and return results in any order."""
 
     def results(self, work: Iterator[tuple[object, Work]]) -> Iterator[tuple[object, Any]]:
-        """Run all the work.
+        """Run all tasks.
 
         Parameters
         ----------
         work : iterator of (object, (callable, tuple))
-            A name, and a function with its arguments; drawn from when a worker will soon need it.
+            Names, and functions with their arguments; consumed only as fast as workers need them.
 
         Yields
         ------
@@ -39,19 +39,19 @@ class Crew(Protocol):
         """
 
     def close(self) -> None:
-        """Let the workers go."""
+        """Release the workers."""
 
 
 class InThisProcess:
-    """Does all the work here, one piece after the other: inside Blender there is only one process."""
+    """Runs all tasks in this process, one after the other: inside Blender there is only one process."""
 
     def results(self, work: Iterator[tuple[object, Work]]) -> Iterator[tuple[object, Any]]:
-        """Run all the work.
+        """Run all tasks.
 
         Parameters
         ----------
         work : iterator of (object, (callable, tuple))
-            Names and work.
+            Names and tasks.
 
         Yields
         ------
@@ -62,7 +62,7 @@ class InThisProcess:
             yield name, attempted(function, arguments)
 
     def close(self) -> None:
-        """Do nothing: there is nobody to let go."""
+        """Do nothing: there are no workers to release."""
 
 
 class LocalCrew:
@@ -73,9 +73,9 @@ class LocalCrew:
     count : int
         Number of processes.
     attempts : int
-        Times that a piece of work may cost its worker the life before it is given up.
+        Number of times that a task may kill its worker before it counts as failed.
     one_thread : bool
-        Whether each process keeps to one thread, so that none slows another.
+        Whether each process uses only one thread, so that they do not slow each other down.
     """
 
     def __init__(self, count: int, attempts: int = 3, *, one_thread: bool = True) -> None:
@@ -89,16 +89,16 @@ class LocalCrew:
         from multiprocessing import get_context
 
         for name in _THREADS if self._one_thread else ():
-            os.environ[name] = "1"  # the processes inherit it; this one has its libraries loaded
+            os.environ[name] = "1"  # inherited by the workers; the libraries of this process are loaded already
         return ProcessPoolExecutor(self._count, get_context("spawn"), begin_work)
 
     def results(self, work: Iterator[tuple[object, Work]]) -> Iterator[tuple[object, Any]]:
-        """Run all the work.
+        """Run all tasks.
 
         Parameters
         ----------
         work : iterator of (object, (callable, tuple))
-            Names and work.
+            Names and tasks.
 
         Yields
         ------
@@ -111,7 +111,7 @@ class LocalCrew:
         under_way: dict[Any, tuple[object, Work]] = {}
         again: list[tuple[object, Work]] = []
         died: dict[object, int] = {}
-        suspects: list[tuple[object, Work]] = []  # one of them may kill its worker: each runs alone
+        suspects: list[tuple[object, Work]] = []  # one of these tasks may kill its worker, so each runs alone
         self._pool = self._pool or self._started()
         more = True
         while True:
@@ -136,20 +136,20 @@ class LocalCrew:
                 return
             broken = False
             ready = wait(under_way, return_when=FIRST_COMPLETED).done if under_way else ()
-            for future in [each for each in under_way if each in ready]:  # in the order of the work
+            for future in [each for each in under_way if each in ready]:  # in the order of the tasks
                 try:
                     result = future.result()
                 except BrokenProcessPool:
                     broken = True
                     continue
-                except Exception as error:  # a result that cannot be sent
+                except Exception as error:  # a result that cannot be pickled
                     result = Failure(f"{type(error).__name__}: {error}")
                 yield under_way.pop(future)[0], result
             if broken or (not under_way and again):
                 self._pool.shutdown(wait=True)
                 self._pool = self._started()
                 lost = list(under_way.values())
-                again += lost[: self._count - 1 : -1]  # these were waiting
+                again += lost[: self._count - 1 : -1]  # these were queued
                 for piece in lost[: self._count][::-1]:  # the first is tried first
                     died[piece[0]] = died.get(piece[0], 0) + 1
                     if died[piece[0]] >= self._attempts:
@@ -160,7 +160,7 @@ class LocalCrew:
                 under_way.clear()
 
     def close(self) -> None:
-        """End the processes, whatever they are at."""
+        """End the processes, even while they are working."""
         if self._pool is not None:
             working = list((self._pool._processes or {}).values())
             self._pool.shutdown(wait=False, cancel_futures=True)
@@ -172,7 +172,7 @@ class LocalCrew:
 
 
 class DaskCrew:
-    """An existing Dask cluster. Its workers need numpy and scipy; this code is sent to them.
+    """An existing Dask cluster. Its workers need numpy and scipy; this code is uploaded to them.
 
     Parameters
     ----------
@@ -196,16 +196,16 @@ class DaskCrew:
             raise CanonicalFormError(f"No Dask scheduler answers at {address}.") from error
         with tempfile.TemporaryDirectory() as folder:
             code, self._name = packed_code(Path(folder))
-            self._client.upload_file(str(code))  # to those that come later too
+            self._client.upload_file(str(code))  # also to workers that join later
         self._run = remote_runner(self._name)
 
     def results(self, work: Iterator[tuple[object, Work]]) -> Iterator[tuple[object, Any]]:
-        """Run all the work; what a lost worker had is given to another by the scheduler.
+        """Run all tasks; the scheduler reassigns the tasks of lost workers.
 
         Parameters
         ----------
         work : iterator of (object, (callable, tuple))
-            Names and work.
+            Names and tasks.
 
         Yields
         ------
@@ -215,7 +215,7 @@ class DaskCrew:
         Raises
         ------
         CanonicalFormError
-            If the scheduler is lost.
+            If the connection to the scheduler is lost.
         """
         from distributed import as_completed
 
@@ -246,7 +246,7 @@ class DaskCrew:
             raise CanonicalFormError("The Dask scheduler is lost. Start again to go on.") from error
 
     def _fetched(self, future: Any) -> Any:
-        """Get a result. If its worker dies before it is here, Dask computes it again, which may fail."""
+        """Return a result. If its worker dies before the transfer, Dask computes it again, which may fail."""
         from distributed import KilledWorker
 
         try:
@@ -254,7 +254,7 @@ class DaskCrew:
         except Exception as error:
             if future.status == "cancelled":
                 raise CanonicalFormError("The Dask scheduler is lost. Start again to go on.") from error
-            if future.status != "error":  # not of the work, but of the connection
+            if future.status != "error":  # an error of the connection, not of the task
                 raise
             if isinstance(error, KilledWorker):
                 return Failure("The Dask workers that had it died again and again (out of memory?).", died=True)
@@ -263,17 +263,17 @@ class DaskCrew:
 
     @property
     def most_threads(self) -> int:
-        """Most threads of a worker that is there now."""
+        """Largest number of threads of a current worker."""
         return max(self._client.nthreads().values(), default=1)
 
     def close(self) -> None:
-        """Leave the cluster as it is."""
+        """Disconnect, and leave the cluster running."""
         self._client.close()
 
 
 @contextmanager
 def crew(workers: int, scheduler: str | None) -> Iterator[LocalCrew | DaskCrew]:
-    """Hire workers and let them go in the end.
+    """Provide workers and release them at the end.
 
     Parameters
     ----------

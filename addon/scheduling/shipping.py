@@ -1,6 +1,6 @@
-"""Sends this code and its work to machines that do not have it, under a name that no other version has.
+"""Sends this code and its tasks to machines that do not have it, under a name unique to this version.
 
-What travels through a cluster's scheduler is bytes alone, which the scheduler need not understand.
+Only bytes pass through a cluster's scheduler, which does not need to understand them.
 """
 
 from __future__ import annotations
@@ -13,24 +13,24 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-PACKAGE = __name__.split(".scheduling")[0]  # the name of this code here
-_PARTS = ("core", "scheduling", "evaluation", "blender", "batch")  # what a worker may need
+PACKAGE = __name__.split(".scheduling")[0]  # the name of this package here
+_PARTS = ("core", "scheduling", "evaluation", "blender", "batch")  # the subpackages that a worker may need
 
 
 def packed_code(folder: Path) -> tuple[Path, str]:
-    """Pack the code that workers need into a file that Python can import from.
+    """Pack the code that workers need into a file from which Python can import.
 
     Parameters
     ----------
     folder : Path
-        Where to put it.
+        Where to write the file.
 
     Returns
     -------
     path : Path
         The file.
     name : str
-        The name to import the code by: unlike that of any other version.
+        The name to import the package by, unique to this version.
     """
     root = Path(__file__).resolve().parents[1]
     sources = [path for part in _PARTS for path in sorted((root / part).rglob("*.py"))]
@@ -45,18 +45,18 @@ def packed_code(folder: Path) -> tuple[Path, str]:
 
 
 def remote_runner(name: str) -> Callable[[bytes], bytes]:
-    """Make a function that runs pickled work where the code goes by another name, and pickles what comes of it.
+    """Create a function that runs pickled tasks where the package has another name, and pickles their results.
 
     Parameters
     ----------
     name : str
-        That name.
+        The name there.
 
     Returns
     -------
     callable
-        Takes ``pickle.dumps((function, arguments))`` and gives what `unpacked` reads. It refers to nothing of this
-        code, so that it can be sent as it is.
+        Takes ``pickle.dumps((function, arguments))`` and returns what `unpacked` reads. It does not refer to this
+        package, so that it can be sent as it is.
     """
     here = PACKAGE
 
@@ -77,19 +77,19 @@ def remote_runner(name: str) -> Callable[[bytes], bytes]:
 
 
 def unpacked(result: bytes, name: str) -> Any:
-    """Read what a remote runner gave.
+    """Unpickle the result of a remote runner.
 
     Parameters
     ----------
     result : bytes
-        From the runner.
+        Returned by the runner.
     name : str
-        The name that the code goes by there.
+        The name of the package there.
 
     Returns
     -------
     object
-        The result of the work.
+        The result of the task.
     """
 
     class Renaming(pickle.Unpickler):

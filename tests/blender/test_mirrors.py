@@ -6,7 +6,8 @@ import pytest
 
 from addon.blender.objects.mesh_reading import read_evaluated, read_mesh
 from addon.blender.records.record import require_record
-from addon.core.mesh.connectivity import component_labels, vertex_pairs
+from addon.core.mesh.connectivity import component_labels
+from addon.core.mesh.edges import vertex_pairs
 from addon.interface.overlay import feature_labels
 from tests.meshes import shapes
 

@@ -7,7 +7,7 @@ import pytest
 from addon.blender.objects.mesh_reading import read_evaluated, read_object
 from addon.blender.records.record import require_record
 from addon.core.assembly.pieces import connected_pieces
-from addon.core.mesh.connectivity import edge_table
+from addon.core.mesh.edges import edge_table
 from tests.meshes import shapes
 
 from .conftest import QUICK, add_object, snapshot

@@ -6,7 +6,7 @@ import pytest
 from addon.core import canonical_form
 from addon.core.limbs import limb_shapes
 from addon.core.measures.form_measures import edge_stretch
-from addon.core.mesh.connectivity import vertex_pairs
+from addon.core.mesh.edges import vertex_pairs
 from addon.core.posing.limb_amounts import limb_amounts
 
 

@@ -6,7 +6,7 @@ import potpourri3d
 import pytest
 
 from addon.core import InvalidSettingsError
-from addon.core.mesh.connectivity import is_closed
+from addon.core.mesh.edges import is_closed
 from addon.core.mesh.geometry import surface_area
 from addon.evaluation import arguments
 from addon.evaluation.correspondences import command

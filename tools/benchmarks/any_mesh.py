@@ -1,10 +1,10 @@
-"""Gives families of meshes to this project and to four libraries, a process each: ``any_mesh.py [NAME …]``.
+"""Runs this project and four libraries on families of meshes, one process each: ``any_mesh.py [NAME …]``.
 
-Asked are distances from one vertex (of robust_laplacian the lowest eigenvalues). An answer is *right* if all distances
-on the part of that vertex are finite, none is above the way along edges by more than 5 % of the largest, none below
-the straight distance by more, and those on other parts are not finite; of eigenvalues, if as many are 0 as there are
-parts. *Wrong* says why; *refused* is an error in words; *crash* is the end of the process. Prints rows of the table in
-docs/any-mesh.md.
+The task is to compute distances from one vertex (for robust_laplacian the lowest eigenvalues). A result is *right* if
+all distances on the part of that vertex are finite, none exceeds the path along edges by more than 5 % of the largest,
+none is below the straight distance by more, and those on other parts are not finite; for eigenvalues, if there are as
+many zeros as parts. *Wrong* states the reason; *refused* is an error message; *crash* is the end of the process.
+Prints rows of the table in docs/any-mesh.md.
 """
 
 import json
@@ -24,7 +24,7 @@ PATIENCE = 20
 
 
 def along_edges(vertices, faces, source):
-    """Measure along the edges of the mesh; vertices at one place are joined."""
+    """Measure distances along the edges of the mesh; vertices at the same position are joined."""
     from scipy.sparse.csgraph import dijkstra
 
     _, place = np.unique(vertices, axis=0, return_inverse=True)
@@ -36,7 +36,7 @@ def along_edges(vertices, faces, source):
 
 
 def _least(pairs, place, length):
-    """Join two places by the shortest of their edges."""
+    """Keep the shortest edge between each pair of positions."""
     from scipy.sparse import coo_matrix
 
     ends = np.sort(place[pairs], axis=1)
@@ -48,7 +48,7 @@ def _least(pairs, place, length):
 
 
 def distances(library, vertices, faces, source):
-    """Ask a library."""
+    """Compute distances with a library."""
     if library == "ours":
         from addon.core.distance_fields import heat_geodesics
 
@@ -68,7 +68,7 @@ def distances(library, vertices, faces, source):
 
 
 def judged(library, name):
-    """Say in a word or two what a library makes of a family."""
+    """Describe the result of a library on a family in a few words."""
     family = families()[name]
     vertices, faces = np.ascontiguousarray(family.vertices), np.ascontiguousarray(family.faces, dtype=np.int64)
     if library == "ours" and not family.refused:
@@ -98,11 +98,12 @@ def judged(library, name):
 
 
 def eigenvalues_judged(vertices, faces):
-    """Count the zeros among the lowest eigenvalues of robust_laplacian."""
+    """Compare the number of zeros among the lowest eigenvalues of robust_laplacian with the number of parts."""
     import robust_laplacian
     from scipy.sparse.linalg import eigsh
 
-    from addon.core.mesh.connectivity import component_labels, vertex_pairs
+    from addon.core.mesh.connectivity import component_labels
+    from addon.core.mesh.edges import vertex_pairs
 
     L, M = robust_laplacian.mesh_laplacian(vertices, faces)
     parts = int(component_labels(len(vertices), vertex_pairs(faces)).max()) + 1
@@ -139,7 +140,7 @@ if __name__ == "__main__":
     if sys.argv[1:2] == ["one"]:
         try:
             answer = judged(*sys.argv[2:])
-        except Exception as error:  # what a library says is what is wanted
+        except Exception as error:  # the message of the library is the result
             answer = "refused" if str(error).strip() else f"refused ({type(error).__name__})"
             if sys.argv[2] == "ours" and not type(error).__module__.startswith("addon"):
                 answer = f"wrong: {type(error).__name__}"

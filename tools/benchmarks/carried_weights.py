@@ -1,7 +1,7 @@
-"""Weights of a rigged character, carried over to a reduced mesh of it in another pose, and posed by the rig again.
+"""Weights of a rigged character, transferred to a reduced mesh in another pose, and posed again by the rig.
 
-``python tools/benchmarks/carried_weights.py CHARACTER.glb…`` prints a row per character. The source is the rest pose
-with its weights; the target is another pose that Blender's Decimate reduced and whose vertices were shuffled. True
+``python tools/benchmarks/carried_weights.py CHARACTER.glb…`` prints one row per character. The source is the rest pose
+with its weights; the target is another pose, reduced by Blender's Decimate modifier, with shuffled vertices. The true
 weights are those of the nearest point of the whole mesh in that pose. Needs bpy.
 """
 
@@ -54,7 +54,7 @@ def row(file: Path) -> str:
 
 
 def weights_of(rig: bpy.types.Object, bones: list[str]) -> np.ndarray:
-    """Read the weights of all objects on a rig, in the order of `posed`; (n, bones), rows add up to 1."""
+    """Read the weights of all objects of a rig, in the order of `posed`; (n, bones), rows sum to 1."""
     objects = (obj for obj in bpy.data.objects if obj.parent is rig and obj.type == "MESH")
     parts = []
     for obj in sorted(objects, key=lambda o: o.name):
@@ -70,7 +70,7 @@ def weights_of(rig: bpy.types.Object, bones: list[str]) -> np.ndarray:
 
 
 def motions(rig: bpy.types.Object, bones: list[str]) -> np.ndarray:
-    """How each bone moves the mesh from its rest pose, (bones, 4, 4)."""
+    """Return how each bone moves the mesh from its rest pose, (bones, 4, 4)."""
     world = np.array(rig.matrix_world)
     rest = np.array([np.array(rig.data.bones[name].matrix_local) for name in bones])
     now = np.array([np.array(rig.pose.bones[name].matrix) for name in bones])
@@ -78,7 +78,7 @@ def motions(rig: bpy.types.Object, bones: list[str]) -> np.ndarray:
 
 
 def blended(weights: np.ndarray, vertices: np.ndarray, motion: np.ndarray) -> np.ndarray:
-    """Linear blend skinning."""
+    """Apply linear blend skinning."""
     homogeneous = np.column_stack([vertices, np.ones(len(vertices))])
     return np.einsum("nb,bij,nj->ni", weights, motion, homogeneous)[:, :3]
 

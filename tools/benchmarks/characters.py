@@ -1,4 +1,4 @@
-"""Characters of many pieces in several poses: ``characters.py FILE.glb…`` (or ``.blend``), bones turned by chance.
+"""Characters of many pieces in several poses: ``characters.py FILE.glb…`` (or ``.blend``), with random bone rotations.
 
 For each pose: feature points, attachment (how much the distance of a vertex from the nearest point of another piece
 changes, for those nearer than .02), edge distortion of the worst piece, seconds; for each character the pose ratio.
@@ -54,7 +54,7 @@ def several(values: list[float], digits: int) -> str:
 
 
 def posed(file: Path, count: int = POSES) -> tuple[list[np.ndarray], np.ndarray]:
-    """Read a rigged character in its rest pose and some others, all objects as one mesh."""
+    """Read a rigged character in its rest pose and other poses, with all objects as one mesh."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     if file.suffix == ".blend":
         bpy.ops.wm.open_mainfile(filepath=str(file))
@@ -74,7 +74,7 @@ def posed(file: Path, count: int = POSES) -> tuple[list[np.ndarray], np.ndarray]
 
 
 def turned_at_random(rig: bpy.types.Object, count: int) -> Iterator[int]:
-    """Turn arms and legs of a rig, always alike, where it has no clips; the first is the rest pose."""
+    """Rotate arms and legs of a rig at random with a fixed seed, if it has no clips; the first is the rest pose."""
     rng = np.random.default_rng(1)
     for number in range(count):
         for bone in rig.pose.bones if not bpy.data.actions else ():
@@ -86,7 +86,7 @@ def turned_at_random(rig: bpy.types.Object, count: int) -> Iterator[int]:
 
 
 def take_clip(rig: bpy.types.Object, number: int) -> None:
-    """Show a frame of a clip: the rest pose first, then the middle of the clips in turn."""
+    """Go to a frame of a clip: first the rest pose, then the middle of the clips in turn."""
     clips = sorted(bpy.data.actions, key=lambda action: (not action.name.startswith("Rest"), action.name))
     action = clips[number % len(clips)]
     for track in list(rig.animation_data.nla_tracks):
@@ -140,7 +140,7 @@ def attachment(vertices: np.ndarray, pieces: list[Piece], form: np.ndarray, face
             nearest[here], now[here] = distance[here], np.linalg.norm(form[piece.vertices[here]] / unit - after, axis=1)
         changes.append(np.abs(now - nearest)[nearest < NEAR])
     near = np.concatenate(changes)
-    return float(np.quantile(near, 0.95)) if len(near) else 0.0  # one piece, or none near another
+    return float(np.quantile(near, 0.95)) if len(near) else 0.0  # only one piece, or none near another
 
 
 def distortion(piece: Piece, form: np.ndarray) -> float:
@@ -148,7 +148,7 @@ def distortion(piece: Piece, form: np.ndarray) -> float:
 
 
 def spread(shapes: list[np.ndarray], faces: np.ndarray) -> float:
-    """Mean distance between the shapes after rigid alignment, in sqrt(area)."""
+    """Return the mean distance between the shapes after rigid alignment, in sqrt(area)."""
     weights = vertex_areas(shapes[0], faces) + 1e-300
     apart = []
     for one, other in combinations(shapes, 2):

@@ -1,8 +1,8 @@
 """Draws a contact sheet of poses and forms: ``contact_sheet.py gallery.npz sheet.png``.
 
-Points are drawn at random on the surface and the nearest one to the eye is kept for each pixel; the inside of the
-surface is red, so that nothing that is inside out can hide. Three rows a shape: the poses, the forms turned onto the
-first of them, and the same seen from another side.
+Points are drawn at random on the surface, and the one nearest to the viewer is kept for each pixel; the inside of the
+surface is red, to reveal inverted parts. Three rows per shape: the poses, the forms aligned to the first of them, and
+the same forms seen from another side.
 """
 
 import sys
@@ -20,7 +20,7 @@ SIDE = np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])
 
 
 def turned_onto(form, first):
-    """Turn a form so that it lies on another."""
+    """Align a form to another by a rigid transform."""
     turn, shift = rigid_fit(form, first)
     return form @ turn + shift
 
@@ -32,7 +32,7 @@ def main(gallery, target):
     for shape in shapes:
         poses = sorted({int(name.split("_")[1]) for name in data if name.startswith(f"{shape}_")})
         meshes = [tuple(data[f"{shape}_{pose}_{part}"] for part in "vfx") for pose in poses]
-        stands = shape < 2  # the animals of the shared data look along the third axis: see them from the side
+        stands = shape < 2  # the animals of the shared data face along the third axis: show them from the side
         first, second = (SIDE, np.eye(3)) if stands else (np.eye(3), SIDE)
         rows.append(np.hstack([drawn(v, f, first) for v, f, _ in meshes]))
         forms = [(turned_onto(x, meshes[0][2]), f) for _, f, x in meshes]

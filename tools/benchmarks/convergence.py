@@ -1,4 +1,4 @@
-"""How far the default is from the minimum of its stress."""
+"""Distance of the default from the minimum of its stress."""
 
 from unittest import mock
 
@@ -10,10 +10,11 @@ from addon.core.methods import local_features
 
 
 def stress_ratios(vertices, faces):
-    """Solve on all vertices with the default tolerance and on from there to the end, and compare the stresses.
+    """Solve on all vertices with the default tolerance and then to convergence, and compare the stresses.
 
-    Returns the stress where the default stops, and that of the form which the default gives, solved on its coarse
-    mesh, given its detail and carried back; each over the stress of the full solver, converged from the same start.
+    Returns the number of steps, the stress at the default tolerance, and the stress of the default form, which is
+    solved on the coarse mesh, given its detail and interpolated to all vertices; both stresses relative to that of the
+    solution converged from the same start.
     """
     caught = []
 

@@ -1,11 +1,11 @@
-"""Makes datasets out of one of posed meshes: ``derived_datasets.py KIND FOLDER TARGET COUNT``.
+"""Derives datasets from one of posed meshes: ``derived_datasets.py KIND FOLDER TARGET COUNT``.
 
 coarse: every pose with about COUNT vertices, the same in all poses of a shape, so that slow methods can run in full.
-perturbed: COUNT meshes, the poses one after the other with other noise, size and place each, in ten classes of the
-same mixture, for long runs: what grows then is not the meshes.
-creatures: a class for each rigged, animated .glb of the folder, its largest piece in COUNT poses: the rest pose, if
-there is one, and the middle of its other clips, as many as there are; .obj files of one vertex order.
-classes: the poses of FOLDER beside the creatures of its folder of that name, as made above.
+perturbed: COUNT meshes, the poses in turn with different noise, size and position, in ten classes of the same
+mixture, for long runs: any growth is then not caused by the meshes.
+creatures: a class for each rigged, animated .glb of the folder, with its largest piece in COUNT poses: the rest pose,
+if there is one, and the middle of its other clips, as far as there are any; .obj files with the same vertex order.
+classes: the poses of FOLDER next to the creatures of its subfolder of that name, as derived above.
 """
 
 import shutil

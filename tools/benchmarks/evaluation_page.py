@@ -1,6 +1,6 @@
-"""Puts two evaluations into the tables of docs/evaluation.md: ``evaluation_page.py NATIVE COARSE [--page FILE]``.
+"""Inserts the tables of two evaluations into docs/evaluation.md: ``evaluation_page.py NATIVE COARSE [--page FILE]``.
 
-NATIVE: of the meshes as they are; COARSE: of their versions with 2,000 vertices, on which all pairs can be used.
+NATIVE: evaluation of the original meshes; COARSE: of versions with 2,000 vertices, for which all pairs can be used.
 """
 
 import argparse
@@ -23,7 +23,7 @@ def lines_of(folder, name):
 
 
 def seconds(folder, method, vertices):
-    """Median seconds of a method on meshes of about so many vertices."""
+    """Return the median seconds of a method on meshes of about this number of vertices."""
     found = [float(line["seconds"]) for line in lines_of(folder, "costs.csv")
              if line["method"] == method and round(int(line["vertices"]), -3) == vertices]  # fmt: skip
     return f"{np.median(found):.2f}" if found else ""
@@ -39,7 +39,7 @@ def short(word, digits=3):
     return f"{float(word):.{digits}f}" if word else ""
 
 
-DETAIL = {  # the head of a column, and the measure whose mean over the meshes stands in it, in %
+DETAIL = {  # column headings, and the measure whose mean over the meshes is shown, in %
     "edges, median": "edge_distortion_median_mean", "edges, 95 %": "edge_distortion_95_mean",
     "edges, 99.9 %": "edge_distortion_999_mean", "areas, median": "area_distortion_median_mean",
     "areas, 95 %": "area_distortion_95_mean", "thickness, median": "thickness_median_mean",
@@ -49,7 +49,7 @@ DETAIL = {  # the head of a column, and the measure whose mean over the meshes s
 
 
 def percent(word):
-    """A share as a percentage with two digits after the point where it is small, with none where it is large."""
+    """Format a share as a percentage, with two decimals if it is small and none if it is large."""
     if not word:
         return ""
     share = 100 * float(word)

@@ -1,4 +1,4 @@
-"""Measures a run at quality Full on a figure of about 9,800 vertices with five limbs: time, memory, pairs saved.
+"""Measures a run at quality Full on a figure of about 9,800 vertices with five limbs: time, memory, saved pairs.
 
 Run ``.venv/bin/python tools/benchmarks/figure.py``.
 """

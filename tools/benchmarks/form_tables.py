@@ -1,7 +1,7 @@
-"""Measures the default form on real meshes, against libraries in the same run, and writes the tables to the docs.
+"""Measures the default form on real meshes, with libraries for comparison, and writes the tables to the docs.
 
-Run ``make bench DATA=folder`` on a folder with one subfolder a shape and one .obj a pose. Takes about a quarter of an
-hour. Every time is given as a ratio to a library's time on the same mesh in the same run.
+Run ``make bench DATA=folder`` on a folder with one subfolder per shape and one .obj per pose. Takes about a quarter of
+an hour. Every time is given relative to that of a library on the same mesh in the same run.
 """
 
 import argparse
@@ -37,12 +37,12 @@ def shapes_of(data: Path) -> Iterator[tuple[str, list[Mesh]]]:
 
 
 def of(detail, name):
-    """Mean of one measure over the poses."""
+    """Return the mean of one measure over the poses."""
     return float(np.mean([each[name] for each in detail]))
 
 
 def distance_change(meshes):
-    """Mean relative change of geodesics between 60 vertices from pose to pose: what no method on them can undo."""
+    """Return the mean relative change of geodesics between 60 vertices across poses, which no method can remove."""
     vertices, _ = meshes[0]
     some = np.random.default_rng(3).choice(len(vertices), 60, replace=False)
     tables = [HeatMethod(triangulated(*mesh)).distances(some)[some] for mesh in meshes]
@@ -112,7 +112,7 @@ def quality_table(data, picture):
 
 
 def library_seconds(vertices, faces):
-    """Seconds that potpourri3d's heat method takes to factor, and for one source, the mean of 20."""
+    """Return the seconds that potpourri3d's heat method needs to factorise, and for one source (mean of 20)."""
     import potpourri3d
 
     began = time.perf_counter()
@@ -174,7 +174,7 @@ def draft_line(vertices, faces):
 
 
 def smacof_table(vertices, faces):
-    """Our minimisation, factorisation included, against scikit-learn's on 2,000 points of the same mesh."""
+    """Compare our minimisation, including factorisation, with scikit-learn's on 2,000 points of the same mesh."""
     from sklearn.manifold import smacof as library
 
     from addon.core.embedding.smacof import smacof
@@ -194,7 +194,7 @@ def smacof_table(vertices, faces):
             )  # fmt: skip
             theirs.append(time.perf_counter() - began)
             history = smacof(distances, mesh[0][some], tolerance=0.0, max_iterations=300)[1]
-            needed = int(np.argmax(np.append(history, -1.0) <= reached))  # 301: not in 300 steps
+            needed = int(np.argmax(np.append(history, -1.0) <= reached))  # 301: not reached in 300 steps
             began = time.perf_counter()
             smacof(distances, mesh[0][some], tolerance=0.0, max_iterations=needed)
             same.append(time.perf_counter() - began)

@@ -1,8 +1,8 @@
-"""Feeds broken files to the command line for a while: ``fuzz_files.py MINUTES KEEP [SEED]``.
+"""Runs the command line on damaged files for a given time: ``fuzz_files.py MINUTES KEEP [SEED]``.
 
-Every file is a damaged copy of a small sound one, of each kind that is read. Wanted: an exit code of 0 or 1, no
-traceback, no file that takes more than a minute, nothing written outside the output folder. What fails is kept in
-the folder KEEP.
+Every file is a damaged copy of a small valid file, of each kind that can be read. Expected: exit code 0 or 1, no
+traceback, no file that takes longer than a minute, nothing written outside the output folder. Files that fail are
+kept in the folder KEEP.
 """
 
 import collections
@@ -21,13 +21,13 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
-BATCH, PATIENCE = 40, 60.0  # 500 pieces, the most, with a form of their own each: a tenth of a second apiece
+BATCH, PATIENCE = 40, 60.0  # up to 500 pieces, each with its own form: a tenth of a second each
 NUMBERS = ["-1", "0", "1", "255", "256", "65536", "2147483647", "2147483648", "-2147483649", "9" * 30, "1e400", "-1e39",
            "nan", "inf", "-inf", "1e-320", "abc", "", "0x10", "1.5", "½", "1/2/3", "//", "-0", "1e", "\0"]  # fmt: skip
 
 
 def seeds(folder):
-    """Write sound files of every kind: a tube, and a body of several pieces."""
+    """Write valid files of every kind: a tube, and a body of several pieces."""
     from tests.meshes import pieced, shapes
 
     body = pieced.character()[2]
@@ -93,7 +93,7 @@ def damaged(data, text, rng):
 
 
 def run(files, output):
-    """Run the command line on some files; give its exit code, errors, and the seconds between its lines."""
+    """Run the command line on files; return its exit code, errors, and the seconds between its lines."""
     words = [sys.executable, "-m", "addon", "compute", *map(str, files), "--output", str(output), "--quality", "draft",
              "--max-iterations", "5", "--landmark-count", "10", "--format", "obj"]  # fmt: skip
     errors = tempfile.TemporaryFile("w+", errors="replace")  # noqa: SIM115 - closed below

@@ -1,7 +1,7 @@
-"""Kills a headless run at random moments, over and over: ``kills.py [COUNT]``.
+"""Kills a headless run repeatedly at random moments: ``kills.py [COUNT]``.
 
-The run overwrites an output that is there. Wanted: it is the old file or the new one, whole, and nothing but partial
-files lies beside it. Half of the runs write .obj, compared to the byte; half write .blend, opened again.
+The run overwrites an existing output. Expected: the output is the complete old or new file, and only partial files
+are next to it. Half of the runs write .obj, compared byte by byte; half write .blend, opened again.
 """
 
 import os
@@ -28,7 +28,7 @@ def command(mesh, output, kind, value):
 
 
 def told(path, kind):
-    """What the file says: its bytes, or the value of the shape key in it."""
+    """Return the content of a file: its bytes, or the value of its shape key."""
     if kind == "obj":
         return path.read_bytes()
     bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False)
@@ -60,7 +60,7 @@ def main(count=200):
             began = time.perf_counter()
             process = subprocess.Popen(command(mesh, output, kind, new), cwd=ROOT, stdout=subprocess.DEVNULL,
                                        stderr=subprocess.DEVNULL, start_new_session=True)  # fmt: skip
-            late = chance.random() < 0.7  # most near the end, where it writes
+            late = chance.random() < 0.7  # most near the end, when it writes
             time.sleep(seconds["0.25"] * (chance.uniform(0.75, 1.1) if late else chance.uniform(0, 0.75)))
             os.killpg(process.pid, signal.SIGKILL)
             process.wait()

@@ -1,7 +1,7 @@
-"""Which kinds of files this Blender reads and writes: a row of the table in docs/scripting.md.
+"""The kinds of files that this Blender reads and writes: a row of the table in docs/scripting.md.
 
-``python tools/benchmarks/kinds_of_files.py`` with any Python that has Blender as a module, numpy and scipy. A figure is
-written in every kind that Blender exports, computed from there, and its form written in every kind and read again.
+Run ``python tools/benchmarks/kinds_of_files.py`` with any Python that has bpy, numpy and scipy. A figure is written in
+every kind that Blender exports and computed from these files, and its form is written in every kind and read again.
 """
 
 import io
@@ -19,7 +19,7 @@ from addon.batch.command import main
 from addon.blender.files.reading_files import open_meshes
 from tests.meshes import shapes
 
-SOURCES = {  # kind: how Blender writes it
+SOURCES = {  # by kind: the exporter in Blender
     "blend": lambda path: bpy.ops.wm.save_as_mainfile(filepath=path, copy=True),
     "off": lambda path: shapes.write_off(Path(path), *shapes.figure(18)),
     "obj": lambda path: bpy.ops.wm.obj_export(filepath=path),
@@ -37,7 +37,7 @@ QUICK = ["--max-iterations", "5", "--eigenpairs", "30", "--landmark-count", "20"
 
 
 def figure() -> None:
-    """Put the figure into an empty file."""
+    """Add the figure to an empty file."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     vertices, faces = shapes.figure(18)
     mesh = bpy.data.meshes.new("Figure")
@@ -49,21 +49,21 @@ def figure() -> None:
 
 
 def computed(*words: str) -> list[dict]:
-    """Run the command and return its lines."""
+    """Run the command and return its result lines."""
     output = io.StringIO()
     main(["compute", *words, *QUICK], output, alone=True)
     return [json.loads(line) for line in output.getvalue().splitlines()]
 
 
 def size(path: str) -> float:
-    """Measure the form in a file: its largest extent over its smallest."""
+    """Measure the form in a file: its largest extent divided by its smallest."""
     (obj,) = open_meshes(Path(path))
     extent = np.ptp([obj.matrix_world @ vertex.co for vertex in obj.data.vertices], axis=0)
     return float(extent.max() / extent.min())
 
 
 def run() -> None:
-    """Print which kinds are read and written."""
+    """Print the kinds that are read and written."""
     read, written = {}, {}
     with tempfile.TemporaryDirectory() as folder:
         for kind, write in SOURCES.items():

@@ -12,7 +12,7 @@ from addon.core import canonical_form  # noqa: E402
 from addon.core.limbs import limb_shapes  # noqa: E402
 from addon.core.measures.alignment import rigid_fit  # noqa: E402
 from addon.core.measures.form_measures import edge_stretch  # noqa: E402
-from addon.core.mesh.connectivity import vertex_pairs  # noqa: E402
+from addon.core.mesh.edges import vertex_pairs  # noqa: E402
 from addon.core.mesh.geometry import signed_volume  # noqa: E402
 from addon.core.posing.articulation import Articulation  # noqa: E402
 from addon.core.posing.limb_amounts import limb_amounts  # noqa: E402

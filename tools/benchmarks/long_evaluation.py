@@ -1,7 +1,7 @@
-"""Evaluates many meshes and watches: ``long_evaluation.py DATASET OUTPUT``; says throughput, overhead and memory.
+"""Runs a long evaluation and measures throughput, overhead and memory: ``long_evaluation.py DATASET OUTPUT``.
 
-Overhead is the share of the workers' time in which they were not at work on a form. Memory is that of the run and all
-its processes, resident set size; its growth compares the second tenth of the run with the last, medians.
+Overhead is the share of the workers' time that was not spent on forms. Memory is the resident set size of the run and
+all its processes; its growth compares medians of the second and the last tenth of the run.
 """
 
 import re

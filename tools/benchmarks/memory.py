@@ -1,4 +1,4 @@
-"""Compares the memory estimate with the measured peak: ``memory.py DATA``; a process a mesh, resident memory, Linux."""
+"""Compares the memory estimate with the measured peak: ``memory.py DATA``; one process per mesh; Linux only."""
 
 import json
 import subprocess
@@ -14,7 +14,7 @@ from tests.meshes.families import torus
 
 
 def made(name, data):
-    """Make one of the meshes."""
+    """Create one of the meshes."""
     first = {animal: sorted((data / animal).glob("*.obj"))[1] for animal in ("bear", "man", "horse")}
     finer = shapes.midpoints
     return {
@@ -38,7 +38,7 @@ NAMES = ("joint", "figure", "horse", "bear", "figure, fine", "man", "bear, finer
 
 
 def measure(name, data, quality):
-    """Run one mesh and print its peak in gigabytes beyond what the process had with the mesh."""
+    """Run one mesh and print its peak in gigabytes, beyond the memory of the process with the mesh loaded."""
     import threading
     import time
 

@@ -1,7 +1,7 @@
-"""Measures the method on real posed meshes: one folder a shape, one .obj a pose, the same vertex order in each.
+"""Measures the method on real posed meshes: one folder per shape, one .obj per pose, the same vertex order in each.
 
-Run ``.venv/bin/python tools/benchmarks/poses.py DATA``. Prints a row a mesh, and one of the worst. The first pose by
-name among rest and bind is the one that feature points are compared with.
+Run ``.venv/bin/python tools/benchmarks/poses.py DATA``. Prints one row per mesh, and one for the worst. Feature points
+are compared with those of the first rest or bind pose by name.
 """
 
 import sys
@@ -46,7 +46,7 @@ def main(data: Path) -> None:
 
 
 def measured(vertices, faces):
-    """Feature points, mean relative error of the heat geodesics, and largest relative rise of the stress in a step."""
+    """Return feature points, mean relative error of the heat geodesics, largest relative stress increase in a step."""
     sources = np.random.default_rng(7).choice(len(vertices), SOURCES, replace=False)
     solver = pygeodesic.geodesic.PyGeodesicAlgorithmExact(vertices, faces)
     true = np.stack([solver.geodesicDistances(np.array([source]))[0] for source in sources], axis=1)

@@ -1,4 +1,4 @@
-"""Takes long random walks through Blender and watches the memory: ``random_walks.py [WALKS] [STEPS] [FIRST SEED]``."""
+"""Runs long random walks in Blender and measures the memory: ``random_walks.py [WALKS] [STEPS] [FIRST SEED]``."""
 
 import sys
 import time

@@ -1,15 +1,15 @@
-"""The same shape under other triangles: finer, coarser, even, uneven, made of quads, noisy."""
+"""The same shape with other triangles: finer, coarser, uniform, adaptive, quad-dominant, noisy."""
 
 import numpy as np
 
 from addon.core.mesh.coarsening import coarsened
-from addon.core.mesh.connectivity import vertex_pairs
+from addon.core.mesh.edges import vertex_pairs
 from addon.core.surface.triangulation import corner_lengths, triangulated
 from tests.meshes.shapes import Mesh
 
 
 def subdivided(vertices, faces) -> Mesh:
-    """Split every triangle in four at its edges' midpoints."""
+    """Split every triangle into four at the midpoints of its edges."""
     edges = vertex_pairs(faces)
     key = edges[:, 0] * len(vertices) + edges[:, 1]
 
@@ -25,7 +25,7 @@ def subdivided(vertices, faces) -> Mesh:
 
 
 def resized(vertices, faces, count) -> Mesh:
-    """Bring a mesh to a number of vertices by subdivision and removal of vertices."""
+    """Change a mesh to a given number of vertices by subdivision and removal of vertices."""
     while len(vertices) < count:
         vertices, faces = subdivided(vertices, faces)
     coarse = coarsened(vertices, faces, count)
@@ -40,12 +40,12 @@ def noisy(vertices, faces, amount=0.01, seed=0) -> Mesh:
 
 
 def uniform(vertices, faces) -> Mesh:
-    """Even triangles: subdivide, then remove vertices by edge length mostly."""
+    """Make triangles uniform: subdivide, then remove vertices, mostly by edge length."""
     return resized(*subdivided(*subdivided(vertices, faces)), len(vertices))
 
 
 def adaptive(vertices, faces) -> Mesh:
-    """Fine on one side, coarse on the other: edges above are eight times as short as below."""
+    """Refine one side and coarsen the other: edges at the top are eight times shorter than at the bottom."""
     for level in range(3):
         height = vertices[:, 1]
         low, high = height.min(), height.max()
@@ -55,7 +55,7 @@ def adaptive(vertices, faces) -> Mesh:
 
 
 def _split_some(vertices, faces, chosen) -> Mesh:
-    """Split the chosen triangles in four and their neighbours as needed, so that no vertex hangs on an edge."""
+    """Split the chosen triangles into four and their neighbours as needed, so that no vertex lies on an edge."""
     edges = vertex_pairs(faces)
     key = edges[:, 0] * len(vertices) + edges[:, 1]
 
@@ -73,7 +73,7 @@ def _split_some(vertices, faces, chosen) -> Mesh:
         polygon = [
             p for corner, mid in zip(face, side, strict=True) for p in ((corner, mid) if mid >= 0 else (corner,))
         ]
-        while len(polygon) > 3:  # cut off corners between two midpoints, or any
+        while len(polygon) > 3:  # cut off a corner between two midpoints, or any other
             at = next((i for i in range(len(polygon)) if polygon[i] in face and polygon[i - 1] not in face
                        and polygon[(i + 1) % len(polygon)] not in face), 1)  # fmt: skip
             out.append((polygon[at - 1], polygon[at], polygon[(at + 1) % len(polygon)]))
@@ -83,7 +83,7 @@ def _split_some(vertices, faces, chosen) -> Mesh:
 
 
 def quad_dominant(vertices, faces) -> Mesh:
-    """Triangles of quads: pair triangles over their longest edges, and cut each quad the other way."""
+    """Make triangles of quads: pair triangles at their longest edges, split each quad along the other diagonal."""
     edge = triangulated(vertices, faces).edges.ravel()
     order = np.argsort(edge, kind="stable")
     beside = np.flatnonzero(edge[order][1:] == edge[order][:-1])

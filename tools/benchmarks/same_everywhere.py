@@ -1,7 +1,7 @@
 """Compares forms between interpreters and thread counts: ``same_everywhere.py DATA PYTHON …``.
 
-Every Python named computes the forms of one mesh of each kind with one thread, with two, and twice at once; prints the
-largest difference from the first, in diameters.
+Every given Python computes the forms of one mesh of each kind with one thread, with two threads, and twice in
+parallel; prints the largest difference from the first result, in diameters.
 """
 
 import itertools
@@ -19,7 +19,7 @@ sys.path.insert(0, str(ROOT))
 
 
 def compute(data, target):
-    """Compute and keep the forms, in this interpreter."""
+    """Compute and store the forms, in this interpreter."""
     import scipy
 
     from addon.core import canonical_form

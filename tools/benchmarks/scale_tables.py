@@ -1,6 +1,6 @@
-"""Time and memory of the form from ten thousand vertices to a million, by stage; a process a size.
+"""Time and memory of the form from ten thousand vertices to a million, by stage; one process per size.
 
-`form_tables.py` writes the tables; ``scale_tables.py DATA COUNT FILE`` measures one size and keeps its form.
+`form_tables.py` writes the tables; ``scale_tables.py DATA COUNT FILE`` measures one size and stores its form.
 """
 
 import json
@@ -41,10 +41,10 @@ def nearest_apart(one, two):
 
 
 def one_size(data, count, keep):
-    """Run in a process of its own, so that its peak memory is its own."""
+    """Measure one size in a separate process, for a separate peak memory."""
     vertices, faces = read_obj(data / "man" / "rest.obj")
     mesh = noisy(*resized(unit(vertices, faces), faces, count), 0.0002)
-    Path("/proc/self/clear_refs").write_text("5")  # forget the peak so far
+    Path("/proc/self/clear_refs").write_text("5")  # reset the peak
     before = gigabytes("VmRSS")
     began = time.perf_counter()
     form = canonical_form(*mesh)
@@ -56,7 +56,7 @@ def one_size(data, count, keep):
 
 
 def gigabytes(name):
-    """Read a figure of this process from Linux."""
+    """Read a figure about this process from Linux."""
     line = next(line for line in Path("/proc/self/status").read_text().splitlines() if line.startswith(name + ":"))
     return int(line.split()[1]) / 1e6
 
@@ -98,7 +98,7 @@ def scale_table(data, work):
 
 
 def stage_table(stages):
-    """Tell what each stage takes, and how that grows with the mesh."""
+    """Return the table of the time of each stage and its growth with the mesh."""
     head = "| stage | " + " | ".join(f"{n:,.0f}" for n, _ in stages) + " | exponent from 160,000 |\n"
     head += "| --- " * (len(stages) + 2) + "|"
     rows = []

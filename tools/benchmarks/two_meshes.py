@@ -1,11 +1,13 @@
-"""Matches and poses taken over, between poses of other triangles: ``two_meshes.py FOLDER…`` or ``FOLDER:OTHER``.
+"""Matches and transferred poses, between poses with other triangles: ``two_meshes.py FOLDER…`` or ``FOLDER:OTHER``.
 
-A folder has poses of one mesh as .obj, of which the first five are taken; those of two folders have the same vertices,
-too. Every pose is matched with every other, reduced to 70 % by Blender's Decimate and with its vertices shuffled.
+A folder contains poses of one mesh as .obj, of which the first five are used; the meshes of two folders have the same
+vertices. Every pose is matched with every other, reduced to 70 % by Blender's Decimate modifier and with its vertices
+shuffled.
 
 *Error* is the geodesic distance of a match from the truth, in 1/100 sqrt(area), at 300 vertices; *near* the share below
-.05; *flips* the pairs with a tenth of the vertices beyond .3; *pose* the distance of a pose taken over to the true one,
-over the distance between the two poses, for those more than .1 apart; *edges* the median change of their lengths.
+.05; *flips* the pairs with a tenth of the vertices beyond .3; *pose* the distance of a transferred pose from the true
+pose, relative to the distance between the two poses, for those more than .1 apart; *edges* the median change of edge
+lengths.
 """
 
 import sys
@@ -66,7 +68,7 @@ def row(folder: Path, other: Path) -> str:
 
 
 def reduced_mesh(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Let Blender reduce a mesh, and shuffle its vertices."""
+    """Reduce a mesh with Blender, and shuffle its vertices."""
     data = bpy.data.meshes.new("mesh")
     data.from_pydata(vertices.tolist(), [], faces.tolist())
     item = bpy.data.objects.new("mesh", data)
@@ -83,7 +85,7 @@ def reduced_mesh(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, n
 
 
 def geodesic_errors(places: np.ndarray, vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Measure how far points on a mesh are from the vertices of the same numbers, in sqrt(area)."""
+    """Measure how far points on a mesh are from the vertices with the same indices, in sqrt(area)."""
     samples = np.random.default_rng(1).choice(len(vertices), min(SAMPLES, len(vertices)), replace=False)
     solver = potpourri3d.MeshHeatMethodDistanceSolver(vertices, faces)
     found = closest_points(vertices, faces, places[samples])
@@ -93,7 +95,7 @@ def geodesic_errors(places: np.ndarray, vertices: np.ndarray, faces: np.ndarray)
 
 
 def distance(one: np.ndarray, two: np.ndarray) -> float:
-    """Root mean square distance of vertices after a rigid fit."""
+    """Return the root mean square distance of vertices after a rigid fit."""
     rotation, shift = rigid_fit(one, two)
     return float(np.sqrt(((one @ rotation + shift - two) ** 2).sum(axis=1).mean()))
 

@@ -1,4 +1,4 @@
-"""Meshes drawn into matplotlib axes: coloured by a field or by patch, with balls at feature points."""
+"""Draws meshes into matplotlib axes: coloured by a field or by patch, with balls at feature points."""
 
 import matplotlib as mpl
 import numpy as np
@@ -10,7 +10,7 @@ BALL = np.array([200.0, 20.0, 20.0])
 
 
 def show(axes, vertices, faces, turn=None, field=None, patches=None, points=(), size=320, title=None, under=None):
-    """Draw one mesh and leave the axes bare."""
+    """Draw one mesh and hide the axes."""
     colours = np.tile([205.0, 205.0, 212.0], (len(vertices), 1))
     if field is not None:
         low, high = np.quantile(field, [0.01, 0.99])

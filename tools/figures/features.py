@@ -1,15 +1,16 @@
-"""Figure 1: feature points under changes of the mesh, with a repeatability each."""
+"""Figure 1: feature points under changes of the mesh, with the repeatability of each."""
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from addon.core import Settings, feature_patches
 from addon.core.distance_fields import heat_geodesics
-from addon.core.mesh.connectivity import component_labels, vertex_pairs
+from addon.core.mesh.connectivity import component_labels
+from addon.core.mesh.edges import vertex_pairs
 from tools.figures.drawing import show
 from tools.figures.models import facing
 
-NEAR = 0.05  # of the geodesic diameter: within it a feature point is the same one
+NEAR = 0.05  # of the geodesic diameter: feature points at a smaller distance count as the same
 
 
 def with_noise(vertices, faces, share=0.2):
@@ -30,7 +31,7 @@ def smoothed(vertices, faces, steps=20):
 
 
 def occluded(vertices, faces, shape):
-    """Keep what a camera in front sees of the surface; the largest piece of it."""
+    """Return the largest piece of the surface that a camera in front sees."""
     turned = vertices @ facing(shape)
     normal = np.cross(*(turned[faces[:, k]] - turned[faces[:, 0]] for k in (1, 2)))
     seen = faces[normal[:, 2] > -0.3 * np.linalg.norm(normal, axis=1)]
@@ -42,7 +43,7 @@ def occluded(vertices, faces, shape):
 
 
 def repeatability(reference, faces, base, others):
-    """Share of both sets of feature points, as vertices of the reference, that have a partner in the other set."""
+    """Return the share of both sets of feature points (vertices of the reference) with a partner in the other set."""
     far = heat_geodesics(reference, faces, base)
     near = NEAR * far.max()
     to_others = far[others]  # (others, base)
@@ -51,7 +52,7 @@ def repeatability(reference, faces, base, others):
 
 
 def repeated(reference, faces, vertices, triangles, used=None):
-    """Feature points of a changed mesh, and their repeatability against the reference."""
+    """Return the feature points of a changed mesh, and their repeatability against the reference."""
     base = feature_patches(reference, faces, Settings()).feature_points
     found = feature_patches(vertices, triangles, Settings()).feature_points
     others = found if used is None else used[found]

@@ -1,6 +1,6 @@
-"""Takes the user guide's pictures in a real window: `make guide-pictures`.
+"""Takes the screenshots of the user guide in a real window: `make guide-pictures`.
 
-Run by Blender itself, as `session.py` is. Whenever the panel changes, the pictures are made anew.
+Run by Blender itself, like `session.py`. Run it again whenever the panel changes.
 """
 
 import os
@@ -48,7 +48,7 @@ def session():
 
 
 def panels_on_a_bare_figure():
-    """Feature points and distances."""
+    """Show feature points and distances."""
     from tools.sample.posed_figure import build
 
     bpy.data.batch_remove([*bpy.data.objects])
@@ -81,7 +81,7 @@ def panels_on_a_bare_figure():
 
 
 def a_clothed_character():
-    """From the armature of several objects to the form, one limb, half-way."""
+    """Show several objects with an armature, their form, one limb, and the form half-way."""
     from tools.sample.clothed_figure import build
 
     bpy.data.batch_remove([*bpy.data.objects])
@@ -97,7 +97,7 @@ def a_clothed_character():
         obj.select_set(obj == armature)
     yield from hand.over_view()
     yield 0.7
-    hand.area().spaces.active.region_3d.view_distance *= 1.25  # the form's arms reach higher
+    hand.area().spaces.active.region_3d.view_distance *= 1.25  # the arms of the form reach higher
     bpy.context.scene.canonical_form.mesh = "BASE"
     yield 0.7
     yield from hand.picture("1-tab")
@@ -143,7 +143,7 @@ def a_clothed_character():
 
 
 def another_pose():
-    """From a posed figure to a T-pose; then the weights and the rig of a base mesh, and a pose of that rig."""
+    """Show a posed figure in T-pose; then weights and rig transferred from a base mesh, and a pose of that rig."""
     from addon.core import mannequin
     from addon.core.mesh.geometry import surface_area
     from tools.sample.posed_figure import build
@@ -156,7 +156,7 @@ def another_pose():
     yield from hand.over_view()
     yield from hand.click(*hand.below_top(HEADERS["pose"], 0.3))
     yield 0.7
-    run("canonical_form_pose_like", pose="T", side=1)  # its feet alone tell front from back, and come out second
+    run("canonical_form_pose_like", pose="T", side=1)  # only its feet show the front: the correct way is second
     hand.area().spaces.active.shading.color_type = "VERTEX"
     with in_view():
         bpy.ops.view3d.view_selected()
@@ -168,7 +168,7 @@ def another_pose():
     area = sum(face.area for face in scan.data.polygons)
     size = float(np.sqrt(area / surface_area(vertices, faces)))
     base, armature = rigged(vertices, faces, size)
-    armature.location.x = 1.2 * size  # the base is its child
+    armature.location.x = 1.2 * size  # the base mesh is its child
     bpy.context.view_layer.objects.active = scan
     for obj in bpy.data.objects:
         obj.select_set(obj == scan)
@@ -196,7 +196,7 @@ def another_pose():
 
 
 def rigged(vertices, faces, size):
-    """Make a base mesh with an armature that moves it."""
+    """Create a base mesh with an armature that deforms it."""
     mesh = bpy.data.meshes.new("Base")
     mesh.from_pydata((size * vertices).tolist(), [], faces.tolist())
     base = bpy.data.objects.new("Base", mesh)
@@ -229,13 +229,13 @@ def rigged(vertices, faces, size):
 
 
 def leads(obj):
-    """Whether the slider of this object moves the others."""
+    """Return whether the slider of this object moves the other objects."""
     data = obj.data.shape_keys.animation_data
     return not any(curve.data_path == '["Pose to Form"]' for curve in data.drivers)
 
 
 def open_tab():
-    """Look from the front, slightly above, and open the tab."""
+    """Set a front view from slightly above, and open the tab."""
     with in_view():
         bpy.ops.view3d.view_axis(type="FRONT")
         bpy.ops.view3d.view_orbit(angle=-0.5, type="ORBITLEFT")
@@ -261,7 +261,7 @@ def proceed():
         print("PICTURES TAKEN in Blender", bpy.app.version_string, flush=True)
         sys.stdout.flush()
         os._exit(0)
-    except Exception:  # Blender would go on without an exit code
+    except Exception:  # Blender would exit without an error code
         traceback.print_exc()
         sys.stderr.flush()
         os._exit(1)

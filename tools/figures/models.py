@@ -1,4 +1,4 @@
-"""The models of the figures: posed meshes from a folder, or where there is none the tests' own figures."""
+"""The models of the figures: posed meshes from a folder or, without one, the figures of the tests."""
 
 from pathlib import Path
 
@@ -9,19 +9,19 @@ from tests.meshes.shapes import poses_of, unit
 
 
 def models(folder: Path | None):
-    """Give every shape's poses as ``{shape: [(pose, vertices, faces)]}``, the rest pose first, of unit area."""
+    """Return the poses of every shape as ``{shape: [(pose, vertices, faces)]}``, the rest pose first, of unit area."""
     if folder is None or not folder.is_dir():
         return own_models()
     found = {}
     for inner in sorted(path for path in folder.iterdir() if path.is_dir()):
         poses = [(pose, unit(vertices, faces), faces) for pose, vertices, faces in poses_of(inner)]
-        if poses:  # else a folder of other kinds of files
+        if poses:  # otherwise a folder of other files
             found[inner.name] = poses
     return found
 
 
 def own_models():
-    """Bent figures and arms of the tests, none of them anyone else's."""
+    """Return bent figures and arms of the tests, all from this project."""
     vertices, faces = shapes.figure(24)
     bent = [vertices + 0.2 * k * np.sin(vertices[:, 2:]) * [1.0, 0.6, 0.0] for k in range(4)]
     arms = [shapes.joint(angle) for angle in (0.0, 45.0, 90.0, 120.0)]
@@ -32,6 +32,6 @@ def own_models():
 
 
 def facing(shape):
-    """A rotation that shows the animals of the shared data from the side, which look along the third axis."""
+    """Return a rotation that shows the animals of the shared data, which face along the third axis, from the side."""
     side = np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])
     return side if shape in ("bear", "horse") else np.eye(3)

@@ -1,4 +1,4 @@
-"""Makes the README's moving picture, a posed figure that unbends into its canonical form: `make moving-picture`."""
+"""Renders the README's animation, a posed figure that unbends into its canonical form: `make moving-picture`."""
 
 import sys
 import tempfile
@@ -38,7 +38,7 @@ def main() -> None:
 
 
 def stage(body: bpy.types.Object, colours: np.ndarray, pose: np.ndarray, form: np.ndarray) -> float:
-    """Colour the figure and set up camera, light and renderer; return the size of what is shown."""
+    """Colour the figure and set up camera, light and renderer; return the size of the visible area."""
     body.modifiers.clear()
     body.data.materials.clear()
     body.data.materials.append(material(body.data, colours.astype(np.float32).ravel()))
@@ -54,7 +54,7 @@ def stage(body: bpy.types.Object, colours: np.ndarray, pose: np.ndarray, form: n
 
 
 def frame(body: bpy.types.Object, shape: np.ndarray, size: float, path: Path) -> Image.Image:
-    """Render one shape in the middle of the picture."""
+    """Render one shape in the centre of the picture."""
     centred = shape - (shape.max(axis=0) + shape.min(axis=0)) / 2 - [0.0, 0.0, 0.04 * size]
     body.data.vertices.foreach_set("co", centred.astype(np.float32).ravel())
     body.data.update()

@@ -1,4 +1,4 @@
-"""Figure 4: one model from its pose to its form, and how many distances that took."""
+"""Figure 4: one model from its pose to its form, with the number of distances used."""
 
 import numpy as np
 from matplotlib.figure import Figure

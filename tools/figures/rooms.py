@@ -1,6 +1,6 @@
 """Draws the rooms of the core for docs/architecture.md: `make rooms-picture`.
 
-Rooms stand on each other in the order of addon/core/README.md; an arrow leads from a room to one that it imports.
+Rooms are stacked in the order of addon/core/README.md; arrows lead from a room to those that it imports.
 """
 
 import ast
@@ -16,7 +16,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 CORE = ROOT / "addon" / "core"
 TARGET = ROOT / "docs" / "pictures" / "rooms.png"
-COLUMNS = {  # where a room stands from left to right; its height is its floor
+COLUMNS = {  # horizontal positions of the rooms; the vertical position is the floor
     "doors": 1.5, "methods": 1.5, "method_api": 1.5, "posing": 0.0, "embedding": 1.5, "measures": 3.0,
     "deformation": 0.0, "distances": 1.5, "detection": 3.0, "assembly": 0.0, "surface": 1.5, "patching": 3.0,
     "mesh": 1.5, "numerics": 1.5, "run": 1.5, "symmetry": 4.5, "matching": 3.0, "modelling": 4.5,
@@ -47,7 +47,7 @@ WIDE, HIGH = 1.1, 0.64
 
 
 def arrows() -> dict[str, set[str]]:
-    """Which room imports which."""
+    """Return the rooms that each room imports."""
     uses: dict[str, set[str]] = {}
     for path in CORE.rglob("*.py"):
         parts = path.relative_to(CORE).parts
@@ -58,12 +58,12 @@ def arrows() -> dict[str, set[str]]:
                 other = node.module.split(".")[0]
                 if (CORE / other).is_dir() and other != room:
                     uses.setdefault(room, set()).add(other)
-    uses["doors"].add("methods")  # by their names, through the catalogue
+    uses["doors"].add("methods")  # by name, through the catalogue
     return uses
 
 
 def floors(uses: dict[str, set[str]]) -> dict[str, int]:
-    """How high a room stands: one above the highest that it imports."""
+    """Return the floor of each room: one above the highest room that it imports."""
     known: dict[str, int] = {}
 
     def floor(room: str) -> int:
@@ -81,7 +81,7 @@ def main() -> None:
     height = floors(uses)
     figure, axes = plt.subplots(figsize=(13, 11))
     for room, others in uses.items():
-        direct = others - {far for near in others for far in reach(near, uses)}  # what follows is not drawn twice
+        direct = others - {far for near in others for far in reach(near, uses)}  # indirect imports are not drawn
         for other in sorted(direct):
             start = (COLUMNS[room], height[room] - HIGH / 2)
             axes.annotate(
@@ -103,7 +103,7 @@ def main() -> None:
 
 
 def reach(room: str, uses: dict[str, set[str]]) -> set[str]:
-    """All rooms that a room needs, directly or not."""
+    """Return all rooms that a room needs, directly or indirectly."""
     near = uses.get(room, set())
     return near | {far for other in near for far in reach(other, uses)}
 

@@ -1,7 +1,7 @@
 """Draws the figures of the paper with our own results: ``make figures [DATA=folder]``.
 
-DATA is a folder with one subfolder a shape and one .obj a pose; where it is left out, that of CANONICAL_FORM_DATA, or
-the tests' own figures.
+DATA is a folder with one subfolder per shape and one .obj per pose; if omitted, that of CANONICAL_FORM_DATA, or the
+figures of the tests.
 """
 
 import json

@@ -1,4 +1,4 @@
-"""Figure 2: a Swiss roll unrolled by classical scaling, and how fast the minimisation converges."""
+"""Figure 2: a Swiss roll unrolled by classical scaling, and the convergence of the minimisation."""
 
 import time
 from typing import Any
@@ -20,7 +20,7 @@ COLOURS = {"fast marching": "tab:orange", "heat": "tab:blue"}
 
 
 def rolled(columns=46, rows=24):
-    """A rectangle rolled up, and the rectangle."""
+    """Return a rolled-up rectangle, and the flat rectangle."""
     flat, faces = shapes.grid(columns, rows, 2.0, 1.0)
     radius = 0.12
     growth = 0.05

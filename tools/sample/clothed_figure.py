@@ -1,4 +1,4 @@
-"""Dresses the project's own figure: head, hands, shirt, trousers, shoes, hat and eyes, objects under one armature."""
+"""Dresses the sample figure: head, hands, shirt, trousers, shoes, hat and eyes as objects of one armature."""
 
 import bmesh
 import bpy
@@ -12,7 +12,7 @@ SKIN, SHIRT, TROUSERS, SHOES, HAT, EYES = (
 
 
 def build(levels=3, posed=True):
-    """Build the character in the open scene and return its armature."""
+    """Build the character in the current scene and return its armature."""
     body = skin("Body", levels)
     armature = rig(body)
     for name, colour, thickness, wanted in (
@@ -33,7 +33,7 @@ def build(levels=3, posed=True):
 
 
 def shell(body, name, colour, thickness, wanted):
-    """Add a piece of clothing: a part of the skin, drawn outwards."""
+    """Add a piece of clothing: a part of the skin, moved outwards."""
     copy = body.copy()
     copy.data, copy.name = body.data.copy(), name
     bpy.context.scene.collection.objects.link(copy)
@@ -45,7 +45,7 @@ def shell(body, name, colour, thickness, wanted):
 
 
 def eye(body, name, place):
-    """Add an eye that the head carries."""
+    """Add an eye that follows the head."""
     mesh = bpy.data.meshes.new(name)
     ball = bmesh.new()
     bmesh.ops.create_uvsphere(ball, u_segments=16, v_segments=10, radius=0.022)
@@ -63,7 +63,7 @@ def eye(body, name, place):
 
 
 def keep(obj, wanted):
-    """Delete the faces whose centre is not wanted."""
+    """Keep only the faces whose centres are wanted."""
     mesh = bmesh.new()
     mesh.from_mesh(obj.data)
     spare = [face for face in mesh.faces if not wanted(*face.calc_center_median())]
@@ -74,7 +74,7 @@ def keep(obj, wanted):
 
 
 def paint(obj, colour):
-    """Give an object a colour, in the view and as its material."""
+    """Set the colour of an object, in the viewport and as a material."""
     material = bpy.data.materials.new(obj.name)
     material.diffuse_color = colour
     obj.color = colour

@@ -10,7 +10,7 @@ CLAY = (0.55, 0.55, 0.58, 1.0)
 
 
 def render(body, path, width=1600, samples=24):
-    """Render one object with its results to a .png; the scene is changed for it, so save the .blend before."""
+    """Render one object with its results to a .png; this changes the scene, so save the .blend file first."""
     keys = body.data.shape_keys.key_blocks
     colours = body.data.color_attributes
     rest, form = coordinates(keys[0]), coordinates(keys["Canonical Form"])
@@ -58,21 +58,21 @@ def render(body, path, width=1600, samples=24):
 
 
 def coordinates(key):
-    """Positions of a shape key."""
+    """Return the positions of a shape key."""
     flat = np.empty(3 * len(key.data), dtype=np.float32)
     key.data.foreach_get("co", flat)
     return flat.reshape(-1, 3).astype(float)
 
 
 def field(attribute):
-    """Colours of an attribute."""
+    """Return the colours of an attribute."""
     flat = np.empty(4 * len(attribute.data), dtype=np.float32)
     attribute.data.foreach_get("color", flat)
     return flat
 
 
 def material(mesh, colours):
-    """Clay, or the given colours of the vertices."""
+    """Create a material: clay, or the given colours of the vertices."""
     made = bpy.data.materials.new("Shown")
     made.use_nodes = True
     shader = made.node_tree.nodes["Principled BSDF"]
@@ -89,7 +89,7 @@ def material(mesh, colours):
 
 
 def dot(place, radius):
-    """A dark ball at a feature point."""
+    """Add a dark ball at a feature point."""
     bpy.ops.mesh.primitive_uv_sphere_add(radius=radius, location=place, segments=24, ring_count=12)
     ball = bpy.context.object
     made = bpy.data.materials.new("Feature Point")
@@ -99,7 +99,7 @@ def dot(place, radius):
 
 
 def caption(text, place, height):
-    """A line of text facing the camera."""
+    """Add a line of text that faces the camera."""
     curve = bpy.data.curves.new("Caption", "FONT")
     curve.body, curve.size, curve.align_x = text, height, "CENTER"
     line = bpy.data.objects.new("Caption", curve)
@@ -112,7 +112,7 @@ def caption(text, place, height):
 
 
 def camera(size):
-    """Look along +y, without perspective, at all four places."""
+    """Add an orthographic camera along +y that shows all four positions."""
     eye = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
     eye.data.type, eye.data.ortho_scale = "ORTHO", 4.6 * size
     eye.data.clip_end = 100 * size
@@ -122,7 +122,7 @@ def camera(size):
 
 
 def light(size):
-    """A sun from above the left shoulder and a dim sky, before a white background."""
+    """Add a sun from above the left shoulder and a dim sky, with a white background."""
     sun = bpy.data.objects.new("Sun", bpy.data.lights.new("Sun", "SUN"))
     sun.data.energy, sun.data.angle = 3.0, 0.2
     sun.rotation_euler = (math.radians(50), math.radians(-30), math.radians(-25))

@@ -1,10 +1,10 @@
-"""Builds the project's own posed figure in Blender: a stick figure, skinned, subdivided, and posed by an armature."""
+"""Builds the sample figure in Blender: a stick figure, skinned, subdivided, and posed by an armature."""
 
 import math
 
 import bpy
 
-# joints of the figure at rest: place and radius of the skin there
+# joints of the figure in the rest pose: position and radius of the skin
 JOINTS = {
     "pelvis": ((0.00, 0.00, 1.00), 0.165),
     "spine": ((0.00, 0.01, 1.22), 0.150),
@@ -29,7 +29,7 @@ BONES = [
     ("pelvis", "hip"), ("hip", "knee"), ("knee", "ankle"), ("ankle", "foot"), ("foot", "toes"),
 ]  # fmt: skip
 PAIRED = {"shoulder", "elbow", "wrist", "hand", "fingers", "hip", "knee", "ankle", "foot", "toes"}
-POSE = {  # degrees about the world's axes x, y, z, by the joint at which the bone starts
+POSE = {  # degrees about the world axes x, y, z, by the joint at which the bone starts
     "elbow.L": ("wrist.L", (0, 0, -75)), "shoulder.L": ("elbow.L", (20, 65, -20)),
     "elbow.R": ("wrist.R", (-95, 0, 0)), "shoulder.R": ("elbow.R", (-55, -10, 40)),
     "hip.L": ("knee.L", (-60, -10, 0)), "knee.L": ("ankle.L", (75, 0, 0)),
@@ -39,7 +39,7 @@ POSE = {  # degrees about the world's axes x, y, z, by the joint at which the bo
 
 
 def joints():
-    """All joints, the paired ones on both sides."""
+    """Return all joints, the paired ones on both sides."""
     placed = {}
     for name, ((x, y, z), radius) in JOINTS.items():
         if name in PAIRED:
@@ -50,7 +50,7 @@ def joints():
 
 
 def bones():
-    """All bones as pairs of joints, the paired ones on both sides."""
+    """Return all bones as pairs of joints, the paired ones on both sides."""
     for tail, head in BONES:
         if head in PAIRED:
             for side in (".L", ".R"):
@@ -60,7 +60,7 @@ def bones():
 
 
 def build(name="Figure", levels=2, posed=True):
-    """Build the figure in the open scene and return its object, modifiers applied."""
+    """Build the figure in the current scene, apply its modifiers, and return its object."""
     body = skin(name, levels)
     if posed:
         armature = rig(body)
@@ -75,7 +75,7 @@ def build(name="Figure", levels=2, posed=True):
 
 
 def skin(name, levels):
-    """Grow a closed skin of quads around the sticks."""
+    """Create a closed skin of quads around the sticks."""
     placed = joints()
     order = list(placed)
     mesh = bpy.data.meshes.new(name)
@@ -94,7 +94,7 @@ def skin(name, levels):
 
 
 def rig(body):
-    """Put an armature into the body and bind it with automatic weights."""
+    """Add an armature to the body and parent the body to it with automatic weights."""
     placed = joints()
     armature = bpy.data.objects.new("Rig", bpy.data.armatures.new("Rig"))
     bpy.context.scene.collection.objects.link(armature)
@@ -115,7 +115,7 @@ def rig(body):
 
 
 def pose(armature):
-    """Turn the bones, each about the world's axes at its own joint, from the trunk outwards."""
+    """Rotate the bones, each about the world axes at its own joint, from the trunk outwards."""
     from mathutils import Euler, Matrix
 
     for bone in armature.pose.bones:  # parents come before their children
@@ -130,14 +130,14 @@ def pose(armature):
 
 
 def apply_modifiers(body):
-    """Make what the modifiers show the mesh itself."""
+    """Apply all modifiers of an object."""
     activate(body)
     for modifier in list(body.modifiers):
         bpy.ops.object.modifier_apply(modifier=modifier.name)
 
 
 def activate(obj):
-    """Select this object alone and make it active."""
+    """Select only this object and make it active."""
     for other in bpy.context.view_layer.objects:
         other.select_set(False)
     obj.select_set(True)

@@ -1,7 +1,7 @@
 """The main job on a sample: `make run`.
 
-Builds a posed figure, runs the operator on it, and leaves a .blend and a picture in `build/`, with a clothed character
-under a rig to try in a window.
+Builds a posed figure, runs the operator on it, and writes a .blend file and a picture to `build/`, and a clothed,
+rigged character to try in a window.
 """
 
 import sys

@@ -1,6 +1,6 @@
-"""Builds the site: `make site`. A folder for any web server: the documents, and a repository for Blender.
+"""Builds the site, a folder for any web server with the documents and a repository for Blender: `make site`.
 
-With ``--pages`` the repository, which needs the wheels of all platforms, is left out.
+With ``--pages`` the repository is left out, as it needs the wheels of all platforms.
 """
 
 from __future__ import annotations

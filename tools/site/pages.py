@@ -1,4 +1,4 @@
-"""The project's documents as the pages of its site: gathered, their links turned to where each page lies there."""
+"""The project's documents as the pages of its site, with links adapted to the location of each page."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _LINK = re.compile(r"(\]\()([^)#\s]*)(#[^)\s]*)?(\))")
 
 
 def page_places(root: Path) -> dict[str, str]:
-    """Find the documents of a checkout.
+    """Return the location of each document of a checkout in the site.
 
     Returns
     -------
@@ -31,7 +31,7 @@ def page_places(root: Path) -> dict[str, str]:
 
 
 def turned_links(text: str, document: str, places: dict[str, str], root: Path) -> tuple[str, dict[str, str]]:
-    """Turn the links of a document to where pages and files lie in the site.
+    """Adapt the links of a document to the locations of pages and files in the site.
 
     Parameters
     ----------
@@ -49,12 +49,12 @@ def turned_links(text: str, document: str, places: dict[str, str], root: Path) -
     text : str
         The page.
     files : dict of str to str
-        What the site has to hold beside its pages: place in the site by path in the checkout.
+        Files that the site needs besides its pages: location in the site by path in the checkout.
 
     Raises
     ------
     ValueError
-        If a link leads to nothing.
+        If a link has no target.
     """
     files: dict[str, str] = {}
     here = PurePosixPath(places[document]).parent
@@ -76,7 +76,7 @@ def turned_links(text: str, document: str, places: dict[str, str], root: Path) -
 
 
 def indented_lists(text: str) -> str:
-    """Indent what belongs to an entry of a list by four, as Python-Markdown asks, outside of blocks of code."""
+    """Indent the content of list items by four spaces, as Python-Markdown requires, except in code blocks."""
     lines, code, inside = [], False, False
     for line in text.splitlines():
         fence = line.lstrip().startswith("```")
@@ -91,24 +91,24 @@ def indented_lists(text: str) -> str:
 
 
 def gather(root: Path, target: Path) -> list[str]:
-    """Write the pages of the site, and the pictures and files they lead to, into a folder.
+    """Write the pages of the site, with linked pictures and files, to a folder.
 
     Parameters
     ----------
     root : Path
         The folder of the checkout.
     target : Path
-        The folder, made anew.
+        The folder, created anew.
 
     Returns
     -------
     list of str
-        The places of the pages.
+        The locations of the pages.
 
     Raises
     ------
     ValueError
-        If a link leads to nothing.
+        If a link has no target.
     """
     shutil.rmtree(target, ignore_errors=True)
     places = page_places(root)

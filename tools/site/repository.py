@@ -1,4 +1,4 @@
-"""A folder that Blender takes as a remote repository: the zips of the extension and their index."""
+"""A folder that Blender can use as a remote repository: the zips of the extension and their index."""
 
 from __future__ import annotations
 
@@ -12,24 +12,24 @@ from tools.package import blender_builder
 
 
 def make_repository(zips: list[Path], folder: Path) -> list[dict]:
-    """Put zips into a folder and write the index that Blender reads there, `index.json`, and a page to drag from.
+    """Copy zips to a folder, and write Blender's index, `index.json`, and a page to drag and drop the extension from.
 
     Parameters
     ----------
     zips : list of Path
-        Packed extensions: of several platforms, or several versions.
+        Zips of the extension: of several platforms, or several versions.
     folder : Path
-        The folder, made anew.
+        The folder, created anew.
 
     Returns
     -------
     list of dict
-        What the index tells of each.
+        The entry of each zip in the index.
 
     Raises
     ------
     ValueError
-        If Blender's tool cannot read them all.
+        If Blender's tool cannot read all of them.
     """
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)

@@ -1,4 +1,4 @@
-"""Whether a file can be read and a folder written to, found out before the work."""
+"""Early checks that a file can be read and a folder written to."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ..words.file_errors import reason
 
 
 def require_readable(path: Path) -> None:
-    """Check that a file is there and may be read.
+    """Require that a file exists and can be read.
 
     Parameters
     ----------
@@ -20,7 +20,7 @@ def require_readable(path: Path) -> None:
     Raises
     ------
     InvalidMeshError
-        If not.
+        If it does not exist or cannot be read.
     """
     try:
         if not path.is_file():
@@ -33,7 +33,7 @@ def require_readable(path: Path) -> None:
 
 
 def require_folder(folder: Path) -> None:
-    """Make a folder for results, and check that files can be written to it.
+    """Create a folder for results and require that files can be written to it.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ def require_folder(folder: Path) -> None:
     Raises
     ------
     CanonicalFormError
-        If it cannot be made, or nothing can be written there.
+        If it cannot be created or written to.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)

@@ -1,8 +1,8 @@
-"""Which kinds of files there are to read and write, told without Blender."""
+"""The kinds of files that can be read and written, defined without Blender."""
 
 from __future__ import annotations
 
-IMPORTERS = {  # operators of Blender by kind, the first that it has is taken
+IMPORTERS = {  # Blender's operators by file kind; the first that exists is used
     ".obj": ("wm.obj_import",),
     ".ply": ("wm.ply_import",),
     ".stl": ("wm.stl_import",),
@@ -18,4 +18,4 @@ IMPORTERS = {  # operators of Blender by kind, the first that it has is taken
 READ = (".blend", ".off", *IMPORTERS)
 EXPORTERS = {"glb": "export_scene.gltf", "fbx": "export_scene.fbx", "usdc": "wm.usd_export"}
 WRITTEN = ("blend", "obj", "ply", *EXPORTERS)
-PLAIN = (".off", ".obj", ".ply")  # read and written without Blender, positions and polygons alone
+PLAIN = (".off", ".obj", ".ply")  # read and written without Blender, with positions and polygons only

@@ -31,7 +31,7 @@ def read_off(path: Path) -> tuple[FloatArray, list[list[int]]]:
     Raises
     ------
     InvalidMeshError
-        If the file is not in that format; the message names the fault.
+        If the file is not in that format; the message describes the error.
     """
     lines = [line.split("#", 1)[0].split() for line in path.read_text(encoding="utf-8", errors="replace").splitlines()]
     lines = [words for words in lines if words]

@@ -1,4 +1,4 @@
-"""What a file names outside its own folder: a stranger's could carry such files away in the results."""
+"""References in a file to files outside its folder: results of an untrusted file must not contain them."""
 
 from __future__ import annotations
 
@@ -13,21 +13,21 @@ import bpy
 
 from ...core import InvalidMeshError
 
-_GLB_MAGIC, _GLB_HEAD = b"glTF", 20  # bytes before the description: of the file and of its first chunk
+_GLB_MAGIC, _GLB_HEAD = b"glTF", 20  # bytes before the JSON: the headers of the file and of its first chunk
 
 
 def require_own_buffers(path: Path) -> None:
-    """Refuse a glTF file that takes the arrays of its meshes from outside its folder: any file may be read as numbers.
+    """Reject a glTF file with mesh buffers outside its folder, as any file can be read as numbers.
 
     Parameters
     ----------
     path : Path
-        A .gltf or .glb file. A damaged one is left to Blender's reader.
+        A .gltf or .glb file. A damaged file is left to Blender's importer.
 
     Raises
     ------
     InvalidMeshError
-        If it names such a buffer.
+        If it refers to such a buffer.
     """
     try:
         described = _description(path)
@@ -48,17 +48,17 @@ def require_own_buffers(path: Path) -> None:
 
 
 def is_below(path: Path, folder: Path) -> bool:
-    """Tell whether a file lies in a folder or below it, wherever links lead.
+    """Return whether a path is a folder or lies in it at any depth, with links resolved.
 
     Parameters
     ----------
     path, folder : Path
-        The file and the folder, there or not.
+        The path and the folder; neither needs to exist.
 
     Returns
     -------
     bool
-        Whether it does.
+        True if it does.
 
     Examples
     --------
@@ -67,25 +67,25 @@ def is_below(path: Path, folder: Path) -> bool:
     """
     try:
         return path.resolve().is_relative_to(folder.resolve())
-    except (OSError, RuntimeError, ValueError):  # no path at all, or links in a circle
+    except (OSError, RuntimeError, ValueError):  # not a valid path, or circular links
         return False
 
 
 @contextmanager
 def without_foreign_pictures(objects: Sequence[bpy.types.Object], folder: Path | None) -> Iterator[list[str]]:
-    """Take the pictures from outside a folder out of the materials of objects for a while.
+    """Temporarily remove images outside a folder from the materials of objects.
 
     Parameters
     ----------
     objects : sequence of bpy.types.Object
         The objects.
     folder : Path or None
-        The folder; None where every picture may stay.
+        The folder; None to keep every image.
 
     Yields
     ------
     list of str
-        Names of the pictures that are out.
+        Names of the removed images.
     """
     materials = [slot.material for obj in objects for slot in obj.material_slots if slot.material is not None]
     taken = [
@@ -103,7 +103,7 @@ def without_foreign_pictures(objects: Sequence[bpy.types.Object], folder: Path |
 
 
 def _description(path: Path) -> Any:
-    """Read the JSON of a .gltf, or that at the head of a .glb."""
+    """Read the JSON of a .gltf file, or that at the start of a .glb file."""
     with path.open("rb") as file:
         head = file.read(_GLB_HEAD)
         if head[:4] == _GLB_MAGIC:
@@ -112,14 +112,14 @@ def _description(path: Path) -> Any:
 
 
 def _is_foreign(image: bpy.types.Image, folder: Path) -> bool:
-    """Return whether a picture is read from a file that lies outside a folder."""
+    """Return whether an image is loaded from a file outside a folder."""
     if image.packed_file is not None or not image.filepath:
         return False
     return not is_below(Path(bpy.path.abspath(image.filepath, library=image.library)), folder)
 
 
 def _nodes(trees: list[bpy.types.NodeTree | None]) -> Iterator[bpy.types.Node]:
-    """List the nodes of node trees and of the groups within, each tree once."""
+    """Iterate over the nodes of node trees and their nested groups, each tree once."""
     seen = set()
     while trees:
         tree = trees.pop()

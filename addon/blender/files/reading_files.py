@@ -1,4 +1,4 @@
-"""Opens mesh files in Blender, of every kind that it reads."""
+"""Opens mesh files in Blender, of every kind that it imports."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from .off_format import read_off
 from .outside_references import require_own_buffers
 
 _BONE_SHAPES = "glTF_not_exported"  # collection in which the .glb importer puts the custom shapes of bones
-_KINDS = [  # collections of bpy.data that a file may fill
+_KINDS = [  # collections of bpy.data that an imported file may fill
     "actions",
     "armatures",
     "cache_files",
@@ -56,19 +56,19 @@ _KINDS = [  # collections of bpy.data that a file may fill
 def open_meshes(
     path: Path, names: Sequence[str] = (), *, shared: bool = True, trusted: bool = False
 ) -> list[bpy.types.Object]:
-    """Open a file in place of the current one and list its mesh objects.
+    """Open a file in place of the current one and return its mesh objects.
 
     Parameters
     ----------
     path : Path
         A file of a kind in `kinds_of_files.READ`.
     names : sequence of str
-        Names of the objects wanted; all where there are none.
+        Names of the required objects; empty for all.
     shared : bool
-        Whether objects that share a mesh count as one: the first of them is listed.
+        Whether to return only the first of several objects that share a mesh.
     trusted : bool
-        Whether the file is one's own: scripts and Python drivers in a .blend run, which could do anything, and what it
-        names outside its folder may come into the results.
+        Whether to trust the file: scripts and Python drivers of a trusted .blend file run, and files outside its folder
+        that it refers to may be included in the results.
 
     Returns
     -------
@@ -78,7 +78,7 @@ def open_meshes(
     Raises
     ------
     InvalidMeshError
-        If the file does not exist, is of a kind that this Blender does not read, cannot be read or holds no mesh.
+        If the file does not exist, is of a kind that this Blender does not import, cannot be read or has no mesh.
     """
     require_readable(path)
     if path.suffix.lower() not in READ:
@@ -88,7 +88,7 @@ def open_meshes(
             if path.suffix.lower() == ".blend":
                 bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False, use_scripts=trusted)
                 if not trusted:
-                    bpy.data.use_autopack = False  # saving would take in every file that it names
+                    bpy.data.use_autopack = False  # saving would pack every file that it refers to
             else:
                 if not trusted and path.suffix.lower() in (".glb", ".gltf"):
                     require_own_buffers(path)
@@ -112,7 +112,7 @@ def open_meshes(
 
 
 def scripts_left_off(path: Path) -> bool:
-    """Tell whether the open file has scripts or drivers that would have run in a trusted one.
+    """Return whether Blender blocked scripts or drivers of the open file because it is not trusted.
 
     Parameters
     ----------
@@ -122,13 +122,13 @@ def scripts_left_off(path: Path) -> bool:
     Returns
     -------
     bool
-        Whether Blender left something off.
+        True if Blender blocked any.
     """
-    return path.suffix.lower() == ".blend" and bool(bpy.app.autoexec_fail)  # of others it tells what the last had
+    return path.suffix.lower() == ".blend" and bool(bpy.app.autoexec_fail)  # other kinds keep the last value
 
 
 def last_line(error: Exception) -> str:
-    r"""Find the sentence in an error of Blender's: of a traceback it is the last line.
+    r"""Return the last line of a Blender error, which is the actual message when the error contains a traceback.
 
     Parameters
     ----------
@@ -138,7 +138,7 @@ def last_line(error: Exception) -> str:
     Returns
     -------
     str
-        The sentence.
+        The message.
 
     Examples
     --------
@@ -153,12 +153,12 @@ def last_line(error: Exception) -> str:
 
 @contextmanager
 def quiet() -> Iterator[None]:
-    """Discard what Blender prints as it reads or writes a file: it raises errors too.
+    """Discard what Blender prints while it reads or writes a file; it raises its errors as well.
 
     Yields
     ------
     None
-        Meanwhile standard output and standard error lead nowhere.
+        Standard output and standard error are discarded until the end of the block.
     """
     sys.stderr.flush()
     terminals = {number: os.dup(number) for number in (1, 2)}
@@ -176,7 +176,7 @@ def quiet() -> Iterator[None]:
 
 
 def _flush() -> None:
-    """Flush what Blender has printed so far through the C library, where it can be reached."""
+    """Flush the output that Blender has printed through the C library, where the library can be reached."""
     if sys.platform != "win32":
         import ctypes
 
@@ -196,7 +196,7 @@ def _empty() -> None:
 
 
 def _weld(mesh: bpy.types.Mesh) -> None:
-    """Merge vertices at identical positions: glTF stores a copy for every normal and texture coordinate."""
+    """Merge vertices at identical positions: glTF stores a copy for every normal and UV coordinate."""
     import bmesh
 
     edited = bmesh.new()
@@ -209,17 +209,17 @@ def _weld(mesh: bpy.types.Mesh) -> None:
 
 
 def importer(kind: str) -> Callable[..., set[str]] | None:
-    """Find the operator by which this Blender reads a kind of file.
+    """Return the operator with which this Blender imports a kind of file.
 
     Parameters
     ----------
     kind : str
-        A suffix, with its dot, in small letters.
+        A file name extension in lower case, with its dot.
 
     Returns
     -------
     callable or None
-        The operator; None where this Blender was built without it or its add-on is disabled.
+        The operator; None if this Blender was built without it or its add-on is disabled.
     """
     for name in IMPORTERS[kind]:
         group, operator = name.split(".")
@@ -229,7 +229,7 @@ def importer(kind: str) -> Callable[..., set[str]] | None:
 
 
 def _import(path: Path) -> None:
-    """Import a file into the empty one that is open."""
+    """Import a file into the open, empty file."""
     kind = path.suffix.lower()
     if kind == ".off":
         vertices, polygons = read_off(path)

@@ -1,4 +1,4 @@
-"""Writes a file so that it is never there in part."""
+"""Writes a file so that no partial file is ever visible under its name."""
 
 from __future__ import annotations
 
@@ -8,20 +8,20 @@ from pathlib import Path
 
 
 def replaced(path: Path, write: Callable[[Path], object], mark: str = "") -> None:
-    """Write a file beside its destination and rename it when it is complete.
+    """Write a temporary file next to the destination and rename it when it is complete.
 
     Parameters
     ----------
     path : Path
         The destination.
     write : callable
-        Writes the file that it is given.
+        Writes to the path that it is given.
     mark : str
-        Tells unfinished files of one run from those of others; the number of the process when left out.
+        Distinguishes the temporary files of different runs; defaults to the process ID.
     """
     partial = path.with_name(f".{path.stem}.{mark or os.getpid()}.partial{path.suffix}")
     try:
-        partial.unlink(missing_ok=True)  # a link that lies there would be followed
+        partial.unlink(missing_ok=True)  # writing would follow a link at this path
         write(partial)
         partial.replace(path)
     finally:

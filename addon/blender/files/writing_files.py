@@ -19,8 +19,8 @@ from .reading_files import last_line, quiet
 from .replacing_files import replaced
 
 _USD_MAGIC, _ZSTD_MAGIC, _ZSTD_END = b"PXR-USDC", b"\x28\xb5\x2f\xfd", b"\xb1\xea\x92\x8f"
-_PICTURES_STAY = {"export_textures_mode": "KEEP", "export_textures": False}  # copies of like names would collide
-_TOLD: dict[str, dict[str, Any]] = {  # to the exporters: only what is selected is written, and no animation
+_PICTURES_STAY = {"export_textures_mode": "KEEP", "export_textures": False}  # copies with the same name would collide
+_TOLD: dict[str, dict[str, Any]] = {  # options of the exporters: write only the selection, without animation
     "glb": {
         "use_selection": True,
         "export_format": "GLB",
@@ -34,14 +34,14 @@ _OWN_MTL = "# By Canonical Form"  # first line of a .mtl that a later run may re
 
 
 class Shown(NamedTuple):
-    """A form on its object, as it is written to a file.
+    """An object with its form, to be written to a file.
 
     Attributes
     ----------
     obj : bpy.types.Object
         The object whose polygons, UV maps and materials are written.
     form : (n, 3) ndarray of float
-        Positions of the vertices of its mesh, in its own space.
+        Positions of the vertices of its mesh, in local space.
     patches : (n,) ndarray of int
         Patch of each vertex; -1 for none.
     colours : (n, 4) ndarray of float
@@ -76,9 +76,9 @@ def save_blend(path: Path, mark: str = "") -> None:
 def save_forms(path: Path, shown: Sequence[Shown], mark: str = "", *, pictures: Path | None = None) -> list[str]:
     """Write forms with the polygons, UV maps and materials of their meshes.
 
-    .obj and .ply hold one form, in its own space and in the vertex order of the mesh; .obj has the patches as groups
-    and keeps n-gons, .ply has them as colours and no UV map. The others are written by Blender, in the space of the
-    scene, with the patches as colours.
+    .obj and .ply files hold one form, in local space and in the vertex order of the mesh; .obj stores the patches as
+    groups and keeps n-gons, .ply stores them as colours and has no UV map. Blender writes the other kinds, in world
+    space, with the patches as colours.
 
     Parameters
     ----------
@@ -90,17 +90,17 @@ def save_forms(path: Path, shown: Sequence[Shown], mark: str = "", *, pictures: 
     mark : str
         As in `replaced`.
     pictures : Path, optional
-        Folder of which pictures may come into a .glb; all may where it is left out.
+        Folder from which images may be included in a .glb file; all images if omitted.
 
     Returns
     -------
     list of str
-        Names of the pictures that are left out.
+        Names of the images that were left out.
 
     Raises
     ------
     InvalidMeshError
-        If the kind cannot hold the mesh, or this Blender does not write it.
+        If the kind cannot store the mesh, or this Blender does not export it.
     """
     kind = path.suffix[1:]
     if kind in EXPORTERS:
@@ -119,7 +119,7 @@ def save_forms(path: Path, shown: Sequence[Shown], mark: str = "", *, pictures: 
 
 
 def _free_mtl(path: Path) -> Path:
-    """Name the materials of an .obj: never those that lie there and are not ours, which may be those that were read."""
+    """Choose a name for the .mtl file that overwrites none but our own: an existing one may belong to the input."""
     number, found = 1, path.with_suffix(".mtl")
     while found.exists() and not _starts_with(found, _OWN_MTL):
         number += 1
@@ -128,7 +128,7 @@ def _free_mtl(path: Path) -> Path:
 
 
 def _starts_with(path: Path, text: str) -> bool:
-    """Return whether a file begins with a text."""
+    """Return whether a file starts with a text."""
     if not path.is_file():
         return False
     with path.open("rb") as file:
@@ -136,12 +136,12 @@ def _starts_with(path: Path, text: str) -> bool:
 
 
 def _write(path: Path, text: str) -> None:
-    """Write a text the same on every system."""
+    """Write a text file that is identical on every system."""
     path.write_text(text, encoding="utf-8", newline="\n")
 
 
 def _export(path: Path, kind: str, shown: Sequence[Shown]) -> None:
-    """Have Blender write copies of the objects in the shape of their forms."""
+    """Export copies of the objects, shaped as their forms, with Blender's exporter."""
     group, operator = EXPORTERS[kind].split(".")
     if operator not in dir(getattr(bpy.ops, group)):
         raise InvalidMeshError(f"This Blender ({bpy.app.version_string}) does not write .{kind}. Choose another kind.")
@@ -162,13 +162,13 @@ def _export(path: Path, kind: str, shown: Sequence[Shown]) -> None:
 
 
 def _require_whole(path: Path) -> None:
-    """Refuse a file that is cut short: on a full disk Blender writes .blend and .usdc in part and says nothing."""
+    """Reject a truncated file: on a full disk Blender writes partial .blend and .usdc files without an error."""
     whole = path.is_file() and path.stat().st_size > 0
     if whole and path.suffix in (".blend", ".usdc"):
         with path.open("rb") as file:
             head = file.read(24)
             size = file.seek(0, os.SEEK_END)
-            if head[:8] == _USD_MAGIC:  # then the place of its table of contents, which is at the end
+            if head[:8] == _USD_MAGIC:  # then the offset of the table of contents, which is at the end
                 whole = int.from_bytes(head[16:24], "little") < size
             elif head[:4] == _ZSTD_MAGIC:  # the compressed file ends with a table of its frames
                 file.seek(max(size - 4, 0))
@@ -178,7 +178,7 @@ def _require_whole(path: Path) -> None:
 
 
 def _copy(shown: Shown) -> bpy.types.Object:
-    """Add a selected copy of an object in the shape of its form, without modifiers, keys, parent and animation."""
+    """Add a selected copy of an object, shaped as its form, without modifiers, shape keys, parent and animation."""
     mesh = shown.obj.data.copy()
     copy = bpy.data.objects.new(shown.obj.name, mesh)
     bpy.context.scene.collection.objects.link(copy)
@@ -228,7 +228,7 @@ def _as_obj(shown: Shown, beside: str) -> str:
 
 
 def _as_mtl(material: bpy.types.Material) -> list[str]:
-    """Write the name, the colour and the first image of a material as .mtl does."""
+    """Return the .mtl lines for a material: its name, colour and first image."""
     red, green, blue, alpha = material.diffuse_color
     lines = [f"newmtl {_word(material.name)}", f"Kd {red:.6g} {green:.6g} {blue:.6g}", f"d {alpha:.6g}"]
     nodes = material.node_tree.nodes if material.node_tree is not None else ()
@@ -239,7 +239,7 @@ def _as_mtl(material: bpy.types.Material) -> list[str]:
 
 
 def _word(name: str) -> str:
-    """Make one word of a name: .obj ends names at spaces."""
+    """Replace spaces in a name, as they end a name in .obj."""
     return "_".join(name.split()) or "_"
 
 

@@ -26,16 +26,16 @@ if TYPE_CHECKING:
     from ...core.numerics.arrays import FloatArray
     from ...core.run.monitor import Cancelled, Progress
 
-WEIGHTS = "{} Weights"  # the vertex group; Blender shows a group in place of colours of the same name
+WEIGHTS = "{} Weights"  # the vertex group; Blender shows a group instead of colours of the same name
 
 
 class DistanceTask:
-    """A distance field from the selected vertices of an object, over all objects that are one body with it.
+    """A distance field from the selected vertices of an object, over all objects of its body.
 
     Parameters
     ----------
     objects : sequence of bpy.types.Object
-        Objects accepted by `refusal`: the one with the selection first, then those that may be one body with it.
+        Objects accepted by `refusal`: the one with the selection first, then those that may belong to its body.
     kind : str
         One of `addon.core.distances.kinds.KINDS`.
     isolines : int
@@ -73,7 +73,7 @@ class DistanceTask:
         self.warnings: list[str] = []
 
     def compute(self, progress: Progress | None = None, cancelled: Cancelled | None = None) -> None:
-        """Compute the field; touches no data of Blender's.
+        """Compute the field; does not access Blender's data.
 
         Parameters
         ----------
@@ -109,7 +109,7 @@ class DistanceTask:
         return int(np.count_nonzero(~np.isfinite(self._field)))
 
     def write(self) -> str:
-        """Write the field, in place of an earlier one of the same kind, on the main thread.
+        """Write the field, replacing an earlier one of the same kind, in the main thread.
 
         Returns
         -------
@@ -119,7 +119,7 @@ class DistanceTask:
         Raises
         ------
         CanonicalFormError
-            If an object is gone or was changed; the message says why.
+            If an object was removed or changed; the message says why.
         """
         assert self._whole is not None
         objects = [find_object(reading) for reading in self._readings]
@@ -137,7 +137,7 @@ class DistanceTask:
 
 
 def _weights(field: FloatArray) -> FloatArray:
-    """Scale a field to weights from 0 to 1; nan where it is infinite."""
+    """Scale a field to weights from 0 to 1; NaN where it is infinite."""
     reached = np.isfinite(field)
     largest = float(field[reached].max())
     return np.where(reached, field, np.nan) / (largest if largest > 0 else 1.0)
@@ -154,7 +154,7 @@ def _write_field(obj: bpy.types.Object, name: str, field_colours: FloatArray, we
 
 
 def _write_colours(obj: bpy.types.Object, name: str, colours: FloatArray, earlier: WrittenField) -> tuple[str, str]:
-    """Write colours, in place of unchanged earlier ones; return the attribute's name and fingerprint."""
+    """Write colours, replacing unchanged earlier ones; return the attribute's name and fingerprint."""
     layers = obj.data.color_attributes
     attribute = layers.get(earlier.colours)
     if attribute is None or earlier.colours_fingerprint != colour_fingerprint(attribute):
@@ -166,7 +166,7 @@ def _write_colours(obj: bpy.types.Object, name: str, colours: FloatArray, earlie
 
 
 def _write_weights(obj: bpy.types.Object, name: str, weights: FloatArray, earlier: WrittenField) -> tuple[str, str]:
-    """Write weights from 0 to 1, in place of unchanged earlier ones; return the group's name and fingerprint."""
+    """Write weights from 0 to 1, replacing unchanged earlier ones; return the group's name and fingerprint."""
     known = group_fingerprints(obj, [earlier.weights]).get(earlier.weights)
     if known is not None and known == earlier.weights_fingerprint:
         group = obj.vertex_groups[earlier.weights]

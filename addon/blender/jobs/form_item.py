@@ -1,4 +1,4 @@
-"""The form of one object, or of several that are one body: read, computed apart from Blender, written."""
+"""The form of one object, or of several that are one body: read, computed without Blender, written."""
 
 from __future__ import annotations
 
@@ -50,17 +50,17 @@ class FormItem:
     settings : Settings
         Options of the method.
     in_between_count : int
-        Number of keys between pose and form, of an earlier run, that are computed again.
+        Number of keys between pose and form, from an earlier run, to be computed again.
     leads : bool
-        Whether the slider of the object is animated, or moves the forms of others: it goes on to.
+        Whether the slider of the object is animated or moves the forms of other objects, and must be kept.
     results : list of FormResult
-        What was computed for each object; empty before the computation and where it failed.
+        The result for each object; empty before the computation and after an error.
     written_to : list of str
-        Names of the objects that show the results; empty where nothing was written.
+        Names of the objects that show the results; empty if nothing was written.
     error : str or None
         Why there is no result, or why it could not be written.
     whole_form : CanonicalForm or None
-        The form of all objects together, turned as they stand in the scene: what others can be laid onto.
+        The form of all objects, oriented as in the scene, as a reference for other forms.
     """
 
     readings: list[Reading]
@@ -82,7 +82,7 @@ class FormItem:
         obj : bpy.types.Object
             The object, in Object Mode.
         request : Request
-            What is to be computed.
+            What to compute.
 
         Returns
         -------
@@ -92,7 +92,7 @@ class FormItem:
         Raises
         ------
         CanonicalFormError
-            If the request does not suit the object; the message names the remedy.
+            If the request cannot be applied to the object; the message names the remedy.
         """
         settings, in_betweens = request.settings_for(obj), request.in_between_count(obj)
         chosen = [] if settings.feature_points is None else list(settings.feature_points)
@@ -102,15 +102,15 @@ class FormItem:
 
     @classmethod
     def joined(cls, items: Sequence[FormItem], request: Request) -> FormItem:
-        """Make one body of several items.
+        """Combine several items into one body.
 
         Parameters
         ----------
         items : sequence of FormItem
             The items, at least one.
         request : Request
-            What is to be computed: feature points are those of the vertex group of every object, or vertices of the
-            first.
+            What to compute. Feature points are the members of the vertex group of every object, or vertices of the
+            first object.
 
         Returns
         -------
@@ -125,23 +125,23 @@ class FormItem:
 
     @property
     def name(self) -> str:
-        """Name of the object, or of the first and how many more there are."""
+        """Name of the object, or of the first object and the number of others."""
         more = len(self.readings) - 1
         return told("{name} and {more} more", name=self.readings[0].name, more=more) if more else self.readings[0].name
 
     @property
     def _body(self) -> str:
-        """Fingerprint of the objects together."""
+        """Combined fingerprint of the objects."""
         parts = str([(each.name, each.fingerprint) for each in self.readings])
         return fingerprint(np.frombuffer(parts.encode(), dtype=np.uint8))
 
     def compute(self, request: Request, progress: Progress | None = None, cancelled: Cancelled | None = None) -> None:
-        """Compute the results; touches no data of Blender's.
+        """Compute the results; does not access Blender's data.
 
         Parameters
         ----------
         request : Request
-            What is to be computed.
+            What to compute.
         progress, cancelled : callable, optional
             As in `canonical_form`.
 
@@ -174,12 +174,12 @@ class FormItem:
             ) from error
 
     def require_unchanged(self) -> None:
-        """Refuse to write to objects that have changed since they were read.
+        """Require that the objects have not changed since they were read.
 
         Raises
         ------
         CanonicalFormError
-            If one is gone, was changed, or cannot be written to; the message says which and why.
+            If an object was removed or changed, or cannot be written to; the message says which and why.
         """
         for reading in self.readings:
             obj = find_object(reading)
@@ -187,14 +187,14 @@ class FormItem:
                 require_unchanged(obj, reading)
 
     def write(self, request: Request, taken: Collection[str]) -> None:
-        """Write the results, on the main thread; the reports get the warnings about the objects.
+        """Write the results, in the main thread, and add the warnings about the objects to the reports.
 
         Parameters
         ----------
         request : Request
             Where the results go.
         taken : collection of str
-            Names of all objects of the task: others of an earlier body do not follow it any more.
+            Names of all objects of the task; other objects of an earlier body no longer follow this one.
 
         Raises
         ------
@@ -217,7 +217,7 @@ class FormItem:
 
     def _write_to(self, objects: list[bpy.types.Object], former: list[bpy.types.Object], request: Request) -> None:
         """Write the results; the objects are in Object Mode."""
-        warnings = self.results[0].report.warnings  # those of all
+        warnings = self.results[0].report.warnings  # shared by all
         new = request.new_object
         resized = [
             obj.name
@@ -296,13 +296,13 @@ class FormItem:
         progress: Progress | None,
         cancelled: Cancelled | None,
     ) -> CanonicalForm:
-        """Compute the form; where it is not to lie as posed, as the objects stand in the scene."""
+        """Compute the form; unless it is to lie as posed, compute it as the objects are placed in the scene."""
         from ...core import canonical_form
 
         alone = len(self.readings) == 1
         turn = world_rotation(self.readings[0].placement) if alone else np.eye(3)
         how: dict[str, Any] = {"progress": progress, "cancelled": cancelled}
-        if request.keep is not None and not settings.whole:  # all pairs would be gigabytes
+        if request.keep is not None and not settings.whole:  # keeping all pairs would take gigabytes
             how["keep"] = request.keep.part(names_of(self.readings))
         if settings.orientation == "posed" and request.reference is None:
             found = canonical_form(whole.vertices, whole.faces, settings, **how)
@@ -330,7 +330,7 @@ class FormItem:
         progress: Progress | None,
         cancelled: Cancelled | None,
     ) -> tuple[Shaped, Carried]:
-        """Put the objects into another's pose, turned as that stands in the scene."""
+        """Put the objects into the pose of another, oriented as that object is in the scene."""
         self._require_no_mirror(
             told(
                 "{name} has a Mirror modifier, and what is posed has to stay on the mirror. Set Mesh to As Shown, or "
@@ -344,14 +344,14 @@ class FormItem:
         return replace(found, vertices=found.vertices @ turn), carried
 
     def _require_no_mirror(self, reason: str) -> None:
-        """Refuse base meshes of which a modifier shows the mirror image."""
+        """Reject base meshes that have a mirror image shown by a modifier."""
         if any(reading.mirrors for reading in self.readings):
             raise CanonicalFormError(reason)
 
     def _shapes_between(
         self, whole: Combined, found: AnyResult, keep: KeptStages | None, cancelled: Cancelled | None
     ) -> list[FloatArray]:
-        """Compute the shapes between pose and form; their warnings join those of the form."""
+        """Compute the shapes between pose and form; their warnings are added to those of the form."""
         if not self.in_between_count:
             return []
         from ...core.limbs import limb_shapes
@@ -374,6 +374,6 @@ class FormItem:
 def _before_modifiers(
     obj: bpy.types.Object, found: AnyResult, shapes: list[FloatArray]
 ) -> tuple[AnyResult, list[FloatArray]]:
-    """Find the form and the shapes between that the modifiers show as computed."""
+    """Return the form and in-between shapes from which the modifiers produce the computed shapes."""
     form, *between = positions_before(obj, [found.vertices, *shapes])  # type: ignore[union-attr]
     return replace(found, vertices=form), between  # type: ignore[arg-type, call-arg]

@@ -1,4 +1,4 @@
-"""What a run computes for each object of a body: its part of the form, its report, its colours."""
+"""Results for each object of a body: its part of the form, its report, its colours."""
 
 from __future__ import annotations
 
@@ -21,25 +21,25 @@ if TYPE_CHECKING:
     from ...core.numerics.arrays import FloatArray, IntArray
     from ...core.results import AnyResult
 
-_ASYMMETRIC = 0.02  # units of sqrt(area): halves farther apart deserve a warning
+_ASYMMETRIC = 0.02  # units of sqrt(area): a larger distance between the halves causes a warning
 
 
 class FormResult(NamedTuple):
-    """What was computed for one object.
+    """Result for one object.
 
     Attributes
     ----------
     found : CanonicalForm, PosedLike or FeaturePatches
-        The form, the other pose, or the patches where the request stops there, in the object's own space; feature
-        points on another object of the body are -1.
+        The form, the pose of another object, or the patches if the request stops there, in the object's local space;
+        feature points on another object of the body are -1.
     report : FormReport
         The report; writing the result adds warnings about the object.
     colours : Colours
         Colours of the fields and patches.
     shapes : list of (n, 3) ndarray of float
-        Shapes between pose and form, for the keys of an earlier run that are computed again.
+        Shapes between pose and form, for keys of an earlier run that are computed again.
     carried : Carried or None
-        What shows the match with whose pose it was put into.
+        Values that show the match with the object that provides the pose.
     """
 
     found: AnyResult
@@ -57,22 +57,22 @@ def results_of(
     request: Request,
     carried: Carried | None = None,
 ) -> list[FormResult]:
-    """Split what was computed for a body by object.
+    """Split the results for a body by object.
 
     Parameters
     ----------
     readings : sequence of Reading
         The objects.
     whole : Combined
-        The same as one mesh.
+        The same objects as one mesh.
     found : CanonicalForm, PosedLike or FeaturePatches
-        What was found on it.
+        The results for that mesh.
     shapes : sequence of (n, 3) ndarray of float
         Shapes between its pose and form.
     request : Request
         What was to be computed.
     carried : Carried, optional
-        What shows its match with whose pose it was put into.
+        Values that show the match with the object that provides the pose.
 
     Returns
     -------
@@ -113,7 +113,7 @@ def results_of(
 
 
 def _folded(found: AnyResult, whole: Combined) -> AnyResult:
-    """Give the patch of a feature point on an image to that of what it is an image of."""
+    """Merge the patch of a feature point on a mirror image into the patch of the original."""
     sources = np.concatenate([start + each.source for start, each in zip(whole.starts, whole.objects, strict=False)])
     points, patches = sources[found.feature_points], found.patches
     own = points == found.feature_points
@@ -139,7 +139,7 @@ def _split(found: AnyResult, readings: Sequence[Reading], whole: Combined) -> Se
 
 
 def _report(whole: Combined, found: AnyResult, request: Request) -> FormReport:
-    """Report on a whole body."""
+    """Create the report for a whole body."""
     from ...core import CanonicalForm, FeaturePatches
     from ...core.measures.form_measures import summary
 

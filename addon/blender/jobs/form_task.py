@@ -1,4 +1,4 @@
-"""The main job: objects in, forms computed apart from Blender, results out; every object keeps its mode."""
+"""The main job: reads objects, computes forms without Blender, writes results; every object keeps its mode."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ class FormTask:
     """The forms of some objects.
 
     The constructor reads the objects, `compute` may run in any thread, and `write` writes the results. Nothing is
-    written before everything is computed, so an error or a cancellation leaves the meshes as they were.
+    written until everything is computed, so an error or a cancellation leaves the meshes unchanged.
 
     Parameters
     ----------
     objects : sequence of bpy.types.Object
-        Objects accepted by `refusal`, the active one first; of those that share a mesh the first is taken.
+        Objects accepted by `refusal`, the active one first; of objects that share a mesh, the first is used.
     request : Request
-        What is to be computed.
+        What to compute.
 
     Attributes
     ----------
@@ -42,19 +42,19 @@ class FormTask:
     Raises
     ------
     CanonicalFormError
-        If an object cannot leave its mode, or the request does not suit the only object.
+        If an object cannot leave its mode, or the request cannot be applied to the only object.
     """
 
     def __init__(self, objects: Sequence[bpy.types.Object], request: Request) -> None:
         self.request = request
         self.items: list[FormItem] = []
         self._unread: list[str] = []
-        # where a mesh does not hold the results of the objects that share it, each has its own
+        # objects that share a mesh have separate results unless the mesh holds them
         separate = request.new_object or request.deformed
         first = {obj if separate else obj.data: obj for obj in reversed(objects)}
         taken = list(reversed(first.values()))
         together = request.objects != "EACH"
-        meshes: dict[bpy.types.Mesh, str] = {}  # that hold a result, and of which object
+        meshes: dict[bpy.types.Mesh, str] = {}  # meshes that hold a result, and its object
         with object_mode(objects[0]), muted_results(obj.data for obj in taken if request.deformed):
             for obj in taken:
                 try:
@@ -79,12 +79,12 @@ class FormTask:
 
     @property
     def taken(self) -> set[str]:
-        """Names of the objects that were read; a result on another one is on a new object."""
+        """Names of the objects that were read; any other object with a result is new."""
         return {reading.name for item in self.items for reading in item.readings}
 
     @property
     def errors(self) -> list[str]:
-        """Sentences about the objects that could not be read, computed or written."""
+        """Messages about the objects that could not be read, computed or written."""
         return [*self._unread, *(item.error for item in self.items if item.error is not None)]
 
     @property
@@ -97,7 +97,7 @@ class FormTask:
         }
 
     def compute(self, progress: Progress | None = None, cancelled: Cancelled | None = None) -> None:
-        """Compute all results; touches no data of Blender's.
+        """Compute all results; does not access Blender's data.
 
         Parameters
         ----------
@@ -120,7 +120,7 @@ class FormTask:
                 item.error = f"{item.name}: {explained(error)}"
 
     def write(self) -> list[str]:
-        """Write the results, on the main thread.
+        """Write the results, in the main thread.
 
         Returns
         -------
@@ -142,7 +142,7 @@ class FormTask:
         return list(self.written)
 
     def _join(self, cancelled: Cancelled | None) -> None:
-        """Make one item of the objects that are one body; those that cannot be used stay by themselves."""
+        """Join the items of each body into one; unusable items stay separate."""
         if self.request.objects == "EACH" or len(self.items) < 2:
             return
         broken = [item for item in self.items if not _is_usable(item)]
@@ -164,7 +164,7 @@ class FormTask:
 
     @staticmethod
     def _try_each(items: list[FormItem], work: Callable[[FormItem], None], *, muted: bool = False) -> None:
-        """Work on items; those that fail tell why."""
+        """Call a function on each item; store the error of those that fail."""
         names = [reading.name for item in items for reading in item.readings if muted]
         there = [bpy.data.objects[name].data for name in names if name in bpy.data.objects]
         with muted_results(mesh for mesh in there if isinstance(mesh, bpy.types.Mesh)):
@@ -176,7 +176,7 @@ class FormTask:
 
 
 def _is_usable(item: FormItem) -> bool:
-    """Return whether the mesh of an object can be used; why not is told when it is computed."""
+    """Return whether the mesh of an object can be used; the computation reports why it cannot."""
     from ...core.assembly.pieces import connected_pieces
 
     try:
@@ -192,14 +192,14 @@ def compute_on(
     progress: Progress | None = None,
     cancelled: Cancelled | None = None,
 ) -> tuple[AnyResult, FormReport]:
-    """Compute the canonical form of one object and write it there, at once.
+    """Compute the canonical form of one object and write it, without a background job.
 
     Parameters
     ----------
     obj : bpy.types.Object
         The object, accepted by `refusal`; in any mode.
     request : Request
-        What is to be computed.
+        What to compute.
     progress, cancelled : callable, optional
         As in `canonical_form`.
 
@@ -218,5 +218,5 @@ def compute_on(
     task = FormTask([obj], request)
     task.compute(progress, cancelled)
     task.write()
-    (result,) = task.items[0].results  # compute raises for a single object
+    (result,) = task.items[0].results  # compute raises an error for a single object
     return result.found, result.report

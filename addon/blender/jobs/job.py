@@ -16,16 +16,16 @@ class Job:
     Parameters
     ----------
     work : callable
-        Called with `progress` and `cancelled`, as `canonical_form` takes them; works on arrays only.
+        Called with `progress` and `cancelled`, as in `canonical_form`; works on arrays only.
 
     Attributes
     ----------
     fraction : float
-        Fraction done, 0 to 1.
+        Completed fraction, 0 to 1.
     stage : str
         Name of the current stage.
     shown_at : float
-        Time at which its progress was last shown, by `time.perf_counter`.
+        Time at which the progress was last shown, from `time.perf_counter`.
     """
 
     def __init__(self, work: Callable[[Progress, Cancelled], Any]) -> None:
@@ -86,7 +86,7 @@ class Job:
     def _run(self) -> None:
         try:
             self._result = self._work(self._progress, self._stop.is_set)
-        except Exception as error:  # raised again by `result`
+        except Exception as error:  # `result` raises it again
             self._error = error
 
     def _progress(self, fraction: float, stage: str) -> None:

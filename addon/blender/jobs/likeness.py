@@ -1,4 +1,4 @@
-"""A pose to take, apart from Blender: that of another mesh, or a mannequin's."""
+"""The pose of another mesh or of a mannequin, to be applied to a mesh, without Blender."""
 
 from __future__ import annotations
 
@@ -15,22 +15,22 @@ if TYPE_CHECKING:
     from ...core import PosedLike, Settings
     from ...core.run.monitor import Cancelled, Progress
 
-MANNEQUINS = {"T": "T-Pose", "A": "A-Pose"}  # and what their keys are called
+MANNEQUINS = {"T": "T-Pose", "A": "A-Pose"}  # with the names of their shape keys
 _LIKE = "Like {}"
 _LONGEST = 63  # bytes of a name in Blender
 
 
 class PoseArrays(NamedTuple):
-    """A mesh whose pose is taken.
+    """A mesh that provides a pose.
 
     Attributes
     ----------
     vertices : (n, 3) ndarray of float
-        Positions by which it is matched.
+        Positions used for matching.
     faces : (m, 3) ndarray of int
         Triangles.
     pose : (n, 3) ndarray of float
-        Positions in the pose that is taken, turned as they stand in the scene.
+        Positions in the pose, oriented as in the scene.
     """
 
     vertices: FloatArray
@@ -40,18 +40,18 @@ class PoseArrays(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Likeness:
-    """A pose to take.
+    """A pose to be applied to a mesh.
 
     Attributes
     ----------
     pose : {'OBJECT', 'T', 'A'}
-        Whose pose it is: that of a mesh, or of a mannequin.
+        Source of the pose: a mesh, or a mannequin in T-pose or A-pose.
     name : str
         Name of the mesh.
     reference : PoseArrays or None
         The mesh; None for a mannequin.
     side : int
-        Which way to match: -1 for the likeliest, or its number.
+        Which way to match: -1 for the most likely, or its index.
     """
 
     pose: str
@@ -61,12 +61,12 @@ class Likeness:
 
     @property
     def key(self) -> str:
-        """Name of the shape key that holds the result, cut to what Blender keeps of it."""
+        """Name of the shape key that holds the result, truncated to the longest name in Blender."""
         name = MANNEQUINS.get(self.pose, _LIKE.format(self.name))
         return name.encode()[:_LONGEST].decode(errors="ignore")
 
     def report(self, found: PosedLike) -> LikeReport:
-        """Report whose pose was taken, and how sure the match is.
+        """Report the source of the pose and the confidence of the match.
 
         Parameters
         ----------
@@ -89,25 +89,25 @@ class Likeness:
         progress: Progress | None = None,
         cancelled: Cancelled | None = None,
     ) -> tuple[PosedLike, Carried]:
-        """Pose a mesh like that; may run in any thread.
+        """Put a mesh into the pose; may run in any thread.
 
         Parameters
         ----------
         vertices : (n, 3) ndarray of float
-            Positions, turned as they stand in the scene.
+            Positions, oriented as in the scene.
         faces : (m, 3) ndarray of int
             Triangles.
         settings : Settings
-            Options of the forms of both.
+            Options for both forms.
         progress, cancelled : callable, optional
             As in `pose_like`.
 
         Returns
         -------
         found : PosedLike
-            The mesh in that pose, turned as it is to stand in the scene.
+            The mesh in that pose, oriented for the scene.
         carried : Carried
-            What shows the match.
+            Values that show the match.
 
         Raises
         ------
@@ -134,7 +134,7 @@ class Likeness:
 
 
 def _mannequin(pose: str) -> PoseArrays:
-    """Make a mannequin: matched in its T-pose, which tells its front from its back best."""
+    """Create a mannequin; it is matched in T-pose, in which front and back are easiest to distinguish."""
     from ...core import mannequin
     from ...core.mannequins import A_POSE, T_POSE
 

@@ -1,4 +1,4 @@
-"""The meshes that the user means: the active one, those selected, or those of the active armature."""
+"""The meshes that a run applies to: the active one, the selected ones, or those of the active armature."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ..words.wording import told
 
 
 def meant_object(context: bpy.types.Context) -> bpy.types.Object | None:
-    """Find the object whose result is shown and changed.
+    """Return the object whose result is shown and changed.
 
     Parameters
     ----------
@@ -20,8 +20,8 @@ def meant_object(context: bpy.types.Context) -> bpy.types.Object | None:
     Returns
     -------
     bpy.types.Object or None
-        The active object if it is a mesh; otherwise the first of the meshes meant, or the active object where there
-        are none.
+        The active object if it is a mesh; otherwise the first of `meant_objects`, or the active object if there are
+        none.
     """
     active = context.object
     if active is not None and active.type == "MESH":
@@ -31,7 +31,7 @@ def meant_object(context: bpy.types.Context) -> bpy.types.Object | None:
 
 
 def require_object(context: bpy.types.Context) -> bpy.types.Object:
-    """Find the object whose result is changed, where there must be one.
+    """Return the object whose result is changed, which must exist.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def require_object(context: bpy.types.Context) -> bpy.types.Object:
 
 
 def meant_objects(context: bpy.types.Context) -> list[bpy.types.Object]:
-    """List the meshes that a run takes.
+    """Return the meshes that a run applies to.
 
     Parameters
     ----------
@@ -65,9 +65,9 @@ def meant_objects(context: bpy.types.Context) -> list[bpy.types.Object]:
     Returns
     -------
     list of bpy.types.Object
-        The active mesh first, then, in Object Mode, the other selected ones, and those whose forms are of one body with
-        theirs. Where the active object is no mesh, the selected meshes; where none is selected, the visible ones that
-        the active armature moves. The active object alone where none of that is a mesh.
+        The active mesh, then, in Object Mode, the other selected meshes and the companions of all of these. If the
+        active object is not a mesh: the selected meshes; if none is selected, the visible meshes that the active
+        armature deforms. Only the active object if none of these is a mesh.
     """
     active = context.object
     if active is None or active.type != "MESH":
@@ -77,7 +77,7 @@ def meant_objects(context: bpy.types.Context) -> list[bpy.types.Object]:
 
 
 def armature_of(obj: bpy.types.Object) -> bpy.types.Object | None:
-    """Find the armature that moves an object.
+    """Return the armature that deforms an object.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ def armature_of(obj: bpy.types.Object) -> bpy.types.Object | None:
     Returns
     -------
     bpy.types.Object or None
-        The armature of its first modifier that is shown and has one.
+        The armature of its first enabled Armature modifier that has one.
     """
     for modifier in obj.modifiers:
         if modifier.type == "ARMATURE" and modifier.show_viewport and modifier.object is not None:
@@ -96,7 +96,7 @@ def armature_of(obj: bpy.types.Object) -> bpy.types.Object | None:
 
 
 def _others(context: bpy.types.Context) -> list[bpy.types.Object]:
-    """List the selected meshes, or those of the active armature, the one with most vertices first."""
+    """Return the selected meshes, or those of the active armature, the one with most vertices first."""
     active = context.object
     found = [obj for obj in context.selected_objects if obj.type == "MESH"]
     if not found and active is not None and active.type == "ARMATURE":

@@ -1,4 +1,4 @@
-"""Reads the pose of an object, for others to take."""
+"""Reads the pose of an object, to be applied to other objects."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from .likeness import Likeness, PoseArrays
 
 
 def read_likeness(obj: bpy.types.Object | None, side: int = -1) -> Likeness:
-    """Read the pose of an object as it is shown.
+    """Read the pose that an object is shown in.
 
     Parameters
     ----------
     obj : bpy.types.Object or None
         The object.
     side : int
-        Which way to match: -1 for the likeliest, or its number.
+        Which way to match: -1 for the most likely, or its index.
 
     Returns
     -------
@@ -30,7 +30,7 @@ def read_likeness(obj: bpy.types.Object | None, side: int = -1) -> Likeness:
     Raises
     ------
     CanonicalFormError
-        If there is no such object, it has no surface, or it is not shown.
+        If the object does not exist, has no faces or is not visible.
     """
     reason = reference_refusal(obj)
     if obj is None or reason is not None:
@@ -39,7 +39,7 @@ def read_likeness(obj: bpy.types.Object | None, side: int = -1) -> Likeness:
 
 
 def reference_refusal(obj: bpy.types.Object | None) -> str | None:
-    """Return why the pose of an object cannot be taken.
+    """Return why the pose of an object cannot be applied to others.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ def reference_refusal(obj: bpy.types.Object | None) -> str | None:
     Returns
     -------
     str or None
-        A sentence that names the remedy; None if it can.
+        A sentence that names the remedy; None if it can be applied.
     """
     if obj is None:
         return told("Choose an object in the pose that is wanted as the reference first.")
@@ -63,7 +63,7 @@ def reference_refusal(obj: bpy.types.Object | None) -> str | None:
 
 
 def _read(obj: bpy.types.Object) -> PoseArrays:
-    """Read an object as it is modelled, where that has the same vertices as what is shown, and as it is shown."""
+    """Read an object's evaluated mesh, and its base mesh for matching if both have the same vertices."""
     with object_mode(obj):
         vertices, faces = read_mesh(obj.data)
         shown, shown_faces = read_evaluated(obj)

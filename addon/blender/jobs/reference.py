@@ -1,4 +1,4 @@
-"""The form of another object as a reference: others are laid onto it, and their limbs numbered as there."""
+"""The form of another object as a reference: other forms are aligned to it, with the same numbering of limbs."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 class Reference:
-    """A form that was computed before. The constructor reads the object, `computed` may run in any thread.
+    """A form computed earlier. The constructor reads the object, `computed` may run in any thread.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ class Reference:
         self._computed: CanonicalForm | None = None
 
     def computed(self, cancelled: Cancelled | None = None) -> CanonicalForm:
-        """Find what tells the limbs of the reference apart.
+        """Compute the features that identify the limbs of the reference.
 
         Parameters
         ----------
@@ -80,7 +80,7 @@ class Reference:
         Returns
         -------
         CanonicalForm
-            The form, turned as it stands in the scene.
+            The form, oriented as in the scene.
 
         Raises
         ------
@@ -108,7 +108,7 @@ class Reference:
 
 
 def _form_of(obj: bpy.types.Object) -> FloatArray:
-    """Read the form of an object, in its own space."""
+    """Read the form of an object, in local space."""
     form = np.empty(3 * len(obj.data.vertices), dtype=np.float32)
     require_form_key(obj.data).data.foreach_get("co", form)
     return form.reshape(-1, 3).astype(np.float64)

@@ -1,4 +1,4 @@
-"""The request for a run: what is computed and where the result goes."""
+"""The request for a run: what to compute and where to write the result."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Request:
-    """What is computed and where the result goes.
+    """What to compute and where to write the result.
 
     Attributes
     ----------
@@ -33,25 +33,25 @@ class Request:
     step : {'FORM', 'PATCHES', 'FEATURES'}
         Last step: the form, the patches, or the feature points.
     feature_group : str
-        Vertex group whose vertices are the feature points; empty to detect them, or for those of the settings.
+        Vertex group whose members are the feature points; empty to detect them or to use those of the settings.
     deformed : bool
-        Compute on the evaluated mesh, with modifiers, pose and shape keys at the current frame, not on the base mesh.
+        Use the evaluated mesh, with modifiers, pose and shape keys at the current frame, instead of the base mesh.
     new_object : bool
-        Put the result on a new object.
+        Write the result to a new object.
     hausdorff : bool
-        Measure the Hausdorff distance too.
+        Also measure the Hausdorff distance.
     objects : {'TOUCHING', 'TOGETHER', 'EACH'}
-        Which of several objects are one body: those that touch, all, or none.
+        Which of several objects form one body: those that touch, all, or none.
     reference : callable, optional
-        Gives the form that the result is laid onto, turned as it stands in the scene; may take a while, takes
-        `cancelled`, as in `canonical_form`, and touches no data of Blender's.
+        Returns the form that the result is aligned to, oriented as in the scene; may be slow, takes `cancelled` as in
+        `canonical_form`, and does not access Blender's data.
     likeness : Likeness, optional
-        The pose that the objects are put into, in place of their form.
+        The pose that the objects are put into, instead of computing a form.
     live : bool
-        Whether a form is only brought up to date: sliders stay where they are, groups and colours too where the patches
-        are the same.
+        Whether to update a form only: sliders keep their values, and groups and colours stay if the patches are the
+        same.
     keep : KeptStages, optional
-        What earlier runs on the objects found: what has not changed is not computed again.
+        Stages kept from earlier runs on the objects: unchanged stages are not computed again.
     """
 
     settings: Settings = field(default_factory=Settings)
@@ -79,12 +79,12 @@ class Request:
         Returns
         -------
         Settings
-            The settings; without feature points where the object has no such group.
+            The settings; without feature points if the object has no such group.
 
         Raises
         ------
         CanonicalFormError
-            If the group is too large, or the evaluated mesh is wanted.
+            If the group is too large, or the evaluated mesh is requested.
         """
         if not self.feature_group:
             return self.settings
@@ -105,12 +105,12 @@ class Request:
         return replace(self.settings, feature_points=members or None)
 
     def require_points(self, name: str, chosen: Sequence[Sequence[int]]) -> None:
-        """Refuse to detect feature points where those of a vertex group are wanted.
+        """Require feature points from the vertex group, if the request names one.
 
         Parameters
         ----------
         name : str
-            Name of the object, or of what it is together with others.
+            Name of the object, or of the body that it is part of.
         chosen : sequence of sequence of int
             Feature points on each object.
 
@@ -130,7 +130,7 @@ class Request:
             )
 
     def in_between_count(self, obj: bpy.types.Object) -> int:
-        """Return the number of keys between pose and form that the run has to compute again with the form.
+        """Return the number of keys between pose and form that the run has to compute again.
 
         Parameters
         ----------
@@ -140,7 +140,7 @@ class Request:
         Returns
         -------
         int
-            Number of keys; 0 where the run leaves none on the mesh.
+            Number of keys; 0 if the run leaves none on the mesh.
 
         Raises
         ------

@@ -22,17 +22,17 @@ class ItemNames(NamedTuple):
     colours: Collection[str | None] = ()
 
     def without(self, names: Collection[str]) -> ItemNames:
-        """Leave some names out.
+        """Remove names from all kinds.
 
         Parameters
         ----------
         names : collection of str
-            Names to leave out, of any kind.
+            Names to remove, whatever their kind.
 
         Returns
         -------
         ItemNames
-            The others.
+            The remaining names.
         """
         kinds = (self.shape_keys, self.groups, self.colours)
         return ItemNames(*({name for name in kind if name not in names} for kind in kinds))
@@ -46,7 +46,7 @@ class ActiveItems(NamedTuple):
     shape_key, group : str or None
         The active shape key and vertex group.
     colour, render_colour : str or None
-        The colour attributes that the views and the renderer show.
+        The colour attributes active in the viewport and for rendering.
     """
 
     shape_key: str | None = None
@@ -55,36 +55,36 @@ class ActiveItems(NamedTuple):
     render_colour: str | None = None
 
     def kept(self, names: ItemNames, otherwise: ActiveItems) -> ActiveItems:
-        """Keep the items that are among some names and take the others from elsewhere.
+        """Keep the items whose names are listed and take the others from `otherwise`.
 
         Parameters
         ----------
         names : ItemNames
             Names of the items to keep.
         otherwise : ActiveItems
-            Where the other items come from.
+            Provides the other items.
 
         Returns
         -------
         ActiveItems
-            One or the other, kind by kind.
+            The combined items.
         """
         return self._chosen(self._among(names), otherwise)
 
     def replaced(self, names: ItemNames, by: ActiveItems) -> ActiveItems:
-        """Replace the items that are among some names and keep the others.
+        """Replace the items whose names are listed and keep the others.
 
         Parameters
         ----------
         names : ItemNames
             Names of the items to replace.
         by : ActiveItems
-            Where the replacements come from.
+            Provides the replacements.
 
         Returns
         -------
         ActiveItems
-            One or the other, kind by kind.
+            The combined items.
         """
         return self._chosen([not among for among in self._among(names)], by)
 
@@ -102,7 +102,7 @@ class ActiveItems(NamedTuple):
 
 
 def active_items(obj: bpy.types.Object) -> ActiveItems:
-    """List the active items of an object.
+    """Return the active items of an object.
 
     Parameters
     ----------
@@ -125,7 +125,7 @@ def active_items(obj: bpy.types.Object) -> ActiveItems:
 
 
 def restore_active_items(obj: bpy.types.Object, items: ActiveItems) -> None:
-    """Activate items of an object, as far as they still exist.
+    """Make items of an object active; the first shape key or group replaces a missing one.
 
     Parameters
     ----------
@@ -167,7 +167,7 @@ def existing_items(obj: bpy.types.Object) -> ItemNames:
 
 
 def active_keys_elsewhere(obj: bpy.types.Object) -> dict[bpy.types.Object, str | None]:
-    """List the active shape keys of the other objects that share the mesh of an object.
+    """Return the active shape keys of the other objects that share the mesh of an object.
 
     Parameters
     ----------
@@ -177,14 +177,14 @@ def active_keys_elsewhere(obj: bpy.types.Object) -> dict[bpy.types.Object, str |
     Returns
     -------
     dict of bpy.types.Object to str or None
-        Names of their active keys.
+        Name of the active key of each object.
     """
     others = [other for other in bpy.data.objects if other.data == obj.data and other != obj]
     return {other: other.active_shape_key and other.active_shape_key.name for other in others}
 
 
 def restore_active_keys(active: dict[bpy.types.Object, str | None]) -> None:
-    """Activate the same shape keys again, as far as they still exist.
+    """Make the same shape keys active again, if they still exist.
 
     Parameters
     ----------

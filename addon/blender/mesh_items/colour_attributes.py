@@ -6,16 +6,16 @@ import bpy
 
 
 def add_colours(obj: bpy.types.Object, name: str) -> bpy.types.Attribute:
-    """Add a colour attribute, one colour a vertex.
+    """Add a colour attribute with one colour per vertex.
 
-    Blender shows a vertex group in place of colours of the same name, so the name is made longer where a group has it.
+    Blender shows a vertex group instead of colours of the same name, so the name is extended if a group has it.
 
     Parameters
     ----------
     obj : bpy.types.Object
         The object, in Object Mode.
     name : str
-        Name wanted.
+        Preferred name.
 
     Returns
     -------

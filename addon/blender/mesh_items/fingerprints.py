@@ -1,4 +1,4 @@
-"""Fingerprints of shape keys, colours and vertex groups: whether an item still is as it was written."""
+"""Fingerprints of shape keys, colours and vertex groups, to detect items changed since they were written."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def colour_fingerprint(attribute: bpy.types.Attribute) -> str:
 
 
 def uv_fingerprint(layer: bpy.types.MeshUVLoopLayer) -> str:
-    """Hash the places of a UV map.
+    """Hash the coordinates of a UV map.
 
     Parameters
     ----------
@@ -113,7 +113,7 @@ def group_fingerprints(obj: bpy.types.Object, names: Iterable[str]) -> dict[str,
     Returns
     -------
     dict of str to str
-        Fingerprints by name of the groups that exist.
+        Fingerprint of each existing group, by name.
     """
     found = {obj.vertex_groups[name].index: name for name in names if name in obj.vertex_groups}
     members: dict[int, list[int]] = {index: [] for index in found}

@@ -1,4 +1,4 @@
-"""Weights of vertex groups, many at once."""
+"""Weights of vertex groups, many set at once."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from .fingerprints import members_fingerprint
 if TYPE_CHECKING:
     from ...core.numerics.arrays import FloatArray
 
-_STEPS = 1000  # between 0 and 1: a call for each that occurs, whatever the number of vertices
+_STEPS = 1000  # levels between 0 and 1: one call per level in use, whatever the number of vertices
 
 
 def fill_group(group: bpy.types.VertexGroup, weights: FloatArray) -> str:
-    """Give a group the weights of all vertices, in place of those that it has.
+    """Replace all weights of a vertex group.
 
     Parameters
     ----------
     group : bpy.types.VertexGroup
         The group of an object in Object Mode.
     weights : (n,) ndarray of float
-        Weights from 0 to 1, rounded to a thousandth; vertices where they are not finite are no members.
+        Weights from 0 to 1, rounded to a thousandth; vertices with a weight that is not finite are not members.
 
     Returns
     -------

@@ -6,7 +6,7 @@ import bpy
 
 
 def remove_drivers(key: bpy.types.ShapeKey) -> None:
-    """Remove the drivers of a shape key before the key is removed: Blender would go on writing to freed memory.
+    """Remove the drivers of a shape key before the key is removed; otherwise Blender writes to freed memory.
 
     Parameters
     ----------
@@ -22,7 +22,7 @@ def remove_drivers(key: bpy.types.ShapeKey) -> None:
 def remove_all_keys(obj: bpy.types.Object) -> None:
     """Remove all shape keys of an object, including their data-block.
 
-    Blender before 5.2 counts one user too many for the keys of a copied mesh and would keep their data-block forever.
+    Blender before 5.2 counts one user too many for the keys of a copied mesh and would never remove their data-block.
 
     Parameters
     ----------

@@ -1,8 +1,8 @@
 """Colours of fields and patches: a perceptual colour map for values, a palette for patches.
 
 Both are defined in OKLab, where equal distances look equally different (Ottosson, "A perceptual color space for image
-processing", 2020). The palette is chosen for eyes that tell fewer colours apart, too (Machado, Oliveira and Fernandes,
-"A Physiologically-based Model for Simulation of Color Vision Deficiency", 2009, doi:10.1109/TVCG.2009.113).
+processing", 2020). The palette also suits colour-blind users (Machado, Oliveira and Fernandes, "A
+Physiologically-based Model for Simulation of Color Vision Deficiency", 2009, doi:10.1109/TVCG.2009.113).
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...core.mesh.connectivity import vertex_pairs
+from ...core.mesh.edges import vertex_pairs
 from ...core.numerics.arrays import FloatArray, IntArray
 
 _TO_CONE = np.array(
@@ -26,7 +26,7 @@ _TO_RGB = np.array(
 )
 _FROM_RGB = np.linalg.inv(_TO_RGB)
 _FROM_CONE = np.linalg.inv(_TO_CONE)
-_VISIONS = np.array(  # linear colours as seen: by most, and without the first, second or third kind of cone
+_VISIONS = np.array(  # linear colours as seen with normal vision, and without the first, second or third kind of cone
     [
         [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
         [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
@@ -37,13 +37,13 @@ _VISIONS = np.array(  # linear colours as seen: by most, and without the first, 
 _LIGHTNESS = np.array([0.70, 0.48, 0.92, 0.59, 0.81])
 _GREY = np.array([0.2, 0.2, 0.2, 1.0])
 _GOLDEN_TURN = 0.618033988749895
-_MOST_CHOICES = 600  # of colours
-_ENOUGH = 0.05  # between the colours of two patches, in OKLab
+_MOST_CHOICES = 600  # candidate colours
+_ENOUGH = 0.05  # distance between the colours of two patches, in OKLab
 
 
 @dataclass(frozen=True, eq=False)
 class Colours:
-    """Colours of a result, computed apart from Blender.
+    """Colours of a result, computed without Blender.
 
     Attributes
     ----------
@@ -84,12 +84,12 @@ def colours_of(adf: FloatArray, patches: IntArray, faces: IntArray) -> Colours:
 
 
 def ramp(values: FloatArray) -> FloatArray:
-    """Colour values from dark blue (lowest) over green to light yellow (highest), lightness rising evenly.
+    """Map values to colours from dark blue (lowest) over green to light yellow (highest), with lightness rising evenly.
 
     Parameters
     ----------
     values : (n,) ndarray of float
-        A field; its range is mapped to the whole ramp. Values that are not finite are shown in grey.
+        A field; its range is mapped to the whole ramp. Values that are not finite become grey.
 
     Returns
     -------
@@ -104,17 +104,17 @@ def ramp(values: FloatArray) -> FloatArray:
 
 
 def places(points: FloatArray) -> FloatArray:
-    """Colour points by where they are: across, along and up, one channel each.
+    """Colour points by their positions, one channel per axis.
 
     Parameters
     ----------
     points : (n, 3) ndarray of float
-        The points; their range is mapped to the whole range of colours.
+        The points; their range is mapped to the full range of colours.
 
     Returns
     -------
     (n, 3) ndarray of float
-        Linear red, green and blue, none too dark.
+        Linear red, green and blue, at least 0.05.
 
     Examples
     --------
@@ -174,13 +174,13 @@ def patch_colours(patches: IntArray, faces: IntArray) -> FloatArray:
     neighbours = np.unique(ends[ends[:, 0] != ends[:, 1]], axis=0)
     neighbours = neighbours[neighbours.min(axis=1) >= 0]
     taken: list[int] = []
-    distance = np.full(len(choices), 1.0)  # of every choice from the nearest taken one
+    distance = np.full(len(choices), 1.0)  # of every candidate from the nearest chosen colour
     for patch in range(count):
         beside = np.unique(neighbours[(neighbours == patch).any(axis=1)])
         near = [taken[other] for other in beside[beside < patch]]
         gaps = np.linalg.norm(looks[:, :, None] - looks[:, None, near], axis=-1).min(axis=(0, 2), initial=1.0)
         both = np.minimum(distance, gaps)
-        taken.append(int(np.argmax(both if both.max() > _ENOUGH else gaps)))  # of many, neighbours alone are looked at
+        taken.append(int(np.argmax(both if both.max() > _ENOUGH else gaps)))  # of many, only neighbours matter
         # patches that do not touch may be more alike
         apart = np.linalg.norm(looks - looks[:, taken[-1:]], axis=-1).min(axis=0)
         distance = np.minimum(distance, 2 * apart)
@@ -188,7 +188,7 @@ def patch_colours(patches: IntArray, faces: IntArray) -> FloatArray:
 
 
 def as_seen(colours: FloatArray) -> FloatArray:
-    """Simulate how colours look to most people, and to those without one of the three kinds of cones.
+    """Simulate how colours look with normal vision, and without each of the three kinds of cones.
 
     Parameters
     ----------
@@ -198,7 +198,7 @@ def as_seen(colours: FloatArray) -> FloatArray:
     Returns
     -------
     (4, n, 3) ndarray of float
-        In OKLab: all cones; without those for long, for middle, and for short waves.
+        In OKLab: with all cones; without long-wave, middle-wave and short-wave cones.
     """
     seen = np.clip(colours @ _VISIONS.transpose(0, 2, 1), 0.0, 1.0)
     lab: FloatArray = np.cbrt(seen @ _FROM_RGB.T) @ _FROM_CONE.T
@@ -206,7 +206,7 @@ def as_seen(colours: FloatArray) -> FloatArray:
 
 
 def _share_of_range(values: FloatArray) -> FloatArray:
-    """Scale values to 0 for the lowest and 1 for the highest; 0 for values that are not finite."""
+    """Scale values to 0 for the lowest and 1 for the highest; values that are not finite become 0."""
     known, share = np.isfinite(values), np.zeros(len(values))
     if known.any():
         spread = float(np.ptp(values[known]))

@@ -1,4 +1,4 @@
-"""The driver by which the slider of one object moves the form of another."""
+"""The driver that links the form of one object to the slider of another."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ FOLLOWING = "canonical_form_slider"  # name of the driver's variable
 
 
 def is_following(curve: bpy.types.FCurve) -> bool:
-    """Return whether a driver lets the slider of another object move a form.
+    """Return whether a driver links a form to the slider of another object.
 
     Parameters
     ----------
@@ -18,18 +18,18 @@ def is_following(curve: bpy.types.FCurve) -> bool:
     Returns
     -------
     bool
-        True if this extension added it for that.
+        True if this extension added the driver for this purpose.
     """
     return curve.driver is not None and [each.name for each in curve.driver.variables] == [FOLLOWING]
 
 
 def release(keys: bpy.types.Key | None) -> None:
-    """Remove the driver by which another object moves the form, and animation data that nothing else uses.
+    """Remove the driver that links the form to another object, and animation data that nothing else uses.
 
     Parameters
     ----------
     keys : bpy.types.Key or None
-        The shape keys; None where there are none.
+        The shape keys; None if there are none.
     """
     if keys is None or keys.animation_data is None:
         return
@@ -42,7 +42,7 @@ def release(keys: bpy.types.Key | None) -> None:
 
 
 def is_unused(data: bpy.types.AnimData) -> bool:
-    """Return whether animation data hold nothing.
+    """Return whether animation data is empty.
 
     Parameters
     ----------
@@ -52,6 +52,6 @@ def is_unused(data: bpy.types.AnimData) -> bool:
     Returns
     -------
     bool
-        True without drivers, action and tracks.
+        True without drivers, action and NLA tracks.
     """
     return not (data.drivers or data.action or data.nla_tracks)

@@ -1,4 +1,4 @@
-"""Feature points chosen by hand, kept in a vertex group that belongs to the user."""
+"""Feature points chosen by hand, stored in a vertex group that belongs to the user."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .mesh_reading import selected_vertices
 from .object_states import object_mode
 
 CHOSEN_GROUP = "Chosen Feature Points"
-MOST_FEATURES = 200  # more are a mistake in the selection
+MOST_FEATURES = 200  # a larger selection is a mistake
 
 
 def choose_features(obj: bpy.types.Object, how: str, group_name: str) -> tuple[str, int]:
@@ -25,7 +25,7 @@ def choose_features(obj: bpy.types.Object, how: str, group_name: str) -> tuple[s
     how : {'SET', 'ADD', 'REMOVE'}
         The selected vertices replace the feature points, are added to them or are removed from them.
     group_name : str
-        Name of the group. A missing one is added; with 'ADD' and 'REMOVE' it starts with those of the last run.
+        Name of the group, added if missing; with 'ADD' and 'REMOVE' a new group starts with the points of the last run.
 
     Returns
     -------
@@ -80,7 +80,7 @@ def choose_features(obj: bpy.types.Object, how: str, group_name: str) -> tuple[s
 
 
 def members_of(obj: bpy.types.Object, group_name: str) -> list[int]:
-    """List the vertices of a group.
+    """Return the members of a vertex group.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ def members_of(obj: bpy.types.Object, group_name: str) -> list[int]:
     Returns
     -------
     list of int
-        Vertices whose weight is above 0.
+        Vertices with a weight above 0.
     """
     index = obj.vertex_groups[group_name].index
     return [
@@ -108,7 +108,7 @@ def _is_painted(group: bpy.types.VertexGroup, members: list[int]) -> bool:
 
 
 def _detected(obj: bpy.types.Object) -> list[int]:
-    """List the feature points of the last run."""
+    """Return the feature points of the last run."""
     record = read_record(obj.data)
     if record is None:
         return []

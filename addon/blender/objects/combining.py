@@ -1,4 +1,4 @@
-"""Several objects as one mesh, in the space that they share, and back."""
+"""Several objects as one mesh in a shared space, and back."""
 
 from __future__ import annotations
 
@@ -21,20 +21,20 @@ _FLATTEST = 1e-9  # smallest determinant of a transform, as a share of its large
 
 
 class Combined(NamedTuple):
-    """Some objects as one mesh, with the images that mirror modifiers show. A single one is as it is in its own space.
+    """Objects as one mesh, including mirror images shown by modifiers. A single object stays in its local space.
 
     Attributes
     ----------
     vertices : (n, 3) ndarray of float
-        Positions of all.
+        Positions of all vertices.
     faces : (m, 3) ndarray of int
-        Triangles of all.
+        All triangles.
     starts : (k + 1,) ndarray of int
-        Where the vertices of each object begin, and their number.
+        Index of the first vertex of each object, and the number of vertices.
     objects : list of Mirrored
-        The mesh of each object in its own space, with its images.
+        The mesh of each object in its local space, with its images.
     placements : list of (4, 4) ndarray of float
-        Transforms from each object's own space.
+        Transforms from the local space of each object.
     """
 
     vertices: FloatArray
@@ -54,12 +54,12 @@ class Combined(NamedTuple):
         Returns
         -------
         list of ndarray
-            Those of each object, without its images.
+            Values of each object, without its images.
         """
         return [values[start : start + each.half] for start, each in zip(self.starts, self.objects, strict=False)]
 
     def owned(self, vertices: IntArray) -> list[IntArray]:
-        """Find some vertices on each object.
+        """Locate vertices on each object.
 
         Parameters
         ----------
@@ -69,7 +69,7 @@ class Combined(NamedTuple):
         Returns
         -------
         list of (s,) ndarray of int
-            Their numbers on each object; -1 for those of another one or of an image.
+            Their indices on each object; -1 for vertices of another object or of an image.
         """
         pairs = zip(self.starts, self.objects, strict=False)
         return [
@@ -78,12 +78,12 @@ class Combined(NamedTuple):
         ]
 
     def spread(self, values: Sequence[np.ndarray]) -> np.ndarray:
-        """Put values on the vertices of the objects together; images have those of what they are images of.
+        """Combine the values of all objects; images get the values of their originals.
 
         Parameters
         ----------
         values : sequence of ndarray
-            Those of each object.
+            Values of each object.
 
         Returns
         -------
@@ -93,22 +93,22 @@ class Combined(NamedTuple):
         return np.concatenate([own[each.source] for own, each in zip(values, self.objects, strict=True)])
 
     def numbers_of(self, vertices: Sequence[Sequence[int]]) -> list[int]:
-        """Find vertices of the objects, and their images, on the combined mesh.
+        """Convert vertex indices of the objects to indices on the combined mesh, including their images.
 
         Parameters
         ----------
         vertices : sequence of sequence of int
-            Those of each object.
+            Vertex indices of each object.
 
         Returns
         -------
         list of int
-            Their numbers, those of each object in their order, then those of its images.
+            Indices on the combined mesh: for each object its vertices in the given order, then their images.
 
         Raises
         ------
         InvalidSettingsError
-            If one is not a vertex of its object.
+            If a vertex does not exist on its object.
         """
         found: list[int] = []
         for start, own, each in zip(self.starts, vertices, self.objects, strict=False):
@@ -120,17 +120,17 @@ class Combined(NamedTuple):
         return found
 
     def put_together(self, shapes: Sequence[FloatArray]) -> FloatArray:
-        """Put positions of the objects together.
+        """Combine positions of all objects.
 
         Parameters
         ----------
         shapes : sequence of (p, 3) ndarray of float
-            Positions of the vertices of each object, in its own space.
+            Positions of the vertices of each object, in its local space.
 
         Returns
         -------
         (n, 3) ndarray of float
-            Positions of all.
+            Positions of all vertices.
         """
         whole = [
             each.spread(points) if each.mirrors else points for points, each in zip(shapes, self.objects, strict=True)
@@ -140,7 +140,7 @@ class Combined(NamedTuple):
         return np.concatenate([moved(points, each) for points, each in zip(whole, self.placements, strict=True)])
 
     def brought_back(self, shape: FloatArray) -> list[FloatArray]:
-        """Split positions by object, each in its own space; what mirrors show is made symmetric first.
+        """Split positions by object into local space; mirrored shapes are made symmetric first.
 
         Parameters
         ----------
@@ -150,13 +150,13 @@ class Combined(NamedTuple):
         Returns
         -------
         list of ndarray of float
-            Those of each object.
+            Positions of each object.
         """
         parts = self._own_parts(shape)
         return [each.symmetrised(own)[: each.half] for own, each in zip(parts, self.objects, strict=True)]
 
     def asymmetries(self, shape: FloatArray) -> list[float]:
-        """Measure how far the mirrored objects are from their images.
+        """Measure the distance of mirrored objects from their images.
 
         Parameters
         ----------
@@ -166,13 +166,13 @@ class Combined(NamedTuple):
         Returns
         -------
         list of float
-            Distance of each object, in units of sqrt(area) of the object; 0 without a mirror.
+            Distance for each object, in units of sqrt(area) of the object; 0 without a mirror.
         """
         parts = zip(self._own_parts(shape), self.objects, strict=True)
         return [each.asymmetry(own) if each.mirrors else 0.0 for own, each in parts]
 
     def _own_parts(self, shape: FloatArray) -> list[FloatArray]:
-        """Split positions by object, images included, each in its own space."""
+        """Split positions by object, images included, into local space."""
         parts = [shape[start:end] for start, end in pairwise(self.starts)]
         if len(parts) == 1:
             return parts
@@ -180,7 +180,7 @@ class Combined(NamedTuple):
 
 
 def combined(readings: Sequence[Reading]) -> Combined:
-    """Put objects together into one mesh.
+    """Combine objects into one mesh.
 
     Parameters
     ----------
@@ -190,12 +190,12 @@ def combined(readings: Sequence[Reading]) -> Combined:
     Returns
     -------
     Combined
-        The mesh.
+        The combined mesh.
 
     Raises
     ------
     CanonicalFormError
-        If an object is scaled to nothing along an axis.
+        If an object has a scale of zero along an axis.
     """
     objects = [mirrored(each.vertices, each.faces, each.mirrors) for each in readings]
     starts = np.cumsum([0, *(len(each.vertices) for each in objects)])
@@ -212,21 +212,21 @@ def combined(readings: Sequence[Reading]) -> Combined:
 
 
 def touching(readings: Sequence[Reading], *, together: bool, cancelled: Cancelled | None = None) -> list[list[int]]:
-    """Find which objects are one body: those that share one.
+    """Group the objects that belong to one body.
 
     Parameters
     ----------
     readings : sequence of Reading
         The objects, at least one.
     together : bool
-        Whether pieces that belong together are one body; otherwise every object is by itself.
+        Whether pieces that belong together form one body; otherwise each object is a group of its own.
     cancelled : callable, optional
         As in `canonical_form`.
 
     Returns
     -------
     list of list of int
-        Groups of objects; in each, and among them, the order of the objects is kept.
+        Groups of object indices; groups, and objects within a group, keep their order.
 
     Raises
     ------
@@ -259,18 +259,18 @@ def moved(points: FloatArray, transform: FloatArray) -> FloatArray:
     points : (n, 3) ndarray of float
         The points.
     transform : (4, 4) ndarray of float
-        The transform, for columns.
+        The transform, for column vectors.
 
     Returns
     -------
     (n, 3) ndarray of float
-        Where they go.
+        The transformed points.
     """
     return points @ transform[:3, :3].T + transform[:3, 3]
 
 
 def outward(faces: IntArray, transform: FloatArray) -> IntArray:
-    """Turn triangles so that they are seen from outside as before where a transform mirrors them.
+    """Flip triangles where a transform mirrors them, so that their normals still point outward.
 
     Parameters
     ----------
@@ -282,13 +282,13 @@ def outward(faces: IntArray, transform: FloatArray) -> IntArray:
     Returns
     -------
     (m, 3) ndarray of int
-        The triangles, in the other order of corners where it mirrors.
+        The triangles, flipped if the transform mirrors.
     """
     return faces[:, ::-1] if np.linalg.det(transform[:3, :3]) < 0 else faces
 
 
 def require_thick(name: str, placement: FloatArray, *, alone: bool = False) -> None:
-    """Refuse an object that its transform makes flat.
+    """Reject an object that its transform flattens.
 
     Parameters
     ----------
@@ -297,12 +297,12 @@ def require_thick(name: str, placement: FloatArray, *, alone: bool = False) -> N
     placement : (4, 4) ndarray of float
         Its transform.
     alone : bool
-        Whether no other object is worked on.
+        Whether this is the only object of the run.
 
     Raises
     ------
     CanonicalFormError
-        If it is scaled to nothing along an axis.
+        If it has a scale of zero along an axis.
     """
     axes = placement[:3, :3]
     if not abs(np.linalg.det(axes)) > _FLATTEST * float(np.abs(axes).max()) ** 3:

@@ -1,4 +1,4 @@
-"""Reads meshes as arrays, refuses those that cannot be used, and recognises them after a computation."""
+"""Reads meshes as arrays, rejects unusable ones, and checks after a computation that they are unchanged."""
 
 from __future__ import annotations
 
@@ -42,9 +42,9 @@ class Reading(NamedTuple):
     frame : int or None
         The frame of the evaluated mesh.
     placement : (4, 4) ndarray of float
-        The transform to the space that the object shares with others.
+        The transform to the space shared by several objects.
     mirrors : sequence of Mirror
-        Mirrors of modifiers, which the vertices and faces are without.
+        Mirrors of modifiers; vertices and faces do not include the images.
     """
 
     name: str
@@ -59,7 +59,7 @@ class Reading(NamedTuple):
 
 
 def refusal(obj: bpy.types.Object | None) -> str | None:
-    """Return why an object cannot be given a canonical form, before anything is read or computed.
+    """Return why no canonical form can be computed for an object, before any mesh data is read.
 
     Parameters
     ----------
@@ -102,7 +102,7 @@ def refusal(obj: bpy.types.Object | None) -> str | None:
 
 
 def read_mesh(mesh: bpy.types.Mesh) -> tuple[FloatArray, IntArray]:
-    """Read the base mesh: the Basis where there are shape keys, n-gons as triangles.
+    """Read the base mesh: the Basis if there are shape keys, with n-gons as triangles.
 
     Parameters
     ----------
@@ -120,14 +120,14 @@ def read_mesh(mesh: bpy.types.Mesh) -> tuple[FloatArray, IntArray]:
 
 
 def read_object(obj: bpy.types.Object, deformed: bool = False) -> Reading:
-    """Read an object for a computation that takes a while.
+    """Read an object as arrays for a long computation.
 
     Parameters
     ----------
     obj : bpy.types.Object
         The object, in Object Mode.
     deformed : bool
-        Read the evaluated mesh, with modifiers, pose and shape keys at the current frame, not the base mesh.
+        Read the evaluated mesh, with modifiers, pose and shape keys at the current frame, instead of the base mesh.
 
     Returns
     -------
@@ -137,7 +137,7 @@ def read_object(obj: bpy.types.Object, deformed: bool = False) -> Reading:
     Raises
     ------
     CanonicalFormError
-        If the evaluated mesh is wanted and the object is disabled in the viewport.
+        If the evaluated mesh is requested and the object is disabled in the viewport.
     """
     vertices, faces = read_mesh(obj.data)
     known = _mesh_fingerprint(obj.data)
@@ -188,7 +188,7 @@ def read_evaluated(obj: bpy.types.Object) -> tuple[FloatArray, IntArray]:
 
 
 def selected_vertices(mesh: bpy.types.Mesh) -> IntArray:
-    """List the selected vertices of a mesh.
+    """Return the selected vertices of a mesh.
 
     Parameters
     ----------
@@ -206,7 +206,7 @@ def selected_vertices(mesh: bpy.types.Mesh) -> IntArray:
 
 
 def names_of(readings: Iterable[Reading]) -> frozenset[str]:
-    """Name the objects of some readings, in no order.
+    """Return the names of the objects of readings, in no particular order.
 
     Parameters
     ----------
@@ -222,7 +222,7 @@ def names_of(readings: Iterable[Reading]) -> frozenset[str]:
 
 
 def find_object(reading: Reading) -> bpy.types.Object:
-    """Find the object of a reading, to write its result.
+    """Return the object of a reading, to write its result.
 
     Parameters
     ----------
@@ -254,7 +254,7 @@ def find_object(reading: Reading) -> bpy.types.Object:
 
 
 def require_unchanged(obj: bpy.types.Object, reading: Reading) -> None:
-    """Refuse to write a result to a mesh that has changed since it was read.
+    """Require that a mesh has not changed since it was read.
 
     Parameters
     ----------
@@ -279,7 +279,7 @@ def require_unchanged(obj: bpy.types.Object, reading: Reading) -> None:
 
 
 def _read_shown(obj: bpy.types.Object) -> tuple[FloatArray, IntArray]:
-    """Read the evaluated mesh without an earlier form; seams of the base mesh are closed where it has more vertices."""
+    """Read the evaluated mesh without an earlier form; seams of the base mesh are closed if it has more vertices."""
     from .seams import closed_seams, evaluated_places, has_seams, longest_border_edge
 
     with muted_results([obj.data]):
@@ -294,7 +294,7 @@ def _read_shown(obj: bpy.types.Object) -> tuple[FloatArray, IntArray]:
 
 
 def basis_positions(mesh: bpy.types.Mesh) -> np.ndarray:
-    """Read the positions of a mesh without its shape keys.
+    """Read the positions of a mesh without shape keys.
 
     Parameters
     ----------
@@ -308,14 +308,14 @@ def basis_positions(mesh: bpy.types.Mesh) -> np.ndarray:
     """
     vertices = np.empty(3 * len(mesh.vertices), dtype=np.float32)
     if mesh.shape_keys is None:
-        mesh.attributes["position"].data.foreach_get("vector", vertices)  # at once, where `co` goes one by one
+        mesh.attributes["position"].data.foreach_get("vector", vertices)  # all at once; `co` would be copied one by one
     else:
         mesh.shape_keys.reference_key.data.foreach_get("co", vertices)
     return vertices
 
 
 def _mesh_fingerprint(mesh: bpy.types.Mesh) -> str:
-    """Hash positions and the vertex and edge of every corner, which tell the polygons; triangles would take longer."""
+    """Hash positions, and the vertex and edge of every corner, which determine the polygons; triangles take longer."""
     corners = [np.empty(len(mesh.loops), dtype=np.int32) for _ in range(2)]
     for name, values in zip((".corner_vert", ".corner_edge"), corners, strict=True):
         mesh.attributes[name].data.foreach_get("value", values)

@@ -1,4 +1,4 @@
-"""Mirror modifiers: of half a mesh the form is that of the whole, which the modifier shows."""
+"""Mirror modifiers: the form of half a mesh is computed for the whole mesh that the modifier shows."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 def mirrors_of(obj: bpy.types.Object) -> list[Mirror]:
-    """List the mirrors that the shown modifiers of an object hold up to its base mesh.
+    """Return the mirrors of an object's enabled modifiers that the form includes.
 
     Parameters
     ----------
@@ -21,7 +21,7 @@ def mirrors_of(obj: bpy.types.Object) -> list[Mirror]:
     Returns
     -------
     list of Mirror
-        One for each axis; without those about another object, those that cut, and second ones across an axis.
+        At most one per axis, without modifiers that bisect or have a mirror object.
     """
     from ...core.mesh.mirroring import Mirror
 
@@ -36,7 +36,7 @@ def mirrors_of(obj: bpy.types.Object) -> list[Mirror]:
 
 
 def is_followed(modifier: bpy.types.Modifier) -> bool:
-    """Return whether the form is that of the mesh with this modifier, also where it is of the base mesh.
+    """Return whether the form includes the effect of a modifier even if it is computed from the base mesh.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ def is_followed(modifier: bpy.types.Modifier) -> bool:
     Returns
     -------
     bool
-        True for a mirror through the object's own origin that cuts nothing.
+        True for a mirror modifier about the object's own origin that does not bisect.
     """
     if modifier.type != "MIRROR" or not modifier.show_viewport:
         return False

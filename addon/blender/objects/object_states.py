@@ -1,4 +1,4 @@
-"""States of an object that are changed for a while and restored: its mode, and the keys of an earlier run."""
+"""Temporary states of an object: its mode, and the keys of an earlier run."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from ..words.wording import told
 
 @contextmanager
 def object_mode(obj: bpy.types.Object) -> Iterator[None]:
-    """Switch to Object Mode and restore the mode afterwards, also after an error.
+    """Switch to Object Mode and restore the mode afterwards, even after an error.
 
     Parameters
     ----------
     obj : bpy.types.Object
-        The object; the active one, if it is in another mode.
+        The object; if it is in another mode, it must be the active object.
 
     Yields
     ------
@@ -40,7 +40,7 @@ def object_mode(obj: bpy.types.Object) -> Iterator[None]:
             told("{name} is hidden and in another mode. Show it, or leave its mode, and run again.", name=obj.name)
         )
     layer = bpy.context.view_layer
-    in_mode = [other for other in layer.objects if other.mode == mode]  # several objects may be edited at once
+    in_mode = [other for other in layer.objects if other.mode == mode]  # Blender can edit several objects at once
     selected = [other for other in layer.objects if other.select_get()]
     try:
         bpy.ops.object.mode_set(mode="OBJECT")
@@ -62,7 +62,7 @@ def object_mode(obj: bpy.types.Object) -> Iterator[None]:
 
 @contextmanager
 def muted_results(meshes: Iterable[bpy.types.Mesh]) -> Iterator[None]:
-    """Mute the shape keys of earlier runs, so that a form is computed of the pose and not of a form.
+    """Mute the shape keys of earlier runs, so that the form is computed from the pose and not from an earlier form.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ def muted_results(meshes: Iterable[bpy.types.Mesh]) -> Iterator[None]:
     Yields
     ------
     None
-        Control, while they are muted.
+        Control, while the keys are muted.
     """
     keys = []
     for mesh in meshes:

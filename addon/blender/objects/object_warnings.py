@@ -1,4 +1,4 @@
-"""Warnings about parts of an object that its form leaves out."""
+"""Warnings about properties of an object that its form ignores."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ..records.record import read_record
 from ..words.wording import told
 from .mirrors import is_followed
 
-_LEAST_VALUE = 1e-3  # of a shape key that bends what is shown
+_LEAST_VALUE = 1e-3  # of a shape key that visibly deforms the object
 _ADDING = (
     "ARRAY",
     "BOOLEAN",
@@ -41,16 +41,16 @@ _BENDING = (
 
 
 def object_warnings(objects: Sequence[bpy.types.Object], deformed: bool, *, scaled: bool = False) -> list[str]:
-    """List what the form of some objects leaves out: their scale, shape keys and modifiers.
+    """Return warnings about scale, shape keys and modifiers that the form of some objects ignores.
 
     Parameters
     ----------
     objects : sequence of bpy.types.Object
         The objects of one form.
     deformed : bool
-        Whether the form is computed of the evaluated meshes, not of the base meshes.
+        Whether the form is computed from the evaluated meshes instead of the base meshes.
     scaled : bool
-        Whether the form is computed with the objects' scales, as that of several objects together is.
+        Whether the form includes the objects' scales, as for several objects as one body.
 
     Returns
     -------
@@ -104,7 +104,7 @@ def object_warnings(objects: Sequence[bpy.types.Object], deformed: bool, *, scal
 
 
 def bending_keys(obj: bpy.types.Object) -> list[str]:
-    """Name the shape keys, not ours, that move vertices of an object away from its Basis as it is shown."""
+    """Return the names of the user's shape keys that currently move an object away from its Basis."""
     keys = obj.data.shape_keys
     if keys is None or not keys.use_relative or obj.show_only_shape_key:
         return []
@@ -122,13 +122,13 @@ def bending_keys(obj: bpy.types.Object) -> list[str]:
 
 
 def _those_with(objects: Sequence[bpy.types.Object], what: Callable[[bpy.types.Object], list[str]]) -> tuple[str, str]:
-    """Name the objects that have something, and what they have, each once."""
+    """Return the names of the objects that have something, and the names of what they have, each once."""
     having = {obj.name: found for obj in objects if (found := what(obj))}
     return ", ".join(having), ", ".join(dict.fromkeys(each for found in having.values() for each in found))
 
 
 def _bending_modifiers(obj: bpy.types.Object) -> list[str]:
-    """Name the modifiers that bend what is shown."""
+    """Return the names of the enabled modifiers that deform the object."""
     return [
         each.name
         for each in obj.modifiers
@@ -137,7 +137,7 @@ def _bending_modifiers(obj: bpy.types.Object) -> list[str]:
 
 
 def _adding_modifiers(obj: bpy.types.Object) -> list[str]:
-    """Name the modifiers that add to what is shown."""
+    """Return the names of the enabled modifiers that add geometry."""
     return [
         each.name for each in obj.modifiers if each.show_viewport and each.type in _ADDING and not is_followed(each)
     ]

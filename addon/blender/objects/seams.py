@@ -1,4 +1,4 @@
-"""Seams of the base mesh in what modifiers make of it: Subdivision Surface draws their two sides apart."""
+"""Seams of the base mesh in the evaluated mesh: a Subdivision Surface modifier moves their two sides apart."""
 
 from __future__ import annotations
 
@@ -7,18 +7,19 @@ from typing import TYPE_CHECKING
 import bpy
 import numpy as np
 
-from ...core.mesh.connectivity import border_labels, component_labels, edge_table
+from ...core.mesh.connectivity import border_labels, component_labels
+from ...core.mesh.edges import edge_table
 
 if TYPE_CHECKING:
     from ...core.numerics.arrays import FloatArray, IntArray
 
-_PLACE = ".canonical_form_place"  # an attribute, there while the mesh is evaluated
-_SAME = 1e-5  # of the size of the mesh: places nearer than this are one
-_OPENED = 0.5  # of the longest edge at a seam: how far its two sides may come apart
+_PLACE = ".canonical_form_place"  # an attribute that exists while the mesh is evaluated
+_SAME = 1e-5  # of the size of the mesh: closer places are identical
+_OPENED = 0.5  # of the longest edge at a seam: largest gap between its two sides
 
 
 def has_seams(vertices: FloatArray, faces: IntArray) -> bool:
-    """Return whether borders of a mesh coincide.
+    """Return whether a mesh has coincident borders.
 
     Parameters
     ----------
@@ -30,14 +31,14 @@ def has_seams(vertices: FloatArray, faces: IntArray) -> bool:
     Returns
     -------
     bool
-        True if two vertices at borders have the same position.
+        True if two border vertices have the same position.
     """
     border = vertices[np.flatnonzero(border_labels(faces, edge_table(faces)) >= 0)]
     return len(np.unique(border, axis=0)) < len(border)
 
 
 def evaluated_places(obj: bpy.types.Object) -> FloatArray | None:
-    """Find where on the base mesh the vertices of the evaluated mesh are, as far as the modifiers tell.
+    """Return where the vertices of the evaluated mesh are on the base mesh, if the modifiers keep attributes.
 
     Parameters
     ----------
@@ -47,7 +48,7 @@ def evaluated_places(obj: bpy.types.Object) -> FloatArray | None:
     Returns
     -------
     (n, 3) ndarray of float or None
-        Positions on the base mesh, between its vertices in straight lines; None where the modifiers drop attributes.
+        Positions on the base mesh, interpolated linearly between its vertices; None if the modifiers drop attributes.
     """
     mesh = obj.data
     points = np.empty(3 * len(mesh.vertices), dtype=np.float32)
@@ -76,7 +77,7 @@ def evaluated_places(obj: bpy.types.Object) -> FloatArray | None:
 
 
 def closed_seams(vertices: FloatArray, faces: IntArray, places: FloatArray, longest: float) -> FloatArray:
-    """Bring the two sides of seams together.
+    """Close seams by merging the positions of their two sides.
 
     Parameters
     ----------
@@ -85,14 +86,14 @@ def closed_seams(vertices: FloatArray, faces: IntArray, places: FloatArray, long
     faces : (m, 3) ndarray of int
         Its triangles.
     places : (n, 3) ndarray of float
-        Where on the base mesh its vertices are.
+        Positions of its vertices on the base mesh.
     longest : float
         Length of the longest edge of the base mesh at a border.
 
     Returns
     -------
     (n, 3) ndarray of float
-        Positions; vertices at borders that are in one place on the base mesh, and not far apart, have their mean.
+        Positions; border vertices at the same place of the base mesh, and not far apart, are moved to their mean.
     """
     from scipy.spatial import cKDTree
 
@@ -107,7 +108,7 @@ def closed_seams(vertices: FloatArray, faces: IntArray, places: FloatArray, long
 
 
 def longest_border_edge(vertices: FloatArray, faces: IntArray) -> float:
-    """Measure the longest edge at a border.
+    """Return the length of the longest border edge.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Inverts modifiers and other shape keys: finds the positions that they move to given places."""
+"""Inverts modifiers and other shape keys: finds the positions that they move to given positions."""
 
 from __future__ import annotations
 
@@ -26,34 +26,34 @@ _PROBE = 1e-3  # of the size of the mesh: step of the finite differences
 
 
 def positions_before(obj: bpy.types.Object, shapes: Sequence[FloatArray]) -> list[FloatArray]:
-    """Find where vertices must be in a shape key so that the evaluated mesh has them at given places.
+    """Return the vertex positions in a shape key for which the evaluated mesh has given positions.
 
-    Newton's method, with the Jacobian of every vertex by finite differences from three small shifts of all vertices;
-    for an armature, which moves every vertex by its own matrix, one step is exact. The shape key added to evaluate
-    them is removed again, also after an error.
+    Newton's method, with the Jacobian of every vertex from finite differences for three small shifts of all vertices;
+    for an armature, which moves every vertex by its own matrix, one step is exact. The temporary shape key is removed
+    again, even after an error.
 
     Parameters
     ----------
     obj : bpy.types.Object
-        The object, in Object Mode, whose modifiers keep the number of vertices.
+        The object, in Object Mode; its modifiers keep the number of vertices.
     shapes : sequence of (n, 3) ndarray of float
-        Positions wanted in the evaluated mesh, in the object's local space.
+        Target positions in the evaluated mesh, in the object's local space.
 
     Returns
     -------
     list of (n, 3) ndarray of float
-        For each shape the positions in a shape key relative to the Basis, at value 1, with the keys of an earlier run
+        For each shape, the positions in a shape key relative to the Basis, at value 1, with the keys of an earlier run
         muted.
 
     Raises
     ------
     CanonicalFormError
-        If the modifiers do not follow the vertices closely enough.
+        If the modifiers cannot be inverted accurately enough.
     """
     with _probe(obj) as evaluated:
         base = read_mesh(obj.data)[0]
         here = evaluated(base)
-        inverse = None  # of the Jacobian at the base, computed when the first shape needs it
+        inverse = None  # of the Jacobian at the base positions, computed for the first shape that needs it
         found = []
         for wanted in shapes:
             size = float(np.ptp(wanted, axis=0).max())
@@ -67,12 +67,12 @@ def positions_before(obj: bpy.types.Object, shapes: Sequence[FloatArray]) -> lis
 
 
 def shown_at(obj: bpy.types.Object, positions: FloatArray) -> FloatArray:
-    """Find where the evaluated mesh has the vertices of a shape key.
+    """Return the positions that the evaluated mesh has for the positions in a shape key.
 
     Parameters
     ----------
     obj : bpy.types.Object
-        The object, in Object Mode, whose modifiers keep the number of vertices.
+        The object, in Object Mode; its modifiers keep the number of vertices.
     positions : (n, 3) ndarray of float
         Positions in a shape key relative to the Basis, at value 1.
 
@@ -87,7 +87,7 @@ def shown_at(obj: bpy.types.Object, positions: FloatArray) -> FloatArray:
 
 @contextmanager
 def _probe(obj: bpy.types.Object) -> Iterator[Evaluate]:
-    """Add a shape key for the time being, and evaluate the mesh with it filled as wanted."""
+    """Add a temporary shape key, and return a function that evaluates the mesh with given positions in it."""
     mesh = obj.data
     fresh, active, pinned = mesh.shape_keys is None, obj.active_shape_key_index, obj.show_only_shape_key
     elsewhere = active_keys_elsewhere(obj)
@@ -116,7 +116,7 @@ def _probe(obj: bpy.types.Object) -> Iterator[Evaluate]:
 
 
 def _solved(obj: bpy.types.Object, evaluated: Evaluate, positions: FloatArray, wanted: FloatArray) -> FloatArray:
-    """Go on from the first step until the evaluated mesh is as wanted."""
+    """Iterate from the first step until the evaluated mesh has the target positions."""
     size = float(np.ptp(wanted, axis=0).max())
     for _ in range(_STEPS - 1):
         here = evaluated(positions)
@@ -134,7 +134,7 @@ def _solved(obj: bpy.types.Object, evaluated: Evaluate, positions: FloatArray, w
 
 
 def _inverse_jacobian(evaluated: Evaluate, positions: FloatArray, here: FloatArray, size: float) -> FloatArray:
-    """Invert the Jacobian of every vertex; the identity stands for those that do not move."""
+    """Invert the Jacobian of every vertex; vertices that do not move get the identity."""
     probes = [evaluated(positions + _PROBE * size * axis) - here for axis in np.eye(3)]
     jacobian = np.stack(probes, axis=1) / (_PROBE * size)  # (n, 3 shifts, 3)
     singular = np.abs(np.linalg.det(jacobian)) < 1e-6

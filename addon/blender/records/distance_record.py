@@ -14,7 +14,7 @@ _COLOURS, _WEIGHTS = " colours", " weights"
 
 
 class WrittenField(NamedTuple):
-    """The colours and the vertex group of one distance field; empty strings where there are none.
+    """The colours and the vertex group of one distance field; empty strings if there are none.
 
     Attributes
     ----------
@@ -31,7 +31,7 @@ class WrittenField(NamedTuple):
 
 
 def read_distances(mesh: bpy.types.Mesh) -> dict[str, WrittenField]:
-    """Read which distance fields were written to a mesh.
+    """Read the record of the distance fields on a mesh.
 
     Parameters
     ----------
@@ -48,12 +48,12 @@ def read_distances(mesh: bpy.types.Mesh) -> dict[str, WrittenField]:
         entries = named(lambda pair: listed(words, pair, 2), json.loads(text) if isinstance(text, str) else {})
         names = [entry.removesuffix(_COLOURS) for entry in entries if entry.endswith(_COLOURS)]
         return {name: WrittenField(*entries[name + _COLOURS], *entries[name + _WEIGHTS]) for name in names}
-    except (KeyError, ValueError, RecursionError):  # the user's own property of that name, or a stranger's
+    except (KeyError, ValueError, RecursionError):  # a property of that name from the user, or from an untrusted file
         return {}
 
 
 def write_distances(mesh: bpy.types.Mesh, fields: dict[str, WrittenField]) -> None:
-    """Write to a mesh which distance fields it has.
+    """Write the record of the distance fields on a mesh.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The shape key that holds the form: found by its name in the record, and whether it is unchanged."""
+"""The shape key that holds the form, found by its name in the record, and whether it is unchanged."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .record import read_record
 
 
 def form_key(mesh: bpy.types.Mesh) -> bpy.types.ShapeKey | None:
-    """Find the form's shape key by its name; its content is not checked, which is fast enough for a panel.
+    """Return the form's shape key by its name; its content is not checked, so a panel can call this.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ def form_key(mesh: bpy.types.Mesh) -> bpy.types.ShapeKey | None:
 
 
 def unchanged_form_key(mesh: bpy.types.Mesh) -> bpy.types.ShapeKey | None:
-    """Find the form's shape key, unless it has been removed or changed since it was written.
+    """Return the form's shape key, unless it has been removed or changed since it was written.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def unchanged_form_key(mesh: bpy.types.Mesh) -> bpy.types.ShapeKey | None:
 
 
 def require_form_key(mesh: bpy.types.Mesh) -> bpy.types.ShapeKey:
-    """Find the form's shape key where there must be one.
+    """Return the form's shape key, which must exist.
 
     Parameters
     ----------

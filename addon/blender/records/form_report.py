@@ -25,20 +25,20 @@ class StressReport(NamedTuple):
 
 
 class LikeReport(NamedTuple):
-    """Whose pose a mesh was put into.
+    """The pose that a mesh was put into.
 
     Attributes
     ----------
     pose : {'OBJECT', 'T', 'A'}
-        Whether it is that of an object or of a mannequin.
+        Whether the pose is that of an object, or the T-pose or A-pose of a mannequin.
     name : str
         Name of the object.
     key : str
-        Name that the shape key was given.
+        Name of the shape key.
     side : int
-        Which of the ways to match was taken.
+        Index of the way to match that was used.
     sides : list of float
-        Scores of the ways, the likeliest first.
+        Scores of the ways to match, the most likely first.
     confidence : float
         Mean confidence of the match.
     """
@@ -53,12 +53,12 @@ class LikeReport(NamedTuple):
 
 @dataclass
 class FormReport:
-    """What a run found on one mesh.
+    """Report of a run on one mesh.
 
     Attributes
     ----------
     vertices, faces : int
-        Size of the mesh, faces counted as triangles.
+        Size of the mesh, with faces counted as triangles.
     feature_points : list of int
         Vertex indices, in the order of the patches; -1 for those on another object of the body.
     patch_sizes : list of int
@@ -70,9 +70,9 @@ class FormReport:
     stress : StressReport or None
         Stress of the embedding; None if the run stopped at the patches or feature points.
     method : str
-        Method that computed the form. This and the following attributes are meaningful only with a form.
+        Method that computed the form. This attribute and the following ones are meaningful only with a form.
     pieces : str
-        Whether loose parts were one body, 'together', or had forms of their own, 'apart'.
+        Whether loose parts were treated as one body, 'together', or had separate forms, 'apart'.
     pair_count : int
         Number of pair distances that the stress uses.
     pair_reduction : float
@@ -80,11 +80,11 @@ class FormReport:
     measures : dict of str to float or None
         Quality measures of the form; None where one is undefined, such as the compactness of an open mesh.
     frame : int or None
-        The frame whose pose was taken out; None where it is that of the base mesh.
+        The frame whose pose was removed; None for the base mesh.
     objects : list of str
-        Names of the objects of the body, where it was several; the stress, pairs and measures are of them all.
+        Names of the objects of a body of several; stress, pairs and measures then apply to all of them.
     like : LikeReport or None
-        Whose pose the mesh was put into, where the result is that and not a form.
+        The pose that the mesh was put into, if the result is a pose and not a form.
     """
 
     vertices: int
@@ -105,12 +105,12 @@ class FormReport:
 
     @property
     def has_form(self) -> bool:
-        """Whether the run computed a canonical form, not another's pose, nor only patches or feature points."""
+        """Whether the run computed a canonical form, and not a pose or only patches or feature points."""
         return self.stress is not None
 
     @property
     def seconds(self) -> float:
-        """Computation time of all stages together."""
+        """Total computation time of all stages."""
         return sum(self.timings.values())
 
     @property
@@ -140,7 +140,7 @@ class FormReport:
         Raises
         ------
         KeyError, TypeError, ValueError
-            If the data are not those of a report.
+            If the data is not that of a report.
         """
         points = listed(whole, data["feature_points"])
         report = cls(
@@ -155,7 +155,7 @@ class FormReport:
             stress = data["stress"]
             report.stress = StressReport(real(stress["first"]), real(stress["last"]), whole(stress["steps"]))
             report.method = words(data.get("method", report.method))
-            report.pieces = words(data.get("pieces", "apart"))  # version 0.1 knew nothing else
+            report.pieces = words(data.get("pieces", "apart"))  # the only value in version 0.1
             report.pair_count = whole(data["pair_count"])
             report.pair_reduction = real(data["pair_reduction"])
         if "like" in data:
@@ -176,12 +176,12 @@ class FormReport:
         return report
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the report to a JSON object, for the record and the command line's result lines.
+        """Convert the report to a JSON object, for the record and the result lines of the command line.
 
         Returns
         -------
         dict
-            Counts, stress, measures, timings and warnings; those of the form only if there is one.
+            Counts, stress, measures, timings and warnings; values of the form only if there is one.
         """
         data: dict[str, Any] = {
             "vertices": self.vertices,
@@ -199,7 +199,7 @@ class FormReport:
             }
         if self.like is not None:
             data |= {"like": self.like._asdict(), "measures": self.measures, "pieces": self.pieces}
-        elif self.stress is not None and self.pieces == "together":  # apart, as in version 0.1, where nothing is said
+        elif self.stress is not None and self.pieces == "together":  # "apart" is left out, as in version 0.1
             data["pieces"] = self.pieces
         if self.frame is not None:
             data["frame"] = self.frame

@@ -1,4 +1,4 @@
-"""Records as the first builds of version 0.1 wrote them: read as those of today."""
+"""Records written by the first builds of version 0.1, converted to the current format."""
 
 from __future__ import annotations
 
@@ -8,22 +8,22 @@ FORMER_PROPERTY = "canonical_form"
 
 
 def brought_up_to_date(data: dict[str, Any]) -> dict[str, Any]:
-    """Turn the JSON object of a former record into that of today's.
+    """Convert the JSON object of an earlier record to the current format.
 
     Parameters
     ----------
     data : dict
-        A record. The first builds kept the names of what they wrote, without fingerprints.
+        A record. The first builds stored the names of what they wrote, without fingerprints.
 
     Returns
     -------
     dict
-        The record as `Record.from_json` reads it. Nothing tells whether an item without a fingerprint was edited.
+        The record as `Record.from_json` reads it. An item without a fingerprint may have been edited; this is unknown.
 
     Raises
     ------
     KeyError, TypeError
-        If the data are not those of a record.
+        If the data is not that of a record.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Attributes that Blender's interface does not list: the patch of every vertex and the whole form."""
+"""Attributes that Blender's interface does not list: the patch of every vertex, and the whole form."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class HiddenAttribute(NamedTuple):
-    """A point attribute whose name starts with a dot, which Blender does not list; only this extension uses its name.
+    """A point attribute whose name starts with a dot, so that Blender does not list it; only we use its name.
 
     Attributes
     ----------
@@ -24,11 +24,11 @@ class HiddenAttribute(NamedTuple):
     data_type : str
         Blender's type of the attribute.
     field : str
-        Property that holds a value.
+        Property of an element that holds its value.
     dtype : type
         Type of the numbers.
     width : int
-        Numbers in a value.
+        Numbers per value.
     """
 
     name: str
@@ -38,7 +38,7 @@ class HiddenAttribute(NamedTuple):
     width: int
 
     def write(self, mesh: bpy.types.Mesh, record: Record, values: np.ndarray) -> None:
-        """Write values to a mesh, in place of earlier ones, and enter them in the record.
+        """Write values to a mesh, replacing earlier ones, and add them to the record.
 
         Parameters
         ----------
@@ -47,7 +47,7 @@ class HiddenAttribute(NamedTuple):
         record : Record
             The record of the run.
         values : (n,) or (n, width) ndarray
-            One value a vertex.
+            One value per vertex.
         """
         values = values.astype(self.dtype)
         if self.name in mesh.attributes:
@@ -68,7 +68,7 @@ class HiddenAttribute(NamedTuple):
         Returns
         -------
         (n * width,) ndarray or None
-            The values; None if there are none.
+            The values; None if the attribute does not exist.
         """
         attribute = mesh.attributes.get(self.name)
         if attribute is None or attribute.data_type != self.data_type or len(attribute.data) != len(mesh.vertices):
@@ -100,7 +100,7 @@ def patches_of(mesh: bpy.types.Mesh) -> IntArray | None:
 
 
 def whole_form_of(mesh: bpy.types.Mesh) -> FloatArray | None:
-    """Read the whole form of the last run; the shape key may hold that of some limbs only.
+    """Read the whole form of the last run; the shape key may hold the form of some limbs only.
 
     Parameters
     ----------

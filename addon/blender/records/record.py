@@ -1,7 +1,7 @@
 """The record on a mesh of what the last run wrote to it.
 
-It holds names with fingerprints, so that exactly the written items can be removed again: whatever has been renamed,
-replaced or changed since belongs to the user and is never touched.
+It stores names with fingerprints, so that exactly the items written can be removed again. An item that has been
+renamed, replaced or changed since then belongs to the user and is kept.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from .former_records import FORMER_PROPERTY, brought_up_to_date
 from .stored_values import flag, listed, maybe, named, real, whole, words
 
 RECORD_PROPERTY = "canonical_form_record"
-_LONGEST = 10**7  # characters of a record; ours have thousands, and a panel reads it again and again
+_LONGEST = 10**7  # characters of a record; ours have thousands, and panels read them repeatedly
 
-Fingerprints = dict[str, str | None]  # by name; None while it is written, and in records of the first builds
+Fingerprints = dict[str, str | None]  # by name; None while it is being written, and in records of the first builds
 
 
 @dataclass
@@ -32,11 +32,11 @@ class InBetweens:
     Attributes
     ----------
     keys : dict of str to str or None
-        Fingerprints of the keys by name, in their order on the way.
+        Fingerprints of the keys by name, in order from pose to form.
     animated_before : bool
         Whether the shape keys had animation data before the drivers were added.
     value : float
-        Value of the form's key before it was driven.
+        Value of the form's key before it had a driver.
     """
 
     keys: Fingerprints
@@ -50,11 +50,11 @@ class Part(NamedTuple):
     Attributes
     ----------
     number : int
-        Its number in the body, from 0: the first has the slider.
+        Index in the body, from 0; part 0 has the slider.
     placement : list of list of float
-        The transform from its own space to that of the body, 4 by 4.
+        The transform from its local space to the space of the body, 4 by 4.
     body : str
-        Fingerprint of the run, the same for all parts.
+        Fingerprint of the run, identical for all parts.
     """
 
     number: int
@@ -75,19 +75,19 @@ class Record:
     basis : str or None
         Name of the Basis, if the run added it.
     basis_fingerprint : str or None
-        Fingerprint of that Basis; None if it is unknown.
+        Fingerprint of that Basis; None if unknown.
     keys, groups, colours, hidden : dict of str to str or None
         Fingerprints by name of the form's shape key, the vertex groups, the colour attributes and the hidden
-        attributes. The first group holds the feature points, those after it one patch each; after them that of a
-        match holds its confidence.
+        attributes. The first group holds the feature points, the next ones hold one patch each; they are followed
+        by the confidence group of a match.
     palette : list of list of float
         Linear red, green and blue of each patch; empty without patches.
     limbs : list of bool
-        For each patch whether the key takes the pose out of it; empty while it does so for all.
+        For each patch, whether the key removes its pose; empty if it does so for all.
     in_betweens : InBetweens or None
-        The keys between pose and form, if there are any.
+        The keys between pose and form, if any.
     part : Part or None
-        Which part of a body of several objects this one is; None where the form is of this object alone.
+        The part of a body of several objects that this mesh is; None if the form is of this object alone.
     """
 
     report: FormReport
@@ -105,17 +105,17 @@ class Record:
 
     @property
     def has_form(self) -> bool:
-        """Whether the run wrote a form or another's pose, not only patches or feature points."""
+        """Whether the run wrote a form or a pose, and not only patches or feature points."""
         return bool(self.keys)
 
     @property
     def has_patches(self) -> bool:
-        """Whether the run wrote patches, not only feature points."""
+        """Whether the run wrote patches, and not only feature points."""
         return bool(self.palette)
 
     @property
     def patch_count(self) -> int:
-        """Number of patches that were written."""
+        """Number of patches written."""
         return len(self.palette)
 
     @property
@@ -125,7 +125,7 @@ class Record:
 
     @property
     def straightened(self) -> list[bool]:
-        """For each patch whether the key takes the pose out of it; empty without a form."""
+        """For each patch, whether the key removes its pose; empty without a form."""
         return (self.limbs or [True] * self.patch_count) if self.has_form else []
 
     @property
@@ -139,7 +139,7 @@ class Record:
         Returns
         -------
         ItemNames
-            Their names; None among the shape keys if the run did not add the Basis.
+            Their names; the shape keys include None if the run did not add the Basis.
         """
         return ItemNames(
             shape_keys={*self.keys, *self.in_between_keys, self.basis},
@@ -149,7 +149,7 @@ class Record:
 
     @classmethod
     def from_json(cls, data: dict[str, Any]) -> Record:
-        """Build a record from its JSON object, as this version or an earlier one wrote it.
+        """Build a record from its JSON object, written by this version or an earlier one.
 
         Parameters
         ----------
@@ -164,7 +164,7 @@ class Record:
         Raises
         ------
         ValueError
-            If the data are not those of a record.
+            If the data is not that of a record.
         """
         try:
             data = brought_up_to_date(data)
@@ -193,7 +193,7 @@ class Record:
         return record
 
     def _require_agreement(self) -> None:
-        """Refuse a record whose lists are not of the same patches."""
+        """Reject a record whose lists disagree on the number of patches."""
         count = self.patch_count
         if count and not len(self.report.feature_points) == len(self.report.patch_sizes) == count < len(self.groups):
             raise ValueError("There is not one of each for every patch.")
@@ -206,7 +206,7 @@ class Record:
         Returns
         -------
         dict
-            The keys are those of version 0.1.
+            A dictionary with the keys of version 0.1.
         """
         data: dict[str, Any] = {
             "report": self.report.as_json(),
@@ -232,36 +232,36 @@ class Record:
 
 
 def _fingerprints(value: Any) -> Fingerprints:
-    """Take fingerprints by name from what is stored."""
+    """Read fingerprints by name from stored data."""
     return named(lambda fingerprint: maybe(words, fingerprint), value)
 
 
 def read_record(mesh: bpy.types.Mesh, *, containing: str = "") -> Record | None:
-    """Read what the last run wrote to a mesh.
+    """Read the record of the last run on a mesh.
 
     Parameters
     ----------
     mesh : bpy.types.Mesh
         The mesh.
     containing : str
-        Read only a record whose text contains this.
+        Return only a record whose text contains this.
 
     Returns
     -------
     Record or None
-        The record; None if there is no result.
+        The record; None if there is none.
     """
     text = mesh.get(RECORD_PROPERTY) or mesh.get(FORMER_PROPERTY)
     if not isinstance(text, str) or len(text) > _LONGEST or containing not in text:
         return None
     try:
         return Record.from_json(json.loads(text))
-    except (ValueError, RecursionError):  # the user's own property of that name, or a stranger's
+    except (ValueError, RecursionError):  # a property of that name from the user, or from an untrusted file
         return None
 
 
 def require_record(mesh: bpy.types.Mesh) -> Record:
-    """Read the record of a mesh that must have one.
+    """Read the record of a mesh, which must have one.
 
     Parameters
     ----------
@@ -299,7 +299,7 @@ def write_record(mesh: bpy.types.Mesh, record: Record) -> None:
 
 
 def remove_record(mesh: bpy.types.Mesh) -> None:
-    """Remove the record of a mesh, if it has one, however old.
+    """Remove the record of a mesh, if it has one, in the current or an earlier format.
 
     Parameters
     ----------
@@ -307,5 +307,5 @@ def remove_record(mesh: bpy.types.Mesh) -> None:
         The mesh.
     """
     for name in (RECORD_PROPERTY, FORMER_PROPERTY):
-        if name == RECORD_PROPERTY or read_record(mesh) is not None:  # a property of that name may be the user's
+        if name == RECORD_PROPERTY or read_record(mesh) is not None:  # the user may have a property of that name
             mesh.pop(name, None)

@@ -1,4 +1,4 @@
-"""Values out of stored JSON, each of the type that it must have: a file from a stranger may hold anything."""
+"""Checked values from stored JSON: an untrusted file may contain anything."""
 
 from __future__ import annotations
 
@@ -6,27 +6,27 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 
 _Value = TypeVar("_Value")
-_MOST = 10**15  # of a whole number
+_MOST = 10**15  # largest absolute value of an integer
 _LARGEST = 1e30
 
 
 def whole(value: Any) -> int:
-    """Take a whole number.
+    """Return a stored value if it is an integer.
 
     Parameters
     ----------
     value : object
-        What is stored.
+        The stored value.
 
     Returns
     -------
     int
-        The number.
+        The integer.
 
     Raises
     ------
     ValueError
-        If it is none, or larger than any that this project writes.
+        If it is not an integer, or larger than any that this project writes.
 
     Examples
     --------
@@ -39,12 +39,12 @@ def whole(value: Any) -> int:
 
 
 def real(value: Any) -> float:
-    """Take a finite number.
+    """Return a stored value if it is a finite number.
 
     Parameters
     ----------
     value : object
-        What is stored.
+        The stored value.
 
     Returns
     -------
@@ -54,35 +54,35 @@ def real(value: Any) -> float:
     Raises
     ------
     ValueError
-        If it is none.
+        If it is not a finite number.
 
     Examples
     --------
     >>> real(1)
     1.0
     """
-    if isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= _LARGEST:  # false for nan
+    if isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= _LARGEST:  # false for NaN
         return float(value)
     raise ValueError(f"{value!r:.40} is not a finite number.")
 
 
 def words(value: Any) -> str:
-    """Take a text.
+    """Return a stored value if it is a string.
 
     Parameters
     ----------
     value : object
-        What is stored.
+        The stored value.
 
     Returns
     -------
     str
-        The text.
+        The string.
 
     Raises
     ------
     ValueError
-        If it is none, or none that Blender can show.
+        If it is not a string, or contains surrogates, which Blender cannot show.
 
     Examples
     --------
@@ -95,22 +95,22 @@ def words(value: Any) -> str:
 
 
 def flag(value: Any) -> bool:
-    """Take a truth value.
+    """Return a stored value if it is a Boolean.
 
     Parameters
     ----------
     value : object
-        What is stored.
+        The stored value.
 
     Returns
     -------
     bool
-        The truth value.
+        The Boolean.
 
     Raises
     ------
     ValueError
-        If it is none.
+        If it is not a Boolean.
 
     Examples
     --------
@@ -123,24 +123,24 @@ def flag(value: Any) -> bool:
 
 
 def maybe(take: Callable[[Any], _Value], value: Any) -> _Value | None:
-    """Take a value that may be missing.
+    """Return a stored value that may be missing.
 
     Parameters
     ----------
     take : callable
-        Takes the value.
+        Checks the value.
     value : object
-        What is stored; None where it is missing.
+        The stored value; None if it is missing.
 
     Returns
     -------
     object or None
-        The value.
+        The checked value.
 
     Raises
     ------
     ValueError
-        If it is of another type.
+        If `take` rejects it.
 
     Examples
     --------
@@ -151,26 +151,26 @@ def maybe(take: Callable[[Any], _Value], value: Any) -> _Value | None:
 
 
 def listed(take: Callable[[Any], _Value], value: Any, count: int | None = None) -> list[_Value]:
-    """Take a list.
+    """Return a stored value if it is a list.
 
     Parameters
     ----------
     take : callable
-        Takes each of its values.
+        Checks each element.
     value : object
-        What is stored.
+        The stored value.
     count : int, optional
-        How many it must have.
+        Required length.
 
     Returns
     -------
     list
-        The values.
+        The checked elements.
 
     Raises
     ------
     ValueError
-        If it is no list, or one of another length or other values.
+        If it is not a list, has another length, or `take` rejects an element.
 
     Examples
     --------
@@ -183,24 +183,24 @@ def listed(take: Callable[[Any], _Value], value: Any, count: int | None = None) 
 
 
 def named(take: Callable[[Any], _Value], value: Any) -> dict[str, _Value]:
-    """Take values by name.
+    """Return a stored value if it is a dictionary with string keys.
 
     Parameters
     ----------
     take : callable
-        Takes each of the values.
+        Checks each value.
     value : object
-        What is stored.
+        The stored value.
 
     Returns
     -------
     dict
-        The values.
+        The checked values, by name.
 
     Raises
     ------
     ValueError
-        If it is no such thing, or has other values.
+        If it is not such a dictionary, or `take` rejects a value.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""The record on a mesh of what was taken over from other objects: another run replaces what nobody has changed."""
+"""The record on a mesh of items transferred from other objects; another run replaces those that nobody has changed."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from .stored_values import named, words
 TRANSFERS_PROPERTY = "canonical_form_transfers"
 KINDS = ("groups", "uvs", "colours", "keys")
 
-Written = dict[str, dict[str, str]]  # by kind, fingerprints by name
+Written = dict[str, dict[str, str]]  # by kind: fingerprints by name
 
 
 def read_transfers(mesh: bpy.types.Mesh) -> Written:
-    """Read what was taken over.
+    """Read the record of transferred items.
 
     Parameters
     ----------
@@ -27,31 +27,31 @@ def read_transfers(mesh: bpy.types.Mesh) -> Written:
     Returns
     -------
     dict of str to dict of str to str
-        For each of `KINDS` the fingerprints by name.
+        For each of `KINDS`, the fingerprints by name.
     """
     text = mesh.get(TRANSFERS_PROPERTY)
     try:
         known = named(lambda prints: named(words, prints), json.loads(text) if isinstance(text, str) else {})
         return {kind: known.get(kind, {}) for kind in KINDS}
-    except (ValueError, RecursionError):  # the user's own property of that name, or a stranger's
+    except (ValueError, RecursionError):  # a property of that name from the user, or from an untrusted file
         return {kind: {} for kind in KINDS}
 
 
 def write_transfers(mesh: bpy.types.Mesh, written: Written) -> None:
-    """Write to a mesh what was taken over.
+    """Write the record of transferred items to a mesh.
 
     Parameters
     ----------
     mesh : bpy.types.Mesh
         The mesh.
     written : dict of str to dict of str to str
-        For each of `KINDS` the fingerprints by name.
+        For each of `KINDS`, the fingerprints by name.
     """
     mesh[TRANSFERS_PROPERTY] = json.dumps(written)
 
 
 def make_room(obj: bpy.types.Object, kind: str, names: list[str], written: Written) -> list[str]:
-    """Remove what an earlier run took over and nobody has changed, and tell what stays in the way.
+    """Remove unchanged items of an earlier transfer, and return the names that are still in use.
 
     Parameters
     ----------
@@ -60,14 +60,14 @@ def make_room(obj: bpy.types.Object, kind: str, names: list[str], written: Writt
     kind : str
         One of `KINDS`.
     names : list of str
-        Names that are to be written.
+        Names to be written.
     written : dict of str to dict of str to str
-        What was taken over; what is removed is taken out of it.
+        The record; removed items are deleted from it.
 
     Returns
     -------
     list of str
-        Names of the user's own items.
+        Names used by the user's own items.
     """
     known, left = written[kind], []
     groups = group_fingerprints(obj, names) if kind == "groups" else {}
@@ -83,7 +83,7 @@ def make_room(obj: bpy.types.Object, kind: str, names: list[str], written: Writt
 
 
 def _fingerprint(obj: bpy.types.Object, kind: str, name: str) -> str | None:
-    """Hash an item; None where there is none of that name."""
+    """Return the fingerprint of an item; None if there is none of that name."""
     mesh = obj.data
     if kind == "uvs":
         return uv_fingerprint(mesh.uv_layers[name]) if name in mesh.uv_layers else None

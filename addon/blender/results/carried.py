@@ -1,4 +1,4 @@
-"""What a match shows on a mesh; told without Blender."""
+"""Values that show a match on a mesh; defined without Blender."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from ...core.numerics.arrays import FloatArray
 
 
 class Carried(NamedTuple):
-    """What a match shows on a mesh.
+    """Values that show a match on a mesh.
 
     Attributes
     ----------
     confidence : (n,) ndarray of float
-        How sure the match of each vertex is, 0 to 1.
+        Confidence of the match of each vertex, 0 to 1.
     colours : (n, 4) ndarray of float32
-        Colours of the reference, carried over.
+        Colours transferred from the reference.
     """
 
     confidence: FloatArray

@@ -1,4 +1,4 @@
-"""Objects whose results are of one body: who they are, and the one slider that moves them all."""
+"""Companions: objects with results of the same body, which share one slider."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .in_betweens import PROPERTY, animated_slider, slider_path, value_path
 
 
 class _Member(NamedTuple):
-    """A part of a body, as far as it tells who the others are; read once, since panels ask at every redraw."""
+    """The data that assigns a part to its body; read once, as panels ask at every redraw."""
 
     obj: bpy.types.Object
     part: Part
@@ -25,7 +25,7 @@ class _Member(NamedTuple):
 
 
 def companions_of(obj: bpy.types.Object) -> list[bpy.types.Object]:
-    """List the objects whose results are of one body with that of an object.
+    """Return the objects whose results belong to the same body as that of an object.
 
     Parameters
     ----------
@@ -35,16 +35,16 @@ def companions_of(obj: bpy.types.Object) -> list[bpy.types.Object]:
     Returns
     -------
     list of bpy.types.Object
-        The one that has the slider first, then the others, in the order of the run. The object alone where its result
-        is of itself, where the user has set it free by deleting the driver of its key, and where it is a copy of
-        another.
+        The object with the slider first, then the others, in the order of the run. Only the object itself if its result
+        is of this object alone, if the user has detached it by deleting the driver of its key, or if it is a copy of
+        another part.
     """
     member = _member(obj)
     return [obj] if member is None else _body_of(member, _members())
 
 
 def with_companions(objects: Sequence[bpy.types.Object]) -> list[bpy.types.Object]:
-    """Add to some objects those whose results are of one body with theirs.
+    """Add the companions of objects.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ def with_companions(objects: Sequence[bpy.types.Object]) -> list[bpy.types.Objec
     Returns
     -------
     list of bpy.types.Object
-        The objects, then the others; each once.
+        The objects, then their companions; each once.
     """
     found = dict.fromkeys(objects)
     parts = [member for member in map(_member, objects) if member is not None]
@@ -65,7 +65,7 @@ def with_companions(objects: Sequence[bpy.types.Object]) -> list[bpy.types.Objec
 
 
 def own_sliders(objects: Sequence[bpy.types.Object]) -> list[str]:
-    """Tell which forms will keep a slider of their own, because it is animated.
+    """Report which forms keep their own slider because it is animated.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ def own_sliders(objects: Sequence[bpy.types.Object]) -> list[str]:
     Returns
     -------
     list of str
-        A sentence for each, the first object left out.
+        One message per form, except that of the first object.
     """
     animations = [obj.name for obj in objects[1:] if animated_slider(obj.data)]
     return [
@@ -85,7 +85,7 @@ def own_sliders(objects: Sequence[bpy.types.Object]) -> list[str]:
 
 
 def set_free(obj: bpy.types.Object) -> None:
-    """Take an object out of its body; its result stays.
+    """Remove an object from its body; its result is kept.
 
     Parameters
     ----------
@@ -100,7 +100,7 @@ def set_free(obj: bpy.types.Object) -> None:
 
 
 def lead(objects: Sequence[bpy.types.Object]) -> None:
-    """Let the slider of the first object move the forms of all that are not animated.
+    """Link the forms of all objects to the slider of the first, except animated ones.
 
     Parameters
     ----------
@@ -113,7 +113,7 @@ def lead(objects: Sequence[bpy.types.Object]) -> None:
 
 
 def slider_is_gone(obj: bpy.types.Object) -> bool:
-    """Return whether the form of an object follows the slider of one that is not there any more.
+    """Return whether the form of an object follows the slider of an object that no longer exists.
 
     Parameters
     ----------
@@ -123,7 +123,7 @@ def slider_is_gone(obj: bpy.types.Object) -> bool:
     Returns
     -------
     bool
-        True if the slider of the object is driven, and by no object of the scene.
+        True if a driver links its slider to an object that is not in the scene.
     """
     member = _member(obj)
     if member is None or not member.follows:
@@ -132,7 +132,7 @@ def slider_is_gone(obj: bpy.types.Object) -> bool:
 
 
 def _members() -> list[_Member]:
-    """List the objects of the scene that are parts of bodies; each mesh once."""
+    """Return the parts of bodies in the scene, one per mesh."""
     found: dict[bpy.types.Mesh, _Member | None] = {}
     for obj in bpy.context.scene.objects:
         if obj.type == "MESH" and obj.data not in found:
@@ -141,7 +141,7 @@ def _members() -> list[_Member]:
 
 
 def _member(obj: bpy.types.Object) -> _Member | None:
-    """Read an object as a part of a body; None where it is none."""
+    """Read an object as a part of a body; None if it is not."""
     record = read_record(obj.data, containing='"part"')
     if record is None or record.part is None:
         return None
@@ -162,7 +162,7 @@ def _member(obj: bpy.types.Object) -> _Member | None:
 
 
 def _body_of(member: _Member, members: Iterable[_Member]) -> list[bpy.types.Object]:
-    """List the objects of the body of one of them."""
+    """Return the objects of the body of a part."""
     if member.free:  # the user has deleted the driver of its key
         return [member.obj]
     same = [each for each in members if each.part.body == member.part.body and not each.free]
@@ -179,7 +179,7 @@ def _body_of(member: _Member, members: Iterable[_Member]) -> list[bpy.types.Obje
 
 
 def _leader(member: _Member, leaders: Sequence[_Member]) -> bpy.types.Mesh | None:
-    """Find the mesh whose slider moves the form of a part, or would; None where it is gone."""
+    """Return the mesh whose slider moves the form of a part, or would do so; None if it no longer exists."""
     if member.part.number == 0:
         return member.obj.data
     if member.follows:
@@ -189,7 +189,7 @@ def _leader(member: _Member, leaders: Sequence[_Member]) -> bpy.types.Mesh | Non
 
 
 def _follow(mesh: bpy.types.Mesh, leading: bpy.types.Mesh) -> None:
-    """Drive the slider of a mesh by that of another."""
+    """Drive the slider of a mesh by the slider of another."""
     release(mesh.shape_keys)
     driver = mesh.shape_keys.driver_add(slider_path(mesh)).driver
     driver.type = "SUM"

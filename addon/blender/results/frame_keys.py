@@ -1,4 +1,4 @@
-"""Forms of several frames side by side: a shape key each, keyed to show at its frame."""
+"""Forms of several frames on one object: one shape key per frame, keyframed to show at its frame."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from ..records.record import require_record, write_record
 
 
 def keep_for_frame(obj: bpy.types.Object, frame: int, frames: Sequence[int]) -> None:
-    """Name the shape key of a form after its frame, and key its value there, and 0 at the frames before and after.
+    """Name the form's shape key after its frame, and keyframe its value there, and 0 at the previous and next frame.
 
-    A key of another name stays when the next form is written. After the last frame the record has all of them, so that
+    A renamed key stays when the next form is written. After the last frame the record contains all of them, so that
     they can be cleared.
 
     Parameters
@@ -22,9 +22,9 @@ def keep_for_frame(obj: bpy.types.Object, frame: int, frames: Sequence[int]) -> 
     obj : bpy.types.Object
         The object with the form.
     frame : int
-        The frame that it is of.
+        The frame of the form.
     frames : sequence of int
-        All frames, rising.
+        All frames, ascending.
     """
     key = form_key(obj.data)
     if key is None:

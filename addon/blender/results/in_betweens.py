@@ -1,4 +1,4 @@
-"""Shape keys between the pose and the form, driven by one property: sliding it unbends limbs like joints."""
+"""Shape keys between the pose and the form, driven by one property: limbs unbend as if at joints."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ if TYPE_CHECKING:
     from ...core.numerics.arrays import FloatArray
 
 PROPERTY = "Pose to Form"  # on the shape keys' data-block, which is copied and linked along with the keys
-IN_BETWEEN = "{} {:.0%}"  # the key of the form, and how far it is on the way
+IN_BETWEEN = "{} {:.0%}"  # name of the form's key, and the fraction of the way from pose to form
 _EXPRESSION = "max(0, 1 - abs(s * {} - {}))"  # a simple expression: Blender evaluates it without Python
 
 
 def fractions_between(count: int) -> list[float]:
-    """List the fractions of the way from pose to form at which the keys between lie.
+    """Return the fractions of the way from pose to form at which the in-between keys are.
 
     Parameters
     ----------
@@ -39,19 +39,19 @@ def fractions_between(count: int) -> list[float]:
 
 
 def write_in_betweens(obj: bpy.types.Object, shapes: list[FloatArray]) -> None:
-    """Write keys between pose and form, in place of earlier ones, and drive all keys by one property.
+    """Write keys between pose and form, replacing earlier ones, and drive all keys by one property.
 
     Parameters
     ----------
     obj : bpy.types.Object
         The object, in Object Mode; the form's key is unchanged and not animated.
     shapes : list of (n, 3) ndarray of float
-        Positions at equal steps of the way, without the ends.
+        Positions at equal steps between pose and form, without the ends.
 
     Raises
     ------
     CanonicalFormError
-        If the user animates or drives the form's key.
+        If the user has animated the form's key or given it a driver.
     """
     mesh = obj.data
     remove_in_betweens(obj)
@@ -129,7 +129,7 @@ def remove_in_betweens(obj: bpy.types.Object) -> list[str]:
 
 
 def renamed_keys(mesh: bpy.types.Mesh) -> bool:
-    """Return whether the form's key or one between has been renamed or removed while one property drives them.
+    """Return whether the form's key or an in-between key has been renamed or removed while one property drives them.
 
     Parameters
     ----------
@@ -139,7 +139,7 @@ def renamed_keys(mesh: bpy.types.Mesh) -> bool:
     Returns
     -------
     bool
-        True if so; what they hold is not looked at, which is fast enough for a panel.
+        True if so; only names are compared, so a panel can call this.
     """
     record = read_record(mesh)
     if record is None or not has_in_betweens(mesh):
@@ -148,7 +148,7 @@ def renamed_keys(mesh: bpy.types.Mesh) -> bool:
 
 
 def changed_in_betweens(mesh: bpy.types.Mesh) -> list[str]:
-    """List the keys between pose and form that have been changed since they were written.
+    """Return the keys between pose and form that have been changed since they were written.
 
     Parameters
     ----------
@@ -190,7 +190,7 @@ def has_in_betweens(mesh: bpy.types.Mesh) -> bool:
 
 
 def animated(mesh: bpy.types.Mesh) -> str | None:
-    """Return why the form's key cannot be driven: the user animates or drives it.
+    """Return why no driver can be added to the form's key: the user has animated it or given it a driver.
 
     Parameters
     ----------
@@ -200,7 +200,7 @@ def animated(mesh: bpy.types.Mesh) -> str | None:
     Returns
     -------
     str or None
-        A sentence that names the remedy; None if the key can be driven.
+        A sentence that names the remedy; None if a driver can be added.
     """
     keys, form = mesh.shape_keys, form_key(mesh)
     if keys is not None and PROPERTY in keys and not has_in_betweens(mesh):
@@ -219,7 +219,7 @@ def animated(mesh: bpy.types.Mesh) -> str | None:
 
 
 def slider_path(mesh: bpy.types.Mesh) -> str:
-    """Find the property of the shape keys that moves the form.
+    """Return the path of the property of the shape keys that moves the form.
 
     Parameters
     ----------
@@ -236,7 +236,7 @@ def slider_path(mesh: bpy.types.Mesh) -> str:
 
 
 def animated_slider(mesh: bpy.types.Mesh) -> bool:
-    """Return whether the user animates or drives the slider of a form.
+    """Return whether the user has animated the slider of a form or given it a driver.
 
     Parameters
     ----------
@@ -246,13 +246,13 @@ def animated_slider(mesh: bpy.types.Mesh) -> bool:
     Returns
     -------
     bool
-        True if so; the drivers of this extension do not count.
+        True if so; drivers of this extension do not count.
     """
     return form_key(mesh) is not None and _is_animated(mesh.shape_keys, slider_path(mesh))
 
 
 def value_path(key: bpy.types.ShapeKey) -> str:
-    """Find the path of the value of a shape key.
+    """Return the path of the value of a shape key.
 
     Parameters
     ----------
@@ -268,7 +268,7 @@ def value_path(key: bpy.types.ShapeKey) -> str:
 
 
 def _is_animated(keys: bpy.types.Key, path: str) -> bool:
-    """Return whether the user animates or drives a property of shape keys."""
+    """Return whether the user has animated a property of shape keys or given it a driver."""
     if keys.animation_data is None:
         return False
     drivers = keys.animation_data.drivers
@@ -281,7 +281,7 @@ def _is_animated(keys: bpy.types.Key, path: str) -> bool:
 
 
 def _drive(key: bpy.types.ShapeKey, keys: bpy.types.Key, expression: str) -> None:
-    """Drive the value of a key by an expression in which `s` is the property."""
+    """Add a driver to the value of a key, with an expression in which `s` is the property."""
     driver = key.driver_add("value").driver
     driver.type = "SCRIPTED"
     variable = driver.variables.new()
@@ -293,9 +293,9 @@ def _drive(key: bpy.types.ShapeKey, keys: bpy.types.Key, expression: str) -> Non
 
 
 def _remove_own_drivers(keys: bpy.types.Key, value: float) -> None:
-    """Remove the drivers that `_drive` added; keys that the user has renamed are left at what they show of the form."""
+    """Remove the drivers that `_drive` added; the form's key, even if renamed, gets `value`, the others 0."""
     own = [curve for curve in keys.animation_data.drivers if _is_own_driver(curve, keys)] if keys.animation_data else []
-    last = [curve.driver.expression for curve in own][-1:]  # that of the form
+    last = [curve.driver.expression for curve in own][-1:]  # that of the form's key
     for curve in own:
         name = curve.data_path.split('"')[1]
         if name in keys.key_blocks:
@@ -312,7 +312,7 @@ def _is_own_driver(curve: bpy.types.FCurve, keys: bpy.types.Key) -> bool:
 
 
 def _curves(action: bpy.types.Action) -> list[bpy.types.FCurve]:
-    """List the F-curves of an action: a layered one (Blender 4.4 and later) or one of the earlier kind."""
+    """Return the F-curves of an action, layered (Blender 4.4 and later) or not."""
     if not hasattr(action, "layers"):
         return list(action.fcurves)
     bags = [bag for layer in action.layers for strip in layer.strips for bag in getattr(strip, "channelbags", ())]

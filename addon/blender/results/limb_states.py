@@ -1,4 +1,4 @@
-"""Which limbs a form takes the pose out of, and whether that can be changed."""
+"""The limbs whose pose a form removes, and whether this selection can be changed."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ..words.wording import told
 
 
 def limbs_of(mesh: bpy.types.Mesh) -> list[bool]:
-    """Return for each patch whether the shape key takes the pose out of it.
+    """Return for each patch whether the shape key removes its pose.
 
     Parameters
     ----------
@@ -27,7 +27,7 @@ def limbs_of(mesh: bpy.types.Mesh) -> list[bool]:
 
 
 def variant_refusal(obj: bpy.types.Object | None) -> str | None:
-    """Return why the form of an object cannot be varied.
+    """Return why the limbs and in-betweens of an object's form cannot be changed.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ def variant_refusal(obj: bpy.types.Object | None) -> str | None:
     Returns
     -------
     str or None
-        A sentence that names the remedy; None if the form can be varied.
+        A sentence that names the remedy; None if they can be changed.
     """
     if obj is None or obj.type != "MESH" or not limbs_of(obj.data):
         return told("The active object has no canonical form. Compute it first.")

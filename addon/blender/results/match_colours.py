@@ -1,4 +1,4 @@
-"""The colours of a reference, which a match carries over: shown on the reference too, to compare them."""
+"""The colours of a reference, which a match transfers; also shown on the reference, for comparison."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from ..objects.object_states import object_mode
 from ..words.wording import told
 
 SOURCE_COLOURS = "Match Source"
-_OURS = re.compile(rf"{SOURCE_COLOURS}( Colours)*(\.\d{{3,}})?")  # as Blender may number it
+_OURS = re.compile(rf"{SOURCE_COLOURS}( Colours)*(\.\d{{3,}})?")  # Blender may append a number
 
 
 def has_source_colours(obj: bpy.types.Object) -> bool:
-    """Tell whether a reference shows its colours.
+    """Return whether a reference shows its colours.
 
     Parameters
     ----------
@@ -29,13 +29,13 @@ def has_source_colours(obj: bpy.types.Object) -> bool:
     Returns
     -------
     bool
-        Whether it has them.
+        True if it does.
     """
     return _name(obj) is not None
 
 
 def toggle_source_colours(obj: bpy.types.Object | None) -> bool:
-    """Colour a reference as the match of others shows it, or remove these colours.
+    """Show on a reference the colours that matches transfer from it, or remove them.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ def toggle_source_colours(obj: bpy.types.Object | None) -> bool:
     Raises
     ------
     CanonicalFormError
-        If it is gone or cannot be changed; the message says what to do.
+        If it does not exist or cannot be changed; the message names the remedy.
     """
     reason = told("The reference is gone. Choose another.") if obj is None else refusal(obj)
     if obj is None or reason is not None:
@@ -70,6 +70,6 @@ def toggle_source_colours(obj: bpy.types.Object | None) -> bool:
 
 
 def _name(obj: bpy.types.Object) -> str | None:
-    """Find the name of the colours, which is longer where a vertex group has it."""
+    """Return the name of the colours, which is extended if a vertex group has it."""
     names = [each.name for each in obj.data.color_attributes]
     return next((name for name in names if _OURS.fullmatch(name)), None)

@@ -1,4 +1,4 @@
-"""New objects for results that must not touch the mesh they are computed from."""
+"""New objects for results that must not change the original mesh."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .result_clearing import clear_results
 
 
 def add_result_object(obj: bpy.types.Object, reading: Reading, called: str) -> bpy.types.Object:
-    """Add an object with a copy of the mesh of another, as it was read.
+    """Add an object with a copy of another object's mesh, as it was read.
 
     Parameters
     ----------
@@ -22,7 +22,7 @@ def add_result_object(obj: bpy.types.Object, reading: Reading, called: str) -> b
     reading : Reading
         The reading, of the base mesh or the evaluated one.
     called : str
-        What the result is called: it follows the name of the object.
+        Suffix for the name of the new object.
 
     Returns
     -------
@@ -48,7 +48,7 @@ def add_result_object(obj: bpy.types.Object, reading: Reading, called: str) -> b
             own.link, own.material = "OBJECT", slot.material
     added.matrix_world = obj.matrix_world
     record = read_record(obj.data)
-    if record is not None:  # the copy has the earlier result too: remove it, changed or not
+    if record is not None:  # the copy includes the earlier result: remove it, changed or not
         record.keys, record.groups, record.colours = map(dict.fromkeys, (record.keys, record.groups, record.colours))
         record.in_betweens = None
         write_record(mesh, record)
@@ -61,7 +61,7 @@ def add_result_object(obj: bpy.types.Object, reading: Reading, called: str) -> b
 
 
 def make_active(added: list[bpy.types.Object]) -> None:
-    """Select new objects in place of what was selected, and make the first active: their result is what was asked for.
+    """Select only the new objects, and make the first of them active.
 
     Parameters
     ----------

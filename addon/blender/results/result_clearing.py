@@ -26,7 +26,7 @@ def clear_from(obj: bpy.types.Object) -> list[str]:
     Returns
     -------
     list of str
-        Names of results that stay because they may hold the user's changes.
+        Names of results that stay because they may contain changes by the user.
 
     Raises
     ------
@@ -38,19 +38,19 @@ def clear_from(obj: bpy.types.Object) -> list[str]:
 
 
 def clear_results(obj: bpy.types.Object, *, unconfirmed: bool = False) -> list[str]:
-    """Remove the results of the last run from a mesh and activate what was active before it.
+    """Remove the results of the last run from a mesh, and make the previously active items active.
 
     Parameters
     ----------
     obj : bpy.types.Object
         The object, in Object Mode.
     unconfirmed : bool
-        Whether items without a fingerprint are removed, too: of a run that failed just now, or of a copy.
+        Whether to remove items without a fingerprint too: after a failed run, or from a copy.
 
     Returns
     -------
     list of str
-        Names of results that stay because they may hold the user's changes.
+        Names of results that stay because they may contain changes by the user.
     """
     mesh = obj.data
     record = read_record(mesh)
@@ -67,9 +67,9 @@ def clear_results(obj: bpy.types.Object, *, unconfirmed: bool = False) -> list[s
 def remove_results(
     obj: bpy.types.Object, record: Record, *, keep_key: bool = False, unconfirmed: bool = False
 ) -> list[str]:
-    """Remove the items of a record that are unchanged, and the record.
+    """Remove the unchanged items of a record, and the record itself.
 
-    An item is unchanged where its fingerprint says so. A record may be a stranger's: what has no fingerprint stays.
+    Fingerprints identify unchanged items. Items without one stay, as the record may be from an untrusted file.
 
     Parameters
     ----------
@@ -80,12 +80,12 @@ def remove_results(
     keep_key : bool
         Keep the form's shape key and the Basis.
     unconfirmed : bool
-        Whether items without a fingerprint are removed, too: of a run that failed just now, or of a copy.
+        Whether to remove items without a fingerprint too: after a failed run, or from a copy.
 
     Returns
     -------
     list of str
-        Names of items that stay because they may hold the user's changes.
+        Names of items that stay because they may contain changes by the user.
     """
     mesh = obj.data
     release(mesh.shape_keys)
@@ -104,7 +104,7 @@ def remove_results(
             mesh.color_attributes.remove(attribute)
         elif attribute is not None:
             left.append(name)
-    for hidden in (HIDDEN_PATCHES, HIDDEN_FORM):  # by our names: a record may name any attribute
+    for hidden in (HIDDEN_PATCHES, HIDDEN_FORM):  # only our own names: a record may contain the name of any attribute
         if hidden.name in record.hidden and hidden.name in mesh.attributes:
             mesh.attributes.remove(mesh.attributes[hidden.name])
     remove_record(mesh)
@@ -112,12 +112,12 @@ def remove_results(
 
 
 def _is_ours(known: str | None, now: str, unconfirmed: bool) -> bool:
-    """Return whether an item is as a run wrote it, or may be removed without its fingerprint."""
+    """Return whether an item is unchanged since the run, or may be removed without a fingerprint."""
     return known == now or (unconfirmed and known is None)
 
 
 def _remove_keys(obj: bpy.types.Object, record: Record, unconfirmed: bool) -> list[str]:
-    """Remove the form's key, and the Basis if the run added it and nothing else is left; list what stays."""
+    """Remove the form's key, and the Basis if the run added it and no other key is left; return what is kept."""
     keys, left = obj.data.shape_keys, []
     for name, known in record.keys.items():
         key = keys.key_blocks.get(name) if keys is not None else None
@@ -134,7 +134,7 @@ def _remove_keys(obj: bpy.types.Object, record: Record, unconfirmed: bool) -> li
 
 
 def _is_own_basis(mesh: bpy.types.Mesh, record: Record) -> bool:
-    """Return whether the Basis is the one that the run added, unchanged, so that removing it loses nothing."""
+    """Return whether the Basis was added by the run and is unchanged, so that it can be removed."""
     basis = mesh.shape_keys.reference_key
     points = np.empty(3 * len(mesh.vertices), dtype=np.float32)
     mesh.vertices.foreach_get("co", points)

@@ -54,32 +54,32 @@ def write_results(
     carried: Carried | None = None,
     live: bool = False,
 ) -> None:
-    """Write results to a mesh as shape key, vertex groups and colours, in place of those of an earlier run.
+    """Write results to a mesh as shape key, vertex groups and colours, replacing those of an earlier run.
 
-    The shape key of an earlier run is kept and filled with the new positions, so that its animation, drivers and
-    dependent keys stay. If anything fails, whatever has been written so far is removed again.
+    The shape key of an earlier run is kept and its positions replaced, so that its animation, drivers and dependent
+    keys stay. After an error, everything written so far is removed again.
 
     Parameters
     ----------
     obj : bpy.types.Object
-        The object, in Object Mode. Objects that share its mesh show the results too.
+        The object, in Object Mode. Objects that share its mesh show the results as well.
     found : CanonicalForm, PosedLike or FeaturePatches
         The results.
     colours : Colours
         Colours of the fields and patches.
     report : FormReport
-        The report, kept in the record.
+        The report, stored in the record.
     value : float
         Value of the shape key, 0 to 1.
     patches : bool
-        Write the patches too, not only the feature points.
+        Write the patches too, and not only the feature points.
     part : Part or None
-        Which part of a body of several objects the object is.
+        The part of a body of several objects that this object is.
     carried : Carried or None
-        What shows the match with whose pose it was put into.
+        Values that show the match with the object that provides the pose.
     live : bool
-        Whether the form is only brought up to date: the value of its key stays, and groups and colours stay as they are
-        where the patches are the same.
+        Whether to update the form only: the value of its key stays, and groups and colours stay if the patches are the
+        same.
     """
     from ...core import FeaturePatches
 
@@ -111,7 +111,7 @@ def write_results(
             report.warnings.append(
                 told("Kept beside the new results, since they may hold your changes: {left}.", left=", ".join(left))
             )
-        if mesh.shape_keys is not None and mesh.shape_keys.reference_key.name == old.basis:  # beside other keys
+        if mesh.shape_keys is not None and mesh.shape_keys.reference_key.name == old.basis:  # next to other keys
             record.basis, record.basis_fingerprint = old.basis, old.basis_fingerprint
     done = False
     try:
@@ -139,14 +139,14 @@ def write_results(
     restore_active_items(obj, active.kept(existing_items(obj), otherwise=record.active_before))
     if form is not None and active.shape_key is None:
         obj.active_shape_key_index = mesh.shape_keys.key_blocks.find(next(iter(record.keys)))
-    if old is None or active.colour is None or record.active_before.colour is None:  # a later choice is the user's
+    if old is None or active.colour is None or record.active_before.colour is None:  # otherwise keep the user's choice
         mesh.color_attributes.active_color_name = shown
     restore_active_keys(elsewhere)
     mesh.update()
 
 
 def key_name(report: FormReport) -> str:
-    """Name the shape key of a result.
+    """Return the name for the shape key of a result.
 
     Parameters
     ----------
@@ -156,13 +156,13 @@ def key_name(report: FormReport) -> str:
     Returns
     -------
     str
-        The name that it is given; Blender adds a number where the user has one of that name.
+        The name; Blender appends a number if the user has a key of that name.
     """
     return SHAPE_KEY if report.like is None else report.like.key
 
 
 def refill_key(obj: bpy.types.Object, positions: FloatArray) -> None:
-    """Fill the form's shape key with other positions.
+    """Replace the positions of the form's shape key.
 
     Parameters
     ----------
@@ -185,12 +185,12 @@ def refill_key(obj: bpy.types.Object, positions: FloatArray) -> None:
 
 
 def recolour_patch(mesh: bpy.types.Mesh, number: int, colour: tuple[float, float, float]) -> None:
-    """Give a patch another colour, where the colours are still those of the last run.
+    """Change the colour of a patch, if its colours are still those of the last run.
 
     Parameters
     ----------
     mesh : bpy.types.Mesh
-        The mesh. In Edit Mode nothing is done.
+        The mesh. In Edit Mode it is left unchanged.
     number : int
         Index of the patch, from 0.
     colour : tuple of float
@@ -217,7 +217,7 @@ def recolour_patch(mesh: bpy.types.Mesh, number: int, colour: tuple[float, float
 
 
 def _is_same_surface(obj: bpy.types.Object, old: Record, found: AnyResult, colours: Colours) -> bool:
-    """Tell whether groups and colours of the earlier run are those that would be written: then they stay."""
+    """Return whether groups and colours of the earlier run equal the new ones, so that they can stay."""
     mesh = obj.data
     known = patches_of(mesh)
     return (
@@ -247,7 +247,7 @@ def _write_key(
     positions = form.astype(np.float32)
     key.data.foreach_set("co", positions.ravel())
     key.value = value
-    record.keys[key.name] = fingerprint(positions)  # read again it is the same
+    record.keys[key.name] = fingerprint(positions)  # Blender returns the same values
 
 
 def _write_groups(obj: bpy.types.Object, record: Record, found: AnyResult, patches: bool) -> None:
@@ -269,10 +269,10 @@ def _write_confidence(obj: bpy.types.Object, record: Record, confidence: FloatAr
 
 
 def _write_colours(obj: bpy.types.Object, record: Record, name: str, colours: np.ndarray) -> str:
-    """Write colours and return the attribute's name: the attribute may move in memory later."""
+    """Write colours and return the attribute's name, as the attribute may move in memory later."""
     attribute = add_colours(obj, name)
     record.colours[attribute.name] = None
     values = colours.astype(np.float32)
     attribute.data.foreach_set("color", values.ravel())
-    record.colours[attribute.name] = fingerprint(values)  # read again they are the same
+    record.colours[attribute.name] = fingerprint(values)  # Blender returns the same values
     return str(attribute.name)

@@ -39,23 +39,23 @@ if TYPE_CHECKING:
 
 
 class VariantTask:
-    """The form of some limbs only, and the shapes between pose and form, of an object and all that follow its slider.
+    """The form of some limbs only, and the in-between shapes, of an object and all objects that follow its slider.
 
     Parameters
     ----------
     obj : bpy.types.Object
         An object that `variant_refusal` accepts.
     limbs : list of bool, optional
-        For each patch whether to take the pose out of it; unchanged if omitted.
+        For each patch, whether to remove its pose; unchanged if omitted.
     in_betweens : int, optional
         Number of keys between pose and form; unchanged if omitted.
     keep : KeptStages, optional
-        What earlier runs on the same objects found: their coarse mesh is taken.
+        Stages kept from earlier runs on the same objects: their coarse mesh is reused.
 
     Attributes
     ----------
     limbs : list of bool
-        For each patch whether to take the pose out of it.
+        For each patch, whether to remove its pose.
     in_betweens : int
         Number of keys between pose and form.
     warnings : list of str
@@ -64,7 +64,7 @@ class VariantTask:
     Raises
     ------
     CanonicalFormError
-        If there is no form to vary, or its key is animated; the message names the remedy.
+        If there is no form to change, or its key is animated; the message names the remedy.
     """
 
     def __init__(
@@ -106,11 +106,11 @@ class VariantTask:
         self._whole = combined(self._readings)
         self._patches, self._form = self._whole.spread(patches), self._whole.put_together(forms)
         self._keep = None if keep is None else keep.part(names_of(self._readings))
-        self._shapes = [forms]  # those between and the form, of each object
+        self._shapes = [forms]  # for each shape, the positions of each object; the form is the last shape
         self.warnings: list[str] = []
 
     def compute(self, progress: Progress | None = None, cancelled: Cancelled | None = None) -> None:
-        """Compute the shapes; touches no data of Blender's.
+        """Compute the shapes; does not access Blender's data.
 
         Parameters
         ----------
@@ -126,7 +126,7 @@ class VariantTask:
         from ...core.run.monitor import Monitor
 
         monitor = Monitor(progress, cancelled, keep=self._keep)
-        chosen = np.array([*self.limbs, False])[self._patches]  # -1, no patch, is the last
+        chosen = np.array([*self.limbs, False])[self._patches]  # index -1, no patch, is the last element
         shapes = limb_shapes(
             self._whole.vertices,
             self._whole.faces,
@@ -140,12 +140,12 @@ class VariantTask:
         self.warnings = all_advised(monitor.warnings)
 
     def write(self) -> None:
-        """Write the positions to the shape keys and add the keys between, on the main thread.
+        """Write the positions to the shape keys and add the in-between keys, in the main thread.
 
         Raises
         ------
         CanonicalFormError
-            If an object is gone or was changed; the message says why.
+            If an object was removed or changed; the message says why.
         """
         objects = [find_object(reading) for reading in self._readings]
         with ExitStack() as modes:
@@ -172,7 +172,7 @@ class VariantTask:
             lead(objects)
 
     def _write_one(self, obj: bpy.types.Object, positions: FloatArray, shapes: list[FloatArray]) -> None:
-        """Write the positions of one object and the keys between."""
+        """Write the positions of one object and its in-between keys."""
         value = shown_value(obj.data)
         release(obj.data.shape_keys)
         remove_in_betweens(obj)
@@ -186,7 +186,7 @@ class VariantTask:
 
 
 def _as_at_the_run(obj: bpy.types.Object, form: FloatArray) -> tuple[Reading, FloatArray]:
-    """Read the pose and the form of an object as the run did: the base mesh, or what is shown, where it was."""
+    """Read pose and form of an object as in the run: of the base or evaluated mesh, with the transform it had then."""
     record = require_record(obj.data)
     reading = read_object(obj, record.report.frame is not None)
     if len(reading.vertices) != len(obj.data.vertices):
@@ -199,7 +199,7 @@ def _as_at_the_run(obj: bpy.types.Object, form: FloatArray) -> tuple[Reading, Fl
         )
     if reading.deformed:
         form = shown_at(obj, form)
-    if record.part is not None:  # the object may have been moved since
+    if record.part is not None:  # the object may have moved since the run
         then = np.array(record.part.placement)
         elsewhere = not np.allclose(then, reading.placement, atol=1e-5 * max(1.0, float(np.abs(then).max())))
         if elsewhere and reading.deformed and reading.frame != record.report.frame:

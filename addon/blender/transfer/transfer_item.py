@@ -1,4 +1,4 @@
-"""One object that takes over from another what it has: read, given its share of what is carried over, written."""
+"""An object that receives data from another: read, assigned its part of the transferred data, written."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ if TYPE_CHECKING:
     from .transfer_reading import Source
 
 REST = "Rest of {}"
-_LEAST = 5e-4  # weight below which a vertex is no member: it would be rounded to 0
+_LEAST = 5e-4  # a vertex with a smaller weight is not a member, as it would be rounded to 0
 CALLED = {"groups": "vertex groups", "uvs": "UV maps", "colours": "colour attributes", "keys": "shape keys"}
 
 
 class Carried(NamedTuple):
-    """What was carried over to one object, by name.
+    """Data transferred to one object, by name.
 
     Attributes
     ----------
@@ -42,11 +42,11 @@ class Carried(NamedTuple):
     colours : dict of str to (str, str, ndarray)
         Domain, data type and values of colour attributes.
     keys : dict of str to ((n, 3) ndarray of float, (float, float))
-        Shapes, and the limits of their sliders.
+        Shapes, and the range of their sliders.
     material_of : (p,) ndarray of int or None
-        Slot of the other object for each polygon; None where materials are not wanted.
+        Material slot of the source for each polygon; None if materials are not transferred.
     rest : (n, 3) ndarray of float or None
-        Positions in which the rig rests; None without a rig.
+        Positions in the rest pose of the rig; None without a rig.
     """
 
     groups: dict[str, FloatArray]
@@ -58,7 +58,7 @@ class Carried(NamedTuple):
 
 
 class TransferItem:
-    """An object that takes over from another.
+    """An object that receives data from another.
 
     Parameters
     ----------
@@ -70,11 +70,11 @@ class TransferItem:
     reading : Reading
         Its arrays.
     carried : Carried or None
-        What it takes over, once that is known.
+        The transferred data, once it is computed.
     warnings : list of str
         Sentences for the user.
     told : list of str
-        What was taken over, in words.
+        Descriptions of the transferred data.
 
     Raises
     ------
@@ -107,22 +107,22 @@ class TransferItem:
         keys: dict[str, FloatArray],
         rest: FloatArray | None,
     ) -> None:
-        """Work out what the object takes over; touches no data of Blender's.
+        """Compute the transferred data; does not access Blender's data.
 
         Parameters
         ----------
         found : Match
             The match of its vertices.
         source : Source
-            What the other object has.
+            Data of the other object.
         there : (n', 3) ndarray of float
             Positions of the other mesh.
         kinds : set of str
-            What is taken over.
+            Kinds of data to transfer.
         keys : dict of str to (n, 3) ndarray of float
-            The shapes of keys, carried over already: their size is that of the whole body.
+            Shapes of keys, already transferred, as their size is that of the whole body.
         rest : (n, 3) ndarray of float or None
-            Positions in which the rig rests.
+            Positions in the rest pose of the rig.
         """
         from ...core import transferred, transferred_corners
 
@@ -153,24 +153,24 @@ class TransferItem:
         )
 
     def require_unchanged(self) -> None:
-        """Refuse an object that is gone or was changed meanwhile.
+        """Reject an object that was removed or changed in the meantime.
 
         Raises
         ------
         CanonicalFormError
-            If so; the message says what to do.
+            If so; the message names the remedy.
         """
         obj = find_object(self.reading)
         with object_mode(obj):
             require_unchanged(obj, self.reading)
 
     def write(self, source: Source) -> None:
-        """Write what was carried over, on the main thread, once `require_unchanged` has let it pass.
+        """Write the transferred data, in the main thread, after `require_unchanged`.
 
         Parameters
         ----------
         source : Source
-            What the other object has.
+            Data of the other object.
         """
         assert self.carried is not None
         obj = find_object(self.reading)
@@ -187,7 +187,7 @@ class TransferItem:
             obj.data.update()
 
     def _material_of(self, found: Match, source: Source, there_count: int) -> IntArray:
-        """Find the slot of the source that each polygon takes its material from: that of most of its corners."""
+        """Return, for each polygon, the material slot of the source that most of its corners have."""
         triangles = source.vertex_of[source.triangle_corners]
         slots = np.zeros(there_count, dtype=np.int64)
         slots[triangles.ravel()] = np.repeat(source.material_of, 3)
@@ -196,7 +196,7 @@ class TransferItem:
         return np.asarray(count.argmax(axis=1))
 
     def _room(self, obj: bpy.types.Object, source: Source, kind: str, names: list[str], written: Written) -> list[str]:
-        """List which items can be written, and warn of those that the user has under the same name."""
+        """Return the names that can be written, and warn about the user's items of the same names."""
         left = make_room(obj, kind, names, written)
         if left:
             self.warnings.append(
@@ -215,7 +215,7 @@ class TransferItem:
         return kept
 
     def _write_groups(self, obj: bpy.types.Object, source: Source, carried: Carried, written: Written) -> None:
-        """Write weights, and set up the armature that uses them."""
+        """Write weights, and set up the armature for them."""
         for name in self._room(obj, source, "groups", list(carried.groups), written):
             weights = carried.groups[name]
             group = obj.vertex_groups.new(name=name)
@@ -250,7 +250,7 @@ class TransferItem:
             written["colours"][attribute.name] = colour_fingerprint(attribute)
 
     def _write_keys(self, obj: bpy.types.Object, source: Source, carried: Carried, written: Written) -> None:
-        """Write shape keys, all at 0 but that of the rig's rest pose."""
+        """Write shape keys, all with value 0 except that of the rig's rest pose."""
         shapes = dict(carried.keys)
         if carried.rest is not None:
             shapes = {REST.format(source.name): (carried.rest, (0.0, 1.0)), **shapes}
@@ -266,13 +266,13 @@ class TransferItem:
             key.value = float(shape is carried.rest)
             written["keys"][key.name] = key_fingerprint(key)
         form = form_key(obj.data)
-        if carried.rest is not None and form is not None:  # both at once would move it twice
+        if carried.rest is not None and form is not None:  # with both, the object would be moved twice
             form.value = 0.0
             if has_in_betweens(obj.data):
                 obj.data.shape_keys[PROPERTY] = 0.0
 
     def _write_materials(self, obj: bpy.types.Object, source: Source, material_of: IntArray) -> None:
-        """Give the polygons the materials of their likes; the object's own stay in their slots."""
+        """Assign the materials of the matching source polygons; the object's own materials stay in their slots."""
         used = np.unique(material_of)
         slot = np.zeros(int(used.max()) + 1, dtype=np.int32)
         for number in used.tolist():
@@ -291,7 +291,7 @@ class TransferItem:
 
 @contextmanager
 def _recording(mesh: bpy.types.Mesh, written: Written) -> Iterator[None]:
-    """Write the record in every outcome."""
+    """Write the record, even after an error."""
     try:
         yield
     finally:

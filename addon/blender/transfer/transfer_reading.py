@@ -1,4 +1,4 @@
-"""What an object has for others to take over: weights, UV maps, colours, shape keys, materials, its rig."""
+"""Reads the data of an object that can be transferred: weights, UV maps, colours, shape keys, materials, its rig."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ class SourceColours(NamedTuple):
     name : str
         Its name.
     on_corners : bool
-        Whether it has a colour for each corner, not for each vertex.
+        Whether it has one colour per corner, instead of one per vertex.
     data_type : str
-        Blender's name of how colours are kept.
+        Blender's data type of the attribute.
     values : (k, 4) ndarray of float
         The colours.
     """
@@ -43,7 +43,7 @@ class SourceKey(NamedTuple):
     shape : (n', 3) ndarray of float
         Positions at value 1, without the other keys.
     limits : (float, float)
-        Least and largest value of its slider.
+        Minimum and maximum of its slider.
     """
 
     name: str
@@ -52,14 +52,14 @@ class SourceKey(NamedTuple):
 
 
 class Source(NamedTuple):
-    """An object's base mesh and what can be taken over from it.
+    """An object's base mesh and the data that can be transferred from it.
 
     Attributes
     ----------
     name : str
         Name of the object.
     triangle_corners : (t, 3) ndarray of int
-        Corners of its triangles.
+        Corner indices of its triangles.
     vertex_of : (l',) ndarray of int
         The vertex of each corner.
     groups : dict of str to (n',) ndarray of float
@@ -69,13 +69,13 @@ class Source(NamedTuple):
     colours : list of SourceColours
         Colour attributes.
     keys : list of SourceKey
-        Shape keys, without the Basis and those that the extension wrote.
+        Shape keys, without the Basis and those that this extension wrote.
     materials : list of str
-        Names of the materials by slot; empty where a slot has none.
+        Names of the materials by slot; empty for a slot without one.
     material_of : (t,) ndarray of int
         Slot of each triangle.
     armature : str
-        Name of the armature that moves it; empty without.
+        Name of the armature that deforms it; empty without one.
     """
 
     name: str
@@ -91,7 +91,7 @@ class Source(NamedTuple):
 
 
 def read_source(obj: bpy.types.Object) -> Source:
-    """Read what an object has for others.
+    """Read the data of an object that can be transferred to others.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ def read_source(obj: bpy.types.Object) -> Source:
     Returns
     -------
     Source
-        Its base mesh and what can be taken over.
+        Its base mesh and the transferable data.
     """
     mesh = obj.data
     record = read_record(mesh)
@@ -141,7 +141,7 @@ def _groups(obj: bpy.types.Object, own: ItemNames) -> dict[str, FloatArray]:
 
 
 def _keys(mesh: bpy.types.Mesh, own: ItemNames) -> list[SourceKey]:
-    """Read the shape keys, each as if it were alone."""
+    """Read the shape keys, each without the effect of the others."""
     keys = mesh.shape_keys
     if keys is None:
         return []
@@ -158,7 +158,7 @@ def _keys(mesh: bpy.types.Mesh, own: ItemNames) -> list[SourceKey]:
 
 
 def _values(data: bpy.types.bpy_prop_collection, name: str, width: int) -> FloatArray:
-    """Read a value of each item."""
+    """Read one value of each element."""
     values = np.empty(width * len(data), dtype=np.float32)
     data.foreach_get(name, values)
     return values.reshape(-1, width).astype(np.float64)

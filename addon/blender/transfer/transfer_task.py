@@ -1,4 +1,4 @@
-"""Takes over from another object what it has: read, matched apart from Blender, written."""
+"""Transfers data from another object: read, matched without Blender, written."""
 
 from __future__ import annotations
 
@@ -28,38 +28,38 @@ if TYPE_CHECKING:
     from ...core.run.monitor import Cancelled, Progress
 
 TRANSFERS = ("GROUPS", "UVS", "COLOURS", "KEYS", "MATERIALS")
-_LIKE_SIZED = 1.25  # times as large as the rig's own body, or as small, from which on it hardly fits
+_LIKE_SIZED = 1.25  # size ratio of a body and the rig's own, either way, above which the rig hardly fits
 
 
 class TransferTask:
-    """What objects take over from another. Those that touch are matched as one body.
+    """The transfer of data to objects from another. Objects that touch are matched as one body.
 
-    The constructor reads all, `compute` may run in any thread, and `write` writes.
+    The constructor reads all objects, `compute` may run in any thread, and `write` writes.
 
     Parameters
     ----------
     objects : sequence of bpy.types.Object
         The objects, accepted by `refusal`, at least one.
     source : bpy.types.Object or None
-        The other one.
+        The object to transfer from.
     kinds : set of str
-        What is taken over, of `TRANSFERS`.
+        Kinds of data to transfer, from `TRANSFERS`.
     settings : Settings
-        Options of the forms of all.
+        Options for all forms.
     side : int
-        Which way to match: -1 for the likeliest, or its number.
+        Which way to match: -1 for the most likely, or its index.
 
     Attributes
     ----------
     warnings : list of str
         Sentences for the user.
     told : list of str
-        What was taken over, in words.
+        Descriptions of the transferred data.
 
     Raises
     ------
     CanonicalFormError
-        If there is nothing to take over, or one of them cannot be read.
+        If there is nothing to transfer, or an object cannot be read.
     """
 
     def __init__(
@@ -73,7 +73,7 @@ class TransferTask:
         reason = reference_refusal(source)
         if source is None or reason is not None:
             raise CanonicalFormError(reason or "")
-        first = {obj.data: obj for obj in reversed(objects) if obj.data != source.data}  # of those that share a mesh
+        first = {obj.data: obj for obj in reversed(objects) if obj.data != source.data}  # of objects that share a mesh
         objects = list(reversed(first.values()))
         if not objects:
             raise CanonicalFormError(
@@ -95,7 +95,7 @@ class TransferTask:
         self.told: list[str] = []
 
     def compute(self, progress: Progress | None = None, cancelled: Cancelled | None = None) -> None:
-        """Match the bodies and carry over; touches no data of Blender's.
+        """Match the bodies and transfer the data; does not access Blender's data.
 
         Parameters
         ----------
@@ -116,12 +116,12 @@ class TransferTask:
             self._carry_to(items, progress_of(progress, items[0].reading.name, number, len(groups)), cancelled)
 
     def write(self) -> None:
-        """Write what was carried over, on the main thread.
+        """Write the transferred data, in the main thread.
 
         Raises
         ------
         CanonicalFormError
-            If an object is gone or was changed; the message says why, and nothing was written.
+            If an object was removed or changed; the message says why, and nothing was written.
         """
         for item in self._items:
             item.require_unchanged()
@@ -131,7 +131,7 @@ class TransferTask:
             self.told += [each for each in item.told if each not in self.told]
 
     def _carry_to(self, items: list[TransferItem], progress: Progress | None, cancelled: Cancelled | None) -> None:
-        """Match the objects of one body and carry over to them."""
+        """Match the objects of one body and transfer the data to them."""
         from ...core import match, pose_like
 
         starts = np.cumsum([0, *(len(item.reading.vertices) for item in items)])
@@ -174,7 +174,7 @@ class TransferTask:
     def _changed(
         self, placed: FloatArray, faces: IntArray, found: Match, rest: FloatArray | None
     ) -> dict[str, FloatArray]:
-        """Change a body, as it rests or as it is, like the keys of the source; as the scene shows both."""
+        """Apply the source's shape keys to a body, in the rig's rest pose if there is a rig, in world space."""
         from ...core import transferred_shape
 
         start, there = placed if rest is None else rest, moved(self._there, self._there_placement)
@@ -188,7 +188,7 @@ class TransferTask:
     def _warn_of_size(
         self, name: str, placed: FloatArray, faces: IntArray, there: FloatArray, there_faces: IntArray
     ) -> None:
-        """Tell where a body is too large or small for the rig."""
+        """Warn if a body is too large or too small for the rig."""
         from ...core.mesh.geometry import surface_area
 
         times = float(np.sqrt(surface_area(placed, faces) / surface_area(there, there_faces)))
@@ -204,7 +204,7 @@ class TransferTask:
 
 
 def _part(found: Match, start: int, end: int) -> Match:
-    """Take the match of some vertices, one after the other."""
+    """Return the match of a range of vertices."""
     own = slice(start, end)
     return replace(
         found,
@@ -216,7 +216,7 @@ def _part(found: Match, start: int, end: int) -> Match:
 
 
 def _in_the_rig(posed: FloatArray, found: Match, there: FloatArray) -> FloatArray:
-    """Move what was posed as the rig rests to where the rig is."""
+    """Move a body in the rest pose to the position of the rig."""
     from ...core import transferred
     from ...core.measures.alignment import rigid_fit
 
@@ -226,24 +226,24 @@ def _in_the_rig(posed: FloatArray, found: Match, there: FloatArray) -> FloatArra
 
 
 def _placed(points: FloatArray, faces: IntArray, placement: FloatArray) -> tuple[FloatArray, IntArray]:
-    """Place a mesh in the scene, its triangles seen from outside as before."""
+    """Transform a mesh to world space, with normals that still point outward."""
     return moved(points, placement), outward(faces, placement)
 
 
 def side_of(obj: bpy.types.Object, source: str) -> int:
-    """Find which way an object was matched with another when it was posed like that.
+    """Return the way in which an object was matched with another when it was put into its pose.
 
     Parameters
     ----------
     obj : bpy.types.Object
         The object.
     source : str
-        Name of the other one.
+        Name of the other object.
 
     Returns
     -------
     int
-        Number of the way; -1 where it was not posed like that.
+        Index of the way to match; -1 if the object is not in that pose.
     """
     record = read_record(obj.data)
     like = None if record is None else record.report.like

@@ -1,4 +1,4 @@
-"""What to do about the core's messages in Blender: where the menus are that the core knows nothing of."""
+"""Advice for messages of the core: which menu or operator of Blender solves the problem."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .wording import told, told_message
 _DISSOLVE = "Mesh > Clean Up > Degenerate Dissolve"
 _MERGE = "Mesh > Merge > By Distance"
 _DECIMATE = "Apply a Decimate modifier to reduce the mesh."
-ADVICE = {  # by kind of message
+ADVICE = {  # by message kind
     "repeated_corners": f"{_DISSOLVE} removes such faces.",
     "coincident_borders": f"{_MERGE} does this permanently.",
     "duplicate_faces": f"{_MERGE} removes such faces.",
@@ -34,17 +34,17 @@ _NO_MEMORY = "Not enough memory. Close other files, or decimate the mesh."
 
 
 def advised(sentence: str) -> str:
-    """Add to a message of the core where Blender has the remedy.
+    """Append advice to a message of the core if Blender offers a remedy.
 
     Parameters
     ----------
     sentence : str
-        A warning or the text of an error; one that is not the core's stays as it is.
+        A warning or the text of an error; text that is not a message of the core is returned unchanged.
 
     Returns
     -------
     str
-        The sentence and the advice.
+        The translated message, with advice if there is any.
 
     Examples
     --------
@@ -58,7 +58,7 @@ def advised(sentence: str) -> str:
 
 
 def all_advised(sentences: Iterable[str]) -> list[str]:
-    """Add to each message of the core where Blender has the remedy.
+    """Append advice to each message of the core for which Blender offers a remedy.
 
     Parameters
     ----------
@@ -68,23 +68,23 @@ def all_advised(sentences: Iterable[str]) -> list[str]:
     Returns
     -------
     list of str
-        The sentences with their advice.
+        The messages with their advice.
     """
     return [advised(each) for each in sentences]
 
 
 def explained(error: Exception) -> str:
-    """Say why there is no result, and what to do about it in Blender.
+    """Explain why there is no result and what to do about it in Blender.
 
     Parameters
     ----------
     error : Exception
-        What was raised.
+        The exception that was raised.
 
     Returns
     -------
     str
-        A sentence or two.
+        One or two sentences.
     """
     if isinstance(error, MemoryError):
         return told(_NO_MEMORY)

@@ -1,4 +1,4 @@
-"""What went wrong with a file, in words."""
+"""Sentences for file errors."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import os
 
 
 def sentence(error: OSError) -> str:
-    """Tell what went wrong with a file, without the number of the error.
+    """Describe a file error in a sentence, without its error number.
 
     Parameters
     ----------
@@ -32,7 +32,7 @@ def sentence(error: OSError) -> str:
 
 
 def reason(error: OSError) -> str:
-    """Tell why something went wrong with a file, as it stands within a sentence.
+    """Return the reason for a file error, for use inside a sentence.
 
     Parameters
     ----------

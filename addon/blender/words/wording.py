@@ -1,4 +1,4 @@
-"""Sentences in the language that Blender is shown in; English where a language has none for one."""
+"""Text in the language of Blender's interface; English where the language has no translation."""
 
 from __future__ import annotations
 
@@ -11,24 +11,24 @@ from ...core.run.messages import Message
 if TYPE_CHECKING:
     from ...core.run.monitor import Progress
 
-CONTEXT = "Canonical Form"  # what is ours among the words that Blender knows: its "Normal" is a direction
+CONTEXT = "Canonical Form"  # translation context of our messages, apart from Blender's own: its "Normal" is a direction
 NAMED_STAGE = "{name}: {stage}"
 
 
 def told(sentence: str, /, **values: Any) -> str:
-    """Say a sentence in the language of Blender's interface.
+    """Translate a sentence into the language of Blender's interface.
 
     Parameters
     ----------
     sentence : str
-        The English sentence, with a name in braces for each value: the catalogues of languages know it by this.
+        The English sentence, which is its key in the translation catalogues, with a name in braces for each value.
     **values
-        What it tells.
+        Values to insert.
 
     Returns
     -------
     str
-        The sentence with its values.
+        The translated sentence with the values inserted.
 
     Examples
     --------
@@ -40,17 +40,17 @@ def told(sentence: str, /, **values: Any) -> str:
 
 
 def told_message(message: str) -> str:
-    """Say a message of the core in the language of Blender's interface.
+    """Translate a message of the core into the language of Blender's interface.
 
     Parameters
     ----------
     message : str
-        A warning of the core, or the text of an error; one that is not the core's stays as it is.
+        A warning of the core, or the text of an error; text that is not a message of the core is returned unchanged.
 
     Returns
     -------
     str
-        The sentence.
+        The translated message.
     """
     if not isinstance(message, Message) or not message.sentence:
         return str(message)
@@ -59,7 +59,7 @@ def told_message(message: str) -> str:
 
 
 def named_stage(name: str, stage: str) -> Message:
-    """Say of which object a stage of progress is.
+    """Combine the name of an object with the current stage of its progress.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ def named_stage(name: str, stage: str) -> Message:
     Returns
     -------
     Message
-        Both; `told_stage` says it in the language of Blender's interface.
+        Both; `told_stage` translates it into the language of Blender's interface.
 
     Examples
     --------
@@ -81,21 +81,21 @@ def named_stage(name: str, stage: str) -> Message:
 
 
 def progress_of(progress: Progress | None, name: str, number: int, count: int) -> Progress | None:
-    """Report the progress of one of several objects as a share of that of all.
+    """Convert the progress of one of several objects to progress over all of them.
 
     Parameters
     ----------
     progress : callable or None
-        Takes the share done of all, and the stage, which names the object where there are several.
+        Takes the completed share of all objects, and the stage, prefixed with the object's name if there are several.
     name : str
         Name of the object.
     number, count : int
-        Which it is, from 0, and how many there are.
+        Index of the object, from 0, and number of objects.
 
     Returns
     -------
     callable or None
-        Takes the share done of the object, and the stage; None where nobody asks.
+        Takes the completed share of this object, and the stage; None if `progress` is None.
 
     Examples
     --------
@@ -108,22 +108,22 @@ def progress_of(progress: Progress | None, name: str, number: int, count: int) -
 
 
 def told_stage(stage: str) -> str:
-    """Say a stage of progress in the language of Blender's interface.
+    """Translate a stage of progress into the language of Blender's interface.
 
     Parameters
     ----------
     stage : str
-        The stage in English, or what `named_stage` made.
+        The stage in English, or a result of `named_stage`.
 
     Returns
     -------
     str
-        The stage.
+        The translated stage.
     """
     return told_message(stage) if isinstance(stage, Message) else told(stage)
 
 
 def _translated(sentence: str) -> str:
-    """Look a sentence up in the catalogue of the language."""
+    """Look up a sentence in the translation catalogue of the language."""
     found: str = bpy.app.translations.pgettext_iface(sentence, CONTEXT)
     return found

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ..mesh.connectivity import border_labels, component_labels, edge_table, vertex_pairs
+from ..mesh.connectivity import border_labels, component_labels
+from ..mesh.edges import edge_table, vertex_pairs
 from ..mesh.geometry import vertex_normals
 from ..numerics.arrays import FloatArray, IntArray
 from .roles import AROUND, TOUCH, WIDEST_GAP

@@ -9,7 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..mesh.connectivity import border_labels, component_labels, edge_table
+from ..mesh.connectivity import border_labels, component_labels
+from ..mesh.edges import edge_table
 from ..numerics.arrays import FloatArray, IntArray
 from .carriers import carriers
 from .contacts import Contact, Samples

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..mesh.connectivity import is_closed
+from ..mesh.edges import is_closed
 from ..mesh.geometry import signed_volume, surface_area, vertex_area_vectors
 from ..numerics.arrays import FloatArray, IntArray
 from ..numerics.factoring import factored

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..mesh.connectivity import is_closed
+from ..mesh.edges import is_closed
 from ..mesh.geometry import area_vectors, signed_volume, vertex_normals
 from ..numerics.arrays import FloatArray, IntArray
 from ..numerics.products import product

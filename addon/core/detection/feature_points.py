@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..mesh.connectivity import vertex_pairs
+from ..mesh.edges import vertex_pairs
 from ..numerics.arrays import FloatArray, IntArray
 
 _TIE = 1e-7  # relative difference below which two values count as equal: symmetric shapes have such pairs

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..mesh.connectivity import undirected_keys
+from ..mesh.edges import undirected_keys
 from ..surface.triangulation import Triangulation
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..deformation.detail import relaxed
 from ..deformation.elastic_body import ElasticBody
-from ..mesh.connectivity import pairs_across_edges
+from ..mesh.edges import pairs_across_edges
 from ..numerics.arrays import FloatArray, IntArray
 from ..run.monitor import Monitor
 from .pushing import Pushing

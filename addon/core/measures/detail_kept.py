@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..mesh.connectivity import edge_table
+from ..mesh.edges import edge_table
 from ..mesh.geometry import area_vectors, vertex_normals
 from ..numerics.arrays import FloatArray, IntArray
 from ..run.monitor import Monitor

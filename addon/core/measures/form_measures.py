@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..mesh.connectivity import is_closed, vertex_pairs
+from ..mesh.edges import is_closed, vertex_pairs
 from ..mesh.geometry import signed_volume, surface_area
 from ..numerics.arrays import FloatArray, IntArray
 from .alignment import closest_point_fit

@@ -1,1 +1,1 @@
-"""A mesh in space: geometry, connectivity, repair, coarsening."""
+"""A mesh in space: geometry, edges, connectivity, repair, coarsening."""

@@ -9,7 +9,7 @@ import numpy as np
 from ..numerics.arrays import FloatArray, IntArray
 from ..numerics.blocks import AT_ONCE
 from ..run.monitor import Monitor
-from .connectivity import half_edges, pair_counts, undirected_keys
+from .edges import half_edges, pair_counts, undirected_keys
 from .geometry import area_vectors, vertex_areas
 
 if TYPE_CHECKING:

@@ -13,13 +13,8 @@ from numpy.typing import ArrayLike
 from ..numerics.arrays import FloatArray, IntArray
 from ..run.messages import Message, message
 from ..run.monitor import Monitor
-from .connectivity import (
-    consistently_oriented,
-    edge_table,
-    joined_at_seams,
-    without_duplicates,
-    without_repeated_corners,
-)
+from .connectivity import consistently_oriented, joined_at_seams, without_duplicates, without_repeated_corners
+from .edges import edge_table
 from .geometry import checked_arrays, relative_rounding
 
 _COARSE = 1e-4  # share of the size below which rounding of the positions is not reported

@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 
 from ..embedding.pushing import Pushing
-from ..mesh.connectivity import vertex_pairs
+from ..mesh.edges import vertex_pairs
 from ..method_api.catalogue import MINIMISATION_OPTIONS, Method
 from ..method_api.method_result import MethodResult
 from ..method_api.settings import Settings

@@ -12,7 +12,8 @@ import numpy as np
 
 from ..deformation.elastic_body import ElasticBody
 from ..embedding.smacof import smacof
-from ..mesh.connectivity import component_labels, vertex_pairs
+from ..mesh.connectivity import component_labels
+from ..mesh.edges import vertex_pairs
 from ..mesh.geometry import vertex_areas
 from ..method_api.catalogue import MINIMISATION_OPTIONS, Method
 from ..method_api.method_result import MethodResult

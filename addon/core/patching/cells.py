@@ -6,7 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..mesh.connectivity import component_labels, vertex_pairs
+from ..mesh.connectivity import component_labels
+from ..mesh.edges import vertex_pairs
 from ..numerics.arrays import FloatArray, IntArray
 
 _TIE = 1e-6  # share of the largest distance within which two feature points count as equally near

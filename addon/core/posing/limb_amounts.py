@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..mesh.connectivity import component_labels, vertex_pairs
+from ..mesh.connectivity import component_labels
+from ..mesh.edges import vertex_pairs
 from ..mesh.geometry import of_unit_area
 from ..numerics.arrays import FloatArray, IntArray
 

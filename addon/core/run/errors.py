@@ -15,7 +15,7 @@ class CanonicalFormError(Exception):
     reason : str
         A kind of message, one of `addon.core.run.messages.kinds()`, or a sentence.
     **numbers
-        What the sentence of that kind tells.
+        Values for the sentence of that kind.
 
     Examples
     --------

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..mesh.connectivity import undirected_keys
+from ..mesh.edges import undirected_keys
 from ..numerics.arrays import FloatArray, IntArray
 
 

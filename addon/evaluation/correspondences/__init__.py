@@ -1,1 +1,1 @@
-"""How well meshes are matched: pairs of poses whose true match is known, by several ways to match."""
+"""Accuracy of matches: pairs of poses with known correspondences, matched by several methods."""

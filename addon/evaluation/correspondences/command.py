@@ -30,25 +30,25 @@ from .work import matched
 
 
 def main(arguments: list[str], output: TextIO | None = None) -> int:
-    """Evaluate ways to match meshes on the poses of a dataset.
+    """Evaluate methods of matching on the poses of a dataset.
 
     Parameters
     ----------
     arguments : list of str
-        The words after ``evaluate-matches``.
+        The arguments after ``evaluate-matches``.
     output : TextIO, optional
-        Where the names of the files go that were written; standard output when left out.
+        Stream for the names of the written files; standard output if omitted.
 
     Returns
     -------
     int
-        0 if every pair was matched, 1 if one failed, 2 if nothing could be done, 130 if stopped by the keyboard.
+        0 if every pair was matched, 1 if one failed, 2 if nothing could be computed, 130 after a keyboard interrupt.
     """
     return exit_code(_parser(), arguments, lambda options: _evaluate(options, output or sys.stdout))
 
 
 def _evaluate(options: argparse.Namespace, output: TextIO) -> bool:
-    """Match, and tell whether every pair was matched."""
+    """Run the evaluation, and return whether every pair was matched."""
     matchers = chosen_matchers([word for word in options.methods.split(",") if word])
     needed = ["matplotlib", "tqdm", "threadpoolctl", *(name for each in matchers for name in each.packages)]
     require_packages([*needed, *(["distributed"] if options.scheduler else [])])
@@ -89,7 +89,7 @@ def _parser() -> argparse.ArgumentParser:
 def _results(
     store: Store, pairs: list[Pair], matchers: list[Matcher], poses: Poses, options: argparse.Namespace
 ) -> list[Result]:
-    """Match what is not matched yet."""
+    """Match the pairs that have no result yet."""
     from tqdm import tqdm
 
     wanted = {

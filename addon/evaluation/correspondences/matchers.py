@@ -1,4 +1,4 @@
-"""The ways to match two meshes that are compared: ours, the nearest of the forms, and functional maps."""
+"""The compared methods of matching two meshes: ours, nearest points of the forms, and functional maps."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ...core.mesh.closest_points import closest_points
 from ...core.mesh.geometry import surface_area
 from ...core.numerics.arrays import FloatArray, IntArray
 
-_EIGENPAIRS, _ROUNDS, _STEP = 30, 16, 5  # of functional maps and their refinement, as pyFM's page advises
+_EIGENPAIRS, _ROUNDS, _STEP = 30, 16, 5  # of functional maps and their refinement, as pyFM's documentation advises
 _WEIGHTS = {"w_descr": 1.0, "w_lap": 0.1, "w_dcomm": 1.0, "w_orient": 1.0}
 
 
@@ -35,7 +35,7 @@ class Mesh(NamedTuple):
 
 
 class Found(NamedTuple):
-    """For every vertex of a mesh a point on another, and the pose taken over where the way to match can do that.
+    """For every vertex of a mesh, a point on another mesh; and the transferred pose, if the method provides it.
 
     Attributes
     ----------
@@ -44,9 +44,9 @@ class Found(NamedTuple):
     weights : (n, 3) ndarray of float
         Their weights.
     posed : (n, 3) ndarray of float or None
-        The mesh in the other's pose.
+        The mesh in the pose of the other.
     edges : float or None
-        Median change of the lengths of its edges.
+        Median change of its edge lengths.
     """
 
     corners: IntArray
@@ -57,18 +57,18 @@ class Found(NamedTuple):
 
 @dataclass(frozen=True)
 class Matcher:
-    """A way to match.
+    """A method of matching.
 
     Attributes
     ----------
     name : str
-        Its name in tables and on the command line.
+        Name in tables and on the command line.
     source : str
-        Where it comes from.
+        Its origin.
     match : callable
-        The way: two `Mesh`, to `Found`.
+        The function: two `Mesh` to `Found`.
     packages : tuple of str
-        Modules that it needs beside numpy and scipy.
+        Modules that it needs besides numpy and scipy.
     """
 
     name: str
@@ -78,7 +78,7 @@ class Matcher:
 
 
 def by_this_project(one: Mesh, other: Mesh) -> Found:
-    """Match by this project, and take the pose over.
+    """Match with this project, and transfer the pose.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ def by_this_project(one: Mesh, other: Mesh) -> Found:
 
 
 def by_nearest(one: Mesh, other: Mesh) -> Found:
-    """Lay one form onto the other by closest points, from many starts, and take the nearest point.
+    """Align one form to the other by closest points, from many starts, and match nearest points.
 
     Parameters
     ----------
@@ -117,7 +117,7 @@ def by_nearest(one: Mesh, other: Mesh) -> Found:
 
 
 def by_functional_maps(one: Mesh, other: Mesh) -> Found:
-    """Match by functional maps of wave kernel signatures, refined by ZoomOut, with pyFM as its page advises.
+    """Match by functional maps of wave kernel signatures, refined by ZoomOut, with pyFM as its documentation advises.
 
     Parameters
     ----------
@@ -157,18 +157,18 @@ MATCHERS = {
 
 
 def installed() -> list[str]:
-    """Name the ways whose packages are there.
+    """Return the methods whose packages are installed.
 
     Returns
     -------
     list of str
-        The names.
+        Names of the methods.
     """
     return [each.name for each in MATCHERS.values() if all(map(find_spec, each.packages))]
 
 
 def chosen_matchers(names: Sequence[str]) -> list[Matcher]:
-    """Look up ways to match.
+    """Look up methods of matching.
 
     Parameters
     ----------
@@ -178,12 +178,12 @@ def chosen_matchers(names: Sequence[str]) -> list[Matcher]:
     Returns
     -------
     list of Matcher
-        The ways, each once.
+        The methods, each once.
 
     Raises
     ------
     InvalidSettingsError
-        If a name is not known, or there is none.
+        If a name is unknown, or there is none.
     """
     unknown = [name for name in names if name not in MATCHERS]
     if unknown or not names:

@@ -1,4 +1,4 @@
-"""Pairs of poses of one mesh: the same vertices in another pose are the true match."""
+"""Pairs of poses of one mesh: identical vertex indices are the true correspondences."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from .matchers import Mesh
 
 @dataclass(frozen=True)
 class Pair:
-    """A mesh and another pose of it, or of another body of the same vertices.
+    """A mesh and another pose of it, or of another body with the same vertices.
 
     Attributes
     ----------
     one : Shape
-        The mesh that is matched.
+        The mesh to match.
     other : Shape
-        What it is matched with, reduced and shuffled.
+        The mesh to match it with, after it was reduced and shuffled.
     """
 
     one: Shape
@@ -33,23 +33,23 @@ class Pair:
 
     @property
     def label(self) -> str:
-        """The class, or which onto which."""
+        """The class, or the two classes."""
         one, other = self.one.label, self.other.label
         return one if one == other else f"{one} onto {other}"
 
     @property
     def name(self) -> str:
-        """Its name in the store."""
+        """Name of the pair in the store."""
         return f"{self.one.label}@{self.one.name}@{self.other.label}@{self.other.name}"
 
 
 class Poses:
-    """The meshes of some shapes, read when they are first asked for.
+    """The meshes of shapes, read on first access.
 
     Parameters
     ----------
     reader : Reader
-        Reads them.
+        Reads the meshes.
     """
 
     def __init__(self, reader: Reader) -> None:
@@ -80,30 +80,30 @@ class Poses:
 
 
 def pairs_of(shapes: Sequence[Shape], count: int, across: bool, poses: Poses) -> tuple[list[Pair], dict[str, str]]:
-    """List the pairs of each class, and those of two classes that share their vertices.
+    """Return the pairs within each class, and those between classes with the same triangles.
 
     Parameters
     ----------
     shapes : sequence of Shape
         The dataset.
     count : int
-        Poses of a class at most, evenly chosen.
+        Largest number of poses per class, evenly chosen.
     across : bool
-        Whether classes that share their vertices are matched with each other, too.
+        Whether to match classes with the same triangles with each other as well.
     poses : Poses
         The meshes.
 
     Returns
     -------
     pairs : list of Pair
-        Every pose with every other, by class.
+        Every pose with every other one, by class.
     left_out : dict of str to str
-        Classes without pairs, and why.
+        Classes without pairs, and the reasons.
 
     Raises
     ------
     InvalidMeshError
-        If there is no pair at all.
+        If there are no pairs.
     """
     chosen: dict[str, list[Shape]] = {}
     left_out: dict[str, str] = {}
@@ -132,10 +132,10 @@ def pairs_of(shapes: Sequence[Shape], count: int, across: bool, poses: Poses) ->
 
 
 def _share(one: Shape, other: Shape, poses: Poses) -> bool:
-    """Tell whether two classes have the same triangles."""
+    """Return whether two classes have the same triangles."""
     return np.array_equal(poses.mesh(one).faces, poses.mesh(other).faces)
 
 
 def _ordered(some: Sequence[Shape], others: Sequence[Shape]) -> Iterator[tuple[Shape, Shape]]:
-    """Pair every shape with every other, those matched with the same side by side."""
+    """Pair every shape with every other; pairs with the same second shape are consecutive."""
     return ((one, other) for other in others for one in some if one != other)

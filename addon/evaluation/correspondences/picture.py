@@ -1,4 +1,4 @@
-"""Draws matches: colours carried over from one mesh to another, and the pose taken over."""
+"""Draws matches: colours transferred from one mesh to another, and the transferred pose."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _MOST_ROWS = 8
-_BANDS = 12  # stripes of each colour, whose edges show where a match is off
-_DARK = 0.6  # of every other stripe
+_BANDS = 12  # stripes of each colour, whose edges show errors of a match
+_DARK = 0.6  # brightness of every other stripe
 
 
 class Matched(Protocol):
-    """A pair with what came of it."""
+    """A pair with its result."""
 
     @property
     def pair(self) -> Pair:
@@ -31,7 +31,7 @@ class Matched(Protocol):
 
     @property
     def matcher(self) -> Matcher:
-        """The way it was matched."""
+        """The method of matching."""
 
     @property
     def outcome(self) -> Any:
@@ -39,22 +39,22 @@ class Matched(Protocol):
 
 
 def matches_figure(results: Sequence[Matched], matchers: Sequence[Matcher], poses: Poses) -> Figure | None:
-    """Draw the pair of each class that is matched neither best nor worst.
+    """Draw the pair with the median error of each class.
 
     Parameters
     ----------
     results : sequence of Matched
-        Pairs that are matched.
+        Pairs with a match.
     matchers : sequence of Matcher
-        The ways.
+        The methods of matching.
     poses : Poses
         The meshes.
 
     Returns
     -------
     matplotlib.figure.Figure or None
-        Rows of pairs: the other mesh with its colours, those carried over by each way, the pose taken over; None if
-        there is nothing to show.
+        Rows of pairs: the other mesh with its colours, the colours transferred by each method, the transferred pose;
+        None if there is nothing to show.
     """
     from matplotlib.figure import Figure
 
@@ -89,14 +89,14 @@ def matches_figure(results: Sequence[Matched], matchers: Sequence[Matcher], pose
 
 
 def _middle(results: Sequence[Matched]) -> Pair:
-    """Choose the pair whose error is the median of those of the first way to match."""
+    """Return the pair with the median error of the first method."""
     first = [each for each in results if each.matcher == results[0].matcher]
     order = np.argsort([each.outcome[0]["error"] for each in first], kind="stable")
     return first[order[len(order) // 2]].pair
 
 
 def _stripes(mesh: Mesh) -> FloatArray:
-    """Colour a mesh by place, in stripes."""
+    """Colour a mesh by position, in stripes."""
     extent = np.maximum(np.ptp(mesh.vertices, axis=0), np.finfo(float).tiny)
     place = (mesh.vertices - mesh.vertices.min(axis=0)) / extent
     odd = np.floor(_BANDS * place @ upright(mesh.vertices)[:, 1]) % 2

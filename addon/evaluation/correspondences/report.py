@@ -1,4 +1,4 @@
-"""Writes what came of the matches: a table, all pairs, what it cost, and a figure."""
+"""Writes the results of matching: a table, all pairs, the costs, and a figure."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ _FIGURES = ("error", "nearer", "near", "flip", "pose", "edges", *_CROSSINGS)
 
 
 class Result(NamedTuple):
-    """A pair, a way to match it, and what came of that.
+    """A pair, a method of matching, and the result.
 
     Attributes
     ----------
     pair : Pair
         The pair.
     matcher : Matcher
-        The way to match.
+        The method of matching.
     outcome : (dict, dict of str to ndarray) or str
-        Figures and arrays, from `work.matched`; or why there are none.
+        Figures and arrays, from `work.matched`; or the reason for failure.
     """
 
     pair: Pair
@@ -41,25 +41,25 @@ class Result(NamedTuple):
 def write_report(
     store: Store, results: Sequence[Result], matchers: Sequence[Matcher], left_out: dict[str, str], poses: Poses
 ) -> list[Path]:
-    """Write all of it. Seconds stand in a file of their own; all else is the same in every run.
+    """Write all results. Seconds are in a separate file; everything else is identical in every run.
 
     Parameters
     ----------
     store : Store
-        Where to.
+        Where to write.
     results : sequence of Result
-        What came of each pair and way to match.
+        The result of each pair and method.
     matchers : sequence of Matcher
-        The ways.
+        The methods of matching.
     left_out : dict of str to str
-        Classes that were not matched, and why.
+        Classes that were not matched, and the reasons.
     poses : Poses
         The meshes.
 
     Returns
     -------
     list of Path
-        The files.
+        The written files.
     """
     head = ["pairs of", "mesh", "other", "method"]
 
@@ -93,11 +93,11 @@ def report_text(results: Sequence[Result], matchers: Sequence[Matcher], left_out
     Parameters
     ----------
     results : sequence of Result
-        What came of each pair and way to match.
+        The result of each pair and method.
     matchers : sequence of Matcher
-        The ways.
+        The methods of matching.
     left_out : dict of str to str
-        Classes that were not matched, and why.
+        Classes that were not matched, and the reasons.
 
     Returns
     -------
@@ -155,14 +155,14 @@ def report_text(results: Sequence[Result], matchers: Sequence[Matcher], left_out
 
 
 def costs_text(results: Sequence[Result], matchers: Sequence[Matcher]) -> str:
-    """Write the seconds in Markdown.
+    """Write the computation times in Markdown.
 
     Parameters
     ----------
     results : sequence of Result
-        What came of each pair and way to match.
+        The result of each pair and method.
     matchers : sequence of Matcher
-        The ways.
+        The methods of matching.
 
     Returns
     -------
@@ -180,12 +180,12 @@ def costs_text(results: Sequence[Result], matchers: Sequence[Matcher]) -> str:
 
 
 def _numbers(outcome: Outcome) -> list[str]:
-    """Write the figures of a pair; as many empty words where there are none."""
+    """Format the figures of a pair; as many empty strings if there are none."""
     return [""] * len(_FIGURES) if isinstance(outcome, str) else [number(outcome[0][name]) for name in _FIGURES]
 
 
 def _figures(results: Sequence[Result], label: str, matcher: Matcher) -> list[dict[str, Any]]:
-    """Collect the figures of some pairs."""
+    """Return the figures of the pairs of a class and method."""
     return [
         each.outcome[0]
         for each in results
@@ -194,15 +194,15 @@ def _figures(results: Sequence[Result], label: str, matcher: Matcher) -> list[di
 
 
 def _column(figures: Sequence[dict[str, Any]], name: str) -> np.ndarray:
-    """Collect one figure, where there is one."""
+    """Return one figure of all pairs that have it."""
     return np.array([each[name] for each in figures if each[name] is not None], dtype=np.float64)
 
 
 def _crossing_more(figures: Sequence[dict[str, Any]]) -> int:
-    """Count the results that cross themselves more than the mesh before and in the true pose."""
+    """Count the results with more self-intersections than the mesh in its own pose and in the true pose."""
     return sum(each["crossings"] > max(each["crossings_before"], each["crossings_true"] or 0) for each in figures)
 
 
 def _mean_and_most(values: np.ndarray, digits: int) -> list[str]:
-    """Write the mean and the largest of some values."""
+    """Format the mean and the largest of some values."""
     return [f"{values.mean():.{digits}f}", f"{values.max():.{digits}f}"] if len(values) else ["", ""]

@@ -1,4 +1,4 @@
-"""What a worker does: it matches one pair of poses, and measures how far each match is from the truth."""
+"""The task of a worker: match one pair of poses, and measure the errors of the match."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ from ..work import one_thread
 from .matchers import MATCHERS, Mesh
 
 LEFT = 0.7  # share of the vertices of the other mesh that are kept
-NEAR, NEARER = 0.10, 0.05  # sqrt(area), of the columns
-FLIPPED, WRONG = 0.1, 0.3  # share of the vertices that are as far off (in sqrt(area)) where sides were swapped
-APART = 0.1  # sqrt(area): poses that differ by less say nothing of a pose taken over
+NEAR, NEARER = 0.10, 0.05  # sqrt(area), error bounds of the columns
+FLIPPED, WRONG = 0.1, 0.3  # sides count as swapped if this share of the vertices has a larger error (in sqrt(area))
+APART = 0.1  # sqrt(area): poses that differ by less cannot show whether a pose was transferred
 _SAMPLES = 300  # vertices at which a match is measured
 
 
 class Outcome(NamedTuple):
-    """What came of one pair and one way to match.
+    """Result of one pair and one method of matching.
 
     Attributes
     ----------
     row : dict
-        ``error``, ``near``, ``nearer``, ``flip``, ``seconds``; where a pose was taken over ``pose``, ``edges`` and how
+        ``error``, ``near``, ``nearer``, ``flip``, ``seconds``; with a transferred pose also ``pose``, ``edges`` and how
         many pairs of triangles cross: ``crossings``, and ``_before`` in its own and ``_true`` in the true pose.
     arrays : dict of str to ndarray
         ``corners``, ``weights``, ``posed``.
@@ -42,7 +42,7 @@ class Outcome(NamedTuple):
 
 
 def remeshed(mesh: Mesh) -> Mesh:
-    """Reduce a mesh and shuffle its vertices, always in the same way.
+    """Reduce a mesh and shuffle its vertices, deterministically.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ def remeshed(mesh: Mesh) -> Mesh:
     Returns
     -------
     Mesh
-        Its remeshed twin: the surface is the same, the triangles are others.
+        A remeshed copy: the same surface with other triangles.
     """
     coarse = coarsened(mesh.vertices, mesh.faces, int(LEFT * len(mesh.vertices)))
     rng = np.random.default_rng(1)
@@ -64,16 +64,16 @@ def remeshed(mesh: Mesh) -> Mesh:
 
 
 def matched(one: Mesh, other: Mesh, matcher: str, same_body: bool) -> Outcome:
-    """Match a mesh with another pose of it, remeshed, and measure the match.
+    """Match a mesh with another, remeshed pose of it, and measure the match.
 
     Parameters
     ----------
     one, other : Mesh
         The poses, with the same vertices.
     matcher : str
-        Name of the way to match.
+        Name of the method of matching.
     same_body : bool
-        Whether they are poses of one body, so that the other is what a pose taken over should be.
+        Whether both are poses of one body, so that the transferred pose should equal the other mesh.
 
     Returns
     -------
@@ -118,7 +118,7 @@ def matched(one: Mesh, other: Mesh, matcher: str, same_body: bool) -> Outcome:
 
 
 def geodesic_errors(places: FloatArray, mesh: Mesh, samples: int = _SAMPLES) -> FloatArray:
-    """Measure how far points on a mesh are from the vertices of the same numbers.
+    """Measure how far points on a mesh are from the vertices with the same indices.
 
     Parameters
     ----------
@@ -127,7 +127,7 @@ def geodesic_errors(places: FloatArray, mesh: Mesh, samples: int = _SAMPLES) -> 
     mesh : Mesh
         The mesh, connected.
     samples : int
-        Number of vertices at which that is measured, chosen at random, always the same.
+        Number of vertices to measure, chosen at random with a fixed seed.
 
     Returns
     -------

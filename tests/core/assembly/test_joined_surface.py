@@ -5,7 +5,8 @@ import pytest
 
 from addon.core.assembly import joined_surface as module
 from addon.core.assembly.bodies import bodies_of
-from addon.core.mesh.connectivity import component_labels, vertex_pairs
+from addon.core.mesh.connectivity import component_labels
+from addon.core.mesh.edges import vertex_pairs
 from addon.core.mesh.geometry import of_unit_area
 from addon.core.run.errors import CancelledError
 from addon.core.run.monitor import Monitor

@@ -6,7 +6,7 @@ import pytest
 from addon.core.assembly.bodies import bodies_of
 from addon.core.assembly.gathering import gathered
 from addon.core.assembly.pieces import connected_pieces
-from addon.core.mesh.connectivity import is_closed
+from addon.core.mesh.edges import is_closed
 from addon.core.mesh.geometry import surface_area
 from tests.meshes import shapes
 

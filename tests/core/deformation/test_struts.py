@@ -7,7 +7,7 @@ from addon.core.deformation.elastic_body import ElasticBody
 from addon.core.deformation.struts import struts_through
 from addon.core.embedding.pairs import braced
 from addon.core.embedding.stress import Stress, pair_set
-from addon.core.mesh.connectivity import is_closed
+from addon.core.mesh.edges import is_closed
 from addon.core.mesh.geometry import signed_volume
 from tests.meshes import shapes
 from tests.meshes.shapes import prepared

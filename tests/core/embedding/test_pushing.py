@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from addon.core.embedding.pushing import LinkStress, Pushing
-from addon.core.mesh.connectivity import vertex_pairs
+from addon.core.mesh.edges import vertex_pairs
 from addon.core.mesh.geometry import surface_area
 from tests.meshes import shapes
 

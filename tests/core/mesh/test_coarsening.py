@@ -6,7 +6,8 @@ import pytest
 from addon.core import CancelledError
 from addon.core.measures.form_measures import enclosed_volume
 from addon.core.mesh.coarsening import coarsened
-from addon.core.mesh.connectivity import component_labels, is_closed, vertex_pairs
+from addon.core.mesh.connectivity import component_labels
+from addon.core.mesh.edges import is_closed, vertex_pairs
 from addon.core.mesh.geometry import surface_area
 from addon.core.run.monitor import Monitor
 from tests.meshes import shapes

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from addon.core.mesh.connectivity import is_closed
+from addon.core.mesh.edges import is_closed
 from addon.core.mesh.geometry import signed_volume
 from tests.meshes import shapes
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from addon.core.mesh.connectivity import edge_table
+from addon.core.mesh.edges import edge_table
 from addon.core.mesh.geometry import surface_area
 from addon.core.mesh.mirroring import Mirror, mirrored
 from tests.meshes import shapes

@@ -3,7 +3,7 @@ import pytest
 
 from addon.core import InvalidMeshError
 from addon.core.assembly.pieces import connected_pieces
-from addon.core.mesh.connectivity import is_closed
+from addon.core.mesh.edges import is_closed
 from addon.core.mesh.repair import repaired
 from tests.meshes import shapes
 

@@ -1,6 +1,7 @@
 import numpy as np
 
-from addon.core.mesh.connectivity import component_labels, vertex_pairs
+from addon.core.mesh.connectivity import component_labels
+from addon.core.mesh.edges import vertex_pairs
 from addon.core.patching.cells import patches_of, voronoi_cells
 from tests.meshes import shapes
 

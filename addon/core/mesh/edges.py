@@ -1,0 +1,212 @@
+"""The edges of a mesh: half-edges, pairs of vertices, triangles at each edge."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..numerics.arrays import IntArray
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_matrix
+
+
+def undirected_keys(tail: IntArray, head: IntArray, vertex_count: int) -> IntArray:
+    """Assign each undirected edge between vertices one number, alike in both directions.
+
+    Parameters
+    ----------
+    tail, head : (e,) ndarray of int
+        The two ends of each edge.
+    vertex_count : int
+        Number of vertices n.
+
+    Returns
+    -------
+    (e,) ndarray of int
+        ``low * n + high``: `numpy.divmod` by n gives the ends back, the lower vertex first.
+
+    Examples
+    --------
+    >>> undirected_keys(np.array([2, 0]), np.array([0, 2]), 10).tolist()
+    [2, 2]
+    """
+    return np.minimum(tail, head) * vertex_count + np.maximum(tail, head)
+
+
+def half_edges(faces: IntArray) -> tuple[IntArray, IntArray]:
+    """List the edges of every triangle in its own direction.
+
+    Parameters
+    ----------
+    faces : (m, 3) ndarray of int
+        Triangles.
+
+    Returns
+    -------
+    tail, head : (3 m,) ndarray of int
+        Half-edge ``3 f + i`` runs from corner i of triangle f to the next corner.
+
+    Examples
+    --------
+    >>> tail, head = half_edges(np.array([[4, 5, 6]]))
+    >>> tail.tolist(), head.tolist()
+    ([4, 5, 6], [5, 6, 4])
+    """
+    return faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+
+
+def pair_counts(tail: IntArray, head: IntArray, vertex_count: int) -> csr_matrix:
+    """Count how often each pair of vertices occurs in a list.
+
+    A sparse matrix sorts by counting, several times faster than a sort of keys.
+
+    Parameters
+    ----------
+    tail, head : (e,) ndarray of int
+        The two ends of each pair.
+    vertex_count : int
+        Number of vertices n.
+
+    Returns
+    -------
+    (n, n) scipy.sparse.csr_matrix of int
+        Entry (i, j) counts the pairs from i to j; the entries of each row are sorted.
+
+    Examples
+    --------
+    >>> pair_counts(np.array([0, 0, 1]), np.array([1, 1, 0]), 2).toarray().tolist()
+    [[0, 2], [1, 0]]
+    """
+    from scipy.sparse import coo_matrix
+
+    return coo_matrix((np.ones(len(tail), dtype=np.int32), (tail, head)), shape=(vertex_count, vertex_count)).tocsr()
+
+
+def is_closed(faces: IntArray) -> bool:
+    """Check whether every edge lies between exactly two triangles.
+
+    Parameters
+    ----------
+    faces : (m, 3) ndarray of int
+        Triangles.
+
+    Returns
+    -------
+    bool
+        True if the mesh has no border and no edge of more than two triangles.
+
+    Examples
+    --------
+    >>> is_closed(np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])), is_closed(np.array([[0, 1, 2]]))
+    (True, False)
+    """
+    key = np.sort(undirected_keys(*half_edges(faces), int(faces.max()) + 1))
+    return len(key) % 2 == 0 and bool((key[::2] == key[1::2]).all() and (key[1:-1:2] != key[2::2]).all())
+
+
+def vertex_pairs(faces: IntArray) -> IntArray:
+    """List every pair of vertices joined by an edge once.
+
+    Parameters
+    ----------
+    faces : (m, 3) ndarray of int
+        Triangles.
+
+    Returns
+    -------
+    (e, 2) ndarray of int
+        Pairs, lower vertex index first, sorted.
+
+    Examples
+    --------
+    >>> vertex_pairs(np.array([[0, 1, 2], [2, 1, 3]])).tolist()
+    [[0, 1], [0, 2], [1, 2], [1, 3], [2, 3]]
+    """
+    count = int(faces.max(initial=0)) + 1
+    tail, head = half_edges(faces)
+    found = pair_counts(np.minimum(tail, head), np.maximum(tail, head), count)
+    return np.column_stack([np.repeat(np.arange(count), np.diff(found.indptr)), found.indices.astype(np.int64)])
+
+
+@dataclass(frozen=True, eq=False)
+class EdgeTable:
+    """The half-edges of a mesh sorted by the edge that they lie on.
+
+    Attributes
+    ----------
+    order : (3 m,) ndarray of int
+        Half-edges, numbered as by `half_edges`, those of one edge beside each other.
+    start : (e,) ndarray of int
+        Where each edge begins in that order.
+    count : (e,) ndarray of int
+        Number of triangles at each edge.
+    tail, head : (3 m,) ndarray of int
+        Ends of each half-edge.
+    """
+
+    order: IntArray
+    start: IntArray
+    count: IntArray
+    tail: IntArray
+    head: IntArray
+
+    @property
+    def alone(self) -> IntArray:
+        """Half-edges at a border, which have no other beside them."""
+        return self.order[self.start[self.count == 1]]
+
+
+def edge_table(faces: IntArray) -> EdgeTable:
+    """Sort the half-edges of a mesh by the edge that they lie on.
+
+    Parameters
+    ----------
+    faces : (m, 3) ndarray of int
+        Triangles.
+
+    Returns
+    -------
+    EdgeTable
+        The table.
+
+    Examples
+    --------
+    >>> edge_table(np.array([[0, 1, 2], [2, 1, 3]])).count.tolist()
+    [1, 1, 2, 1, 1]
+    """
+    tail, head = half_edges(faces)
+    key = undirected_keys(tail, head, int(faces.max(initial=0)) + 1)
+    order = np.argsort(key, kind="stable")
+    rising = key[order]
+    start = np.flatnonzero(np.concatenate([[True], rising[1:] != rising[:-1]])) if len(key) else order
+    return EdgeTable(order, start, np.diff(np.append(start, len(key))), tail, head)
+
+
+def pairs_across_edges(faces: IntArray) -> IntArray:
+    """List the pairs of vertices that face each other across an edge.
+
+    Parameters
+    ----------
+    faces : (m, 3) ndarray of int
+        Triangles.
+
+    Returns
+    -------
+    (p, 2) ndarray of int
+        Pairs, lower vertex index first, sorted, each once.
+
+    Examples
+    --------
+    >>> pairs_across_edges(np.array([[0, 1, 2], [2, 1, 3]])).tolist()
+    [[0, 3]]
+    """
+    edges = edge_table(faces)
+    opposite = np.roll(faces, -2, axis=1).ravel()[edges.order]
+    beside = np.ones(len(opposite), dtype=bool)
+    beside[edges.start] = False  # the first at each edge has none before it
+    at = np.flatnonzero(beside)
+    pairs = np.sort(np.column_stack([opposite[at - 1], opposite[at]]), axis=1)
+    return np.unique(pairs[pairs[:, 0] < pairs[:, 1]], axis=0)
