@@ -181,10 +181,10 @@ def _parser() -> argparse.ArgumentParser:
         "compute", help="compute the canonical form of meshes", epilog=_EPILOGUE, formatter_class=_Help
     )
     _add_files(compute)
-    how = compute.add_argument_group("how the form lies")
+    how = compute.add_argument_group("orientation of the form")
     how.add_argument(
-        "--reference", metavar="FILE", help="lay all forms onto that of this mesh, with its limbs' numbers; first: of "
-        "the first mesh",
+        "--reference", metavar="FILE", help="align all forms to that of this mesh and use its limb numbers; \"first\" "
+        "selects the first mesh",
     )  # fmt: skip
     _add_axes(how)
     _add_method(compute, how)
@@ -198,16 +198,18 @@ def _parser() -> argparse.ArgumentParser:
     _add_files(posing)
     how = posing.add_argument_group("the pose")
     whose = how.add_mutually_exclusive_group(required=True)
-    whose.add_argument("--reference", metavar="FILE", help="that of the mesh in this file, of a like body")
+    whose.add_argument(
+        "--reference", metavar="FILE", help="take the pose of the mesh in this file, which has a similar body"
+    )
     whose.add_argument("--pose", choices=("t", "a"), help="that of a mannequin: a T-pose or an A-pose")
     _add_side(how)
     _add_axes(how)
     _add_method(posing, how)
     matching = commands.add_parser(
-        "match", help="find for every vertex of a mesh the point of another that is its like", epilog=_MATCHING,
+        "match", help="find the corresponding point on another mesh for every vertex", epilog=_MATCHING,
         formatter_class=_Help,
     )  # fmt: skip
-    matching.add_argument("meshes", nargs=2, type=Path, metavar="FILE", help="files of like bodies, one mesh each")
+    matching.add_argument("meshes", nargs=2, type=Path, metavar="FILE", help="files of similar bodies, one mesh each")
     matching.add_argument(
         "--output", type=Path, required=True, metavar="DIR", help="folder for the result, an .npz file"
     )
@@ -229,11 +231,11 @@ def _add_files(parser: argparse.ArgumentParser) -> None:
     files.add_argument("--output", type=Path, required=True, metavar="DIR", help="folder for the results")
     files.add_argument(
         "--format", choices=(*WRITTEN, "off"), default="blend" if has_blender() else "obj",
-        help="what to write (default: blend, obj where Blender is not there); off without Blender only",
+        help="what to write (default: blend, obj without Blender); off without Blender only",
     )  # fmt: skip
-    files.add_argument("--skip-existing", action="store_true", help="leave out files that have their result already")
-    files.add_argument("--jobs", type=int, default=1, metavar="N", help="number of files worked on at once")
-    files.add_argument("--scheduler", metavar="HOST:PORT", help="work on the Dask cluster of this scheduler instead")
+    files.add_argument("--skip-existing", action="store_true", help="skip files that already have their result")
+    files.add_argument("--jobs", type=int, default=1, metavar="N", help="number of files processed at once")
+    files.add_argument("--scheduler", metavar="HOST:PORT", help="use the Dask cluster of this scheduler instead")
     what = parser.add_argument_group("what is read")
     what.add_argument(
         "--mesh", choices=("base", "shown"), default="base",
@@ -254,7 +256,7 @@ def _add_trust(group: argparse._ArgumentGroup | argparse.ArgumentParser) -> None
     """Add the option to trust the files."""
     group.add_argument(
         "--trust-scripts", action="store_true", help="the files are your own: run scripts and Python drivers in .blend "
-        "files, and take in what files name outside their folders",
+        "files, and include files that they refer to outside their folders",
     )  # fmt: skip
 
 

@@ -45,7 +45,7 @@ def found_files(words: Sequence[Path], output: Path) -> list[Path]:
             fitting = [each for each in fitting if each.suffix.lower() in READ and each.is_file()]
             fitting = [each for each in fitting if output.resolve() not in each.resolve().parents]
             if not fitting:
-                raise CanonicalFormError(f"No mesh is called like {word}.")
+                raise CanonicalFormError(f"No mesh matches {word}.")
             found += fitting
         else:
             found.append(word)

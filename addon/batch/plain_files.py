@@ -175,7 +175,7 @@ def _counted(value: Any) -> int:
     """Convert the length of a list."""
     count = int(value)
     if count < 0:
-        raise ValueError("a list of less than nothing")
+        raise ValueError("negative list length")
     return count
 
 

@@ -25,7 +25,7 @@ def add_dataset(parser: argparse.ArgumentParser) -> None:
     parser : argparse.ArgumentParser
         The parser.
     """
-    parser.add_argument("dataset", type=Path, help="one folder a class; or all meshes and a file of their classes")
+    parser.add_argument("dataset", type=Path, help="one folder per class, or all meshes and a file of their classes")
     parser.add_argument("--output", type=Path, required=True, metavar="DIR", help="folder for results and tables")
     parser.add_argument("--classes", type=Path, metavar="FILE", help=".cla file, or lines 'file,class'")
 

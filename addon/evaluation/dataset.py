@@ -59,7 +59,7 @@ def shapes_in(folder: Path, classes: Path | None = None) -> list[Shape]:
         found = sorted(path for path in folder.iterdir() if path.suffix.lower() == ".cla")
         if len(found) != 1:
             raise InvalidMeshError(
-                f"{folder} holds meshes side by side. Say which file tells their classes, with --classes, or put each "
+                f"{folder} holds meshes side by side. Name the file with their classes with --classes, or put each "
                 "class in a folder of its own."
             )
         classes = found[0]

@@ -59,7 +59,7 @@ class OBJECT_OT_canonical_form_limb(JobOperator, bpy.types.Operator):
         now = limbs_of(require_object(context).data)
         if self.patch > len(now):
             raise InvalidSettingsError(
-                told("There are {count} patches; {patch} is none of them.", count=len(now), patch=self.patch)
+                told("Patch {patch} does not exist; there are {count}.", count=len(now), patch=self.patch)
             )
         if self.patch == 0:
             limbs = [True] * len(now)
@@ -74,7 +74,7 @@ class OBJECT_OT_canonical_form_limb(JobOperator, bpy.types.Operator):
         """Report how many patches have their pose removed."""
         self.report(
             {"INFO"},
-            told("The pose is out of {out} of {count} patches.", out=sum(task.limbs), count=len(task.limbs)),
+            told("The pose is removed from {out} of {count} patches.", out=sum(task.limbs), count=len(task.limbs)),
         )
         self.warn(task.warnings)
 
@@ -119,7 +119,7 @@ class OBJECT_OT_canonical_form_in_betweens(JobOperator, bpy.types.Operator):
 
 
 class OBJECT_OT_canonical_form_remove_in_betweens(bpy.types.Operator):
-    """Remove the slider and the keys between pose and form. Keys that were renamed or changed stay, as yours"""  # noqa: D400
+    """Remove the slider and the keys between pose and form. Renamed or changed keys are kept"""  # noqa: D400
 
     bl_idname = "object.canonical_form_remove_in_betweens"
     bl_label = "Remove In-betweens Anyway"

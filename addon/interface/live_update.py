@@ -99,7 +99,7 @@ class LiveUpdate:
             except Exception as error:  # Blender would silently remove a timer that raises an error
                 traceback.print_exc()
                 self.state, wait = (
-                    told("Live: an error in the extension, told in the console: {error!r}", error=error),
+                    told("Live: error in the extension, see the console: {error!r}", error=error),
                     _IDLE,
                 )
             if state != self.state:

@@ -36,9 +36,9 @@ class OBJECT_OT_canonical_form(JobOperator, MethodProperties, FormerProperties, 
     step: EnumProperty(  # type: ignore[valid-type]
         name="Step",
         translation_context=CONTEXT,
-        description="How far to go",
+        description="Last step of the run",
         items=(
-            ("FORM", "Form", "All the way"),
+            ("FORM", "Form", "Compute the form"),
             ("PATCHES", "Patches", "Feature points and patches only"),
             ("FEATURES", "Feature Points", "Feature points only"),
         ),
@@ -256,7 +256,7 @@ def _summary(task: "FormTask") -> str:
 def _told_result(report: "FormReport", seconds: float) -> str:
     """Describe the result for one body."""
     if report.like is not None:
-        return told("{key}: {confidence:.0%} sure of the match, {seconds:.1f} s.", key=report.like.key,
+        return told("{key}: {confidence:.0%} match confidence, {seconds:.1f} s.", key=report.like.key,
                     confidence=report.like.confidence, seconds=report.seconds)  # fmt: skip
     count = len(report.feature_points)
     if report.has_form:

@@ -116,7 +116,7 @@ class VIEW3D_PT_canonical_form_result(Tab, bpy.types.Panel):
             row.prop(mesh.shape_keys, f'["{PROPERTY}"]', text=_slider(record), slider=True)
             row.operator(OBJECT_OT_canonical_form_in_betweens.bl_idname, text="", icon="X").count = 0
             if renamed_keys(mesh):
-                layout.label(text=told("Renamed key: name it back, or"), icon="ERROR")
+                layout.label(text=told("A key was renamed. Restore its name, or"), icon="ERROR")
                 layout.operator(OBJECT_OT_canonical_form_remove_in_betweens.bl_idname, text=told("Remove Anyway"))
         elif key is not None:
             layout.prop(key, "value", text=_slider(record), slider=True)
@@ -290,7 +290,7 @@ def _draw_report(column: bpy.types.UILayout, record: Record) -> None:
     count, seconds = len(report.feature_points), report.seconds
     distortion = told("Edge distortion: median {distortion:.1%}", distortion=report.edge_distortion or 0.0)
     if report.like is not None:
-        sure = told("{confidence:.0%} sure of the match, {seconds:.1f} s", confidence=report.like.confidence,
+        sure = told("{confidence:.0%} match confidence, {seconds:.1f} s", confidence=report.like.confidence,
                     seconds=seconds)  # fmt: skip
         lines = [sure, distortion]
     else:

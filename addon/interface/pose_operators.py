@@ -41,7 +41,7 @@ class OBJECT_OT_canonical_form_pose_like(JobOperator, MethodProperties, RequestP
         translation_context=CONTEXT,
         description="Whose pose is taken",
         items=(
-            ("OBJECT", "Object", "That of an object of a like body, as it is shown"),
+            ("OBJECT", "Object", "That of an object with a similar body, as shown"),
             ("T", MANNEQUINS["T"], "Standing, arms held out sideways: for bodies on two legs"),
             ("A", MANNEQUINS["A"], "Standing, arms lowered by 45 degrees: for bodies on two legs"),
         ),
@@ -101,18 +101,18 @@ class OBJECT_OT_canonical_form_pose_like(JobOperator, MethodProperties, RequestP
 
 
 class OBJECT_OT_canonical_form_transfer(JobOperator, MethodProperties, bpy.types.Operator):
-    """Take over what another object has: every vertex of the selected meshes from its matching point"""  # noqa: D400 (tooltip)
+    """Transfer data from another object to the matching points of the selected meshes"""  # noqa: D400 (tooltip)
 
     bl_idname = "object.canonical_form_transfer"
     bl_label = "Transfer"
     bl_translation_context = CONTEXT
     bl_options = {"UNDO"}
 
-    like: StringProperty(name="Reference", translation_context=CONTEXT, description="Object that has what is wanted")  # type: ignore[valid-type]
+    like: StringProperty(name="Reference", translation_context=CONTEXT, description="Object to transfer from")  # type: ignore[valid-type]
     kinds: EnumProperty(  # type: ignore[valid-type]
         name="Kinds",
         translation_context=CONTEXT,
-        description="What is taken over",
+        description="Data to transfer",
         items=TRANSFER_ITEMS,
         options={"ENUM_FLAG"},
         default={"GROUPS"},
@@ -143,7 +143,7 @@ class OBJECT_OT_canonical_form_transfer(JobOperator, MethodProperties, bpy.types
         """Report the warnings, then what was transferred."""
         self.warn([*self._refused, *task.warnings])
         things = ", ".join(task.told) or told("nothing")
-        self.report({"INFO"}, told("Taken over from {like}: {things}.", like=self.like, things=things))
+        self.report({"INFO"}, told("Transferred from {like}: {things}.", like=self.like, things=things))
 
 
 class OBJECT_OT_canonical_form_match_colours(bpy.types.Operator):

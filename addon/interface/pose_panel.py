@@ -51,7 +51,7 @@ class VIEW3D_PT_canonical_form_pose_like(Tab, bpy.types.Panel):
             else:
                 text = told("Show Colours on {name}", name=source.name)
             layout.operator(OBJECT_OT_canonical_form_match_colours.bl_idname, text=text).like = source.name
-        column = layout.column(heading=told("Take Over"))
+        column = layout.column(heading=told("Data to Transfer"))
         column.enabled = bool(chosen.like)
         for kind, *_ in TRANSFER_ITEMS:
             column.prop(chosen, transfer_flag(kind))

@@ -153,7 +153,7 @@ class RequestProperties:
         items=(
             ("TOUCHING", "Touching as One", "Objects that lie on, in or inside each other are one body"),
             ("TOGETHER", "All as One", "All are one run, with one report and one slider"),
-            ("EACH", "Each", "Every object has a form of its own, whatever is beside it"),
+            ("EACH", "Each", "Each object gets its own form, even if it touches others"),
         ),
         default="TOUCHING",
     )
@@ -178,7 +178,7 @@ class TransferProperties:
 
     __annotations__ = {
         transfer_flag(kind): BoolProperty(
-            name=name, description=f"Take over: {about}", default=kind in ("GROUPS", "UVS")
+            name=name, description=f"Transfer: {about}", default=kind in ("GROUPS", "UVS")
         )
         for kind, name, about in TRANSFER_ITEMS
     }
@@ -202,7 +202,7 @@ class CanonicalFormProperties(
     like: StringProperty(  # type: ignore[valid-type]
         name="Like",
         translation_context=CONTEXT,
-        description="Object of a like body in the pose that is wanted, whatever its vertices and faces",
+        description="Object with a similar body in the target pose; its mesh may differ",
     )
     show_points: BoolProperty(  # type: ignore[valid-type]
         name="Labels in the View",

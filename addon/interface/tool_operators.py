@@ -81,7 +81,7 @@ class OBJECT_OT_canonical_form_choose(bpy.types.Operator):
 
 
 class OBJECT_OT_canonical_form_distance(JobOperator, bpy.types.Operator):
-    """Measure how far all vertices are from the selected ones, into colours and a vertex group"""  # noqa: D400
+    """Measure distances from the selected vertices and write them as colours and a vertex group"""  # noqa: D400
 
     bl_idname = "object.canonical_form_distance"
     bl_label = "Distance from Selected"

@@ -257,7 +257,7 @@ class DaskCrew:
             if future.status != "error":  # an error of the connection, not of the task
                 raise
             if isinstance(error, KilledWorker):
-                return Failure("The Dask workers that had it died again and again (out of memory?).", died=True)
+                return Failure("The Dask workers that had it died repeatedly (out of memory?).", died=True)
             return Failure(f"{type(error).__name__}: {error}")
         return unpacked(packed, self._name)
 

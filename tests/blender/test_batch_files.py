@@ -224,7 +224,7 @@ def test_folders_and_patterns_mean_the_meshes_in_them(tmp_path, capsys):
         code, lines = run(*words, "--output", tmp_path / "out", "--format", "obj")
         assert (code, [Path(line["input"]).name for line in lines]) == (0, ["a.off", "b.off"])
     assert run(tmp_path / "x*.off", "--output", tmp_path / "out")[0] == 2
-    assert "No mesh is called like" in capsys.readouterr().err
+    assert "No mesh matches" in capsys.readouterr().err
     assert run(tmp_path / "**" / "*.off", "--output", tmp_path / "out", "--format", "obj")[1][0]["input"].endswith(
         "a.off"
     )

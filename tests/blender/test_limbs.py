@@ -157,7 +157,7 @@ def test_a_changed_key_or_mesh_is_refused(formed):
 
 
 def test_a_patch_that_is_not_there_is_refused(formed):
-    with pytest.raises(RuntimeError, match="5 patches; 9 is none of them"):
+    with pytest.raises(RuntimeError, match="Patch 9 does not exist; there are 5"):
         bpy.ops.object.canonical_form_limb(patch=9)
 
 

@@ -248,7 +248,7 @@ def test_an_error_that_nobody_expected_is_told(figure_object, chosen, monkeypatc
 
     live = LiveUpdate(bpy.context)
     monkeypatch.setattr("addon.core.canonical.opened", broken)
-    assert "an error in the extension" in settle(live)
+    assert "error in the extension" in settle(live)
     assert "ValueError: oh" in capsys.readouterr().err
 
 

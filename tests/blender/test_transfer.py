@@ -190,7 +190,7 @@ def test_an_object_without_thickness_is_refused_by_name(pair, flat):
     bpy.data.objects[flat].scale = (1.0, 0.0, 1.0)
     bpy.context.view_layer.update()
     before = snapshot(scan)
-    with pytest.raises(RuntimeError, match=rf"{flat} is scaled to nothing along an axis. Give it a scale\.$"):
+    with pytest.raises(RuntimeError, match=rf"{flat} has a scale of 0 along an axis. Change its scale\.$"):
         bpy.ops.object.canonical_form_transfer(**TRANSFER, kinds={"KEYS"})
     assert snapshot(scan) == before
 

@@ -307,10 +307,10 @@ def require_thick(name: str, placement: FloatArray, *, alone: bool = False) -> N
     axes = placement[:3, :3]
     if not abs(np.linalg.det(axes)) > _FLATTEST * float(np.abs(axes).max()) ** 3:
         sentence = (
-            told("{name} is scaled to nothing along an axis. Give it a scale.", name=name)
+            told("{name} has a scale of 0 along an axis. Change its scale.", name=name)
             if alone
             else told(
-                "{name} is scaled to nothing along an axis. Give it a scale, or set Several Objects to Each.", name=name
+                "{name} has a scale of 0 along an axis. Change its scale, or set Several Objects to Each.", name=name
             )
         )
         raise CanonicalFormError(sentence)

@@ -192,7 +192,7 @@ def _as_at_the_run(obj: bpy.types.Object, form: FloatArray) -> tuple[Reading, Fl
     if len(reading.vertices) != len(obj.data.vertices):
         raise CanonicalFormError(
             told(
-                "Modifiers change the number of vertices of {name} by now. Switch them off in the "
+                "Modifiers now change the number of vertices of {name}. Switch them off in the "
                 "views, or compute the form again.",
                 name=obj.name,
             )

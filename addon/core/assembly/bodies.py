@@ -1,4 +1,4 @@
-"""A mesh as bodies: pieces that belong together are worked on as one, and the results are gathered on all vertices."""
+"""A mesh as bodies: pieces that belong together are processed as one, and the results are gathered on all vertices."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ from .pieces import Pieces, connected_pieces
 
 Result = TypeVar("Result")
 
-_SHOWN = 5  # warnings about bodies that are passed on one by one
+_SHOWN = 5  # warnings about bodies that are reported individually
 
 
 class Chosen(NamedTuple):
-    """Vertices that the user chose, as far as they lie on one body.
+    """Those of the vertices chosen by the user that lie on one body.
 
     Attributes
     ----------
     positions : (t,) ndarray of int
-        Their places in the list that the user gave, rising.
+        Their positions in the list that the user gave, ascending.
     vertices : (t,) ndarray of int
         The same as vertices of the body's surface; for one on a rider, the vertex that carries it.
     """
@@ -71,18 +71,18 @@ class Bodies:
         return self.pieces.faces
 
     def map(self, work: Callable[..., Result], monitor: Monitor, plan: Plan, *of_each: Sequence[Any]) -> list[Result]:
-        """Work on every body, one after the other, and pass on what it warns of.
+        """Process every body in turn, and pass on its warnings.
 
         Parameters
         ----------
         work : callable
             Takes a body, one item of each further sequence, and a monitor for its share of the whole.
         monitor : Monitor
-            Of the whole: its stages so far are done.
+            Of the whole computation, with its stages so far done.
         plan : mapping of str to float
             The stages of the work on a body.
         *of_each : sequences
-            One item per body, handed to the work.
+            One item per body, passed to `work`.
 
         Returns
         -------
@@ -116,7 +116,7 @@ class Bodies:
         return results
 
     def sources(self, given: ArrayLike) -> list[Chosen]:
-        """Locate the vertices to start from on the bodies.
+        """Locate source vertices on the bodies.
 
         Parameters
         ----------
@@ -135,7 +135,7 @@ class Bodies:
         """
         try:
             wanted = np.atleast_1d(np.asarray(given))
-        except ValueError:  # lists of several lengths
+        except ValueError:  # rows of different lengths
             wanted = np.zeros((0, 0))
         if wanted.ndim != 1 or not np.issubdtype(wanted.dtype, np.integer) or not wanted.size:
             raise InvalidSettingsError("source_list")
@@ -150,7 +150,7 @@ class Bodies:
 
     @property
     def apart(self) -> list[Message]:
-        """What becomes of several bodies, loose pieces and vertices without a face in a form."""
+        """Messages on how a form treats several bodies, pieces without area and vertices without a face."""
         told = list(self.pieces.left_out)
         if len(self.bodies) > 1:
             told.append(message("several_bodies" if self.together else "several_pieces", count=len(self.bodies)))
@@ -158,7 +158,7 @@ class Bodies:
 
     @property
     def largest(self) -> int:
-        """Number of vertices of the body that has most."""
+        """Number of vertices of the body that has the most."""
         return max(len(body.vertices) for body in self.bodies)
 
     @property
@@ -223,7 +223,7 @@ def bodies_of(
 
 
 def _chosen_features(bodies: list[Body], pieces: Pieces, given: Sequence[int] | None) -> list[Chosen | None]:
-    """Find feature points chosen by hand on the bodies."""
+    """Locate feature points chosen by hand on the bodies."""
     if given is None:
         return [None] * len(bodies)
     features, count = np.asarray(given), len(pieces.vertices)
@@ -242,7 +242,7 @@ def _chosen_features(bodies: list[Body], pieces: Pieces, given: Sequence[int] | 
 
 
 def _located(bodies: list[Body], representative: IntArray, given: np.ndarray) -> list[Chosen]:
-    """Find vertices of the mesh on the bodies."""
+    """Locate vertices of the mesh on the bodies."""
     wanted = representative[given.astype(np.int64)]
     number = np.full(len(representative), -1, dtype=np.int64)
     found = []

@@ -30,9 +30,9 @@ class Rider(NamedTuple):
     samples : Samples
         Samples of it, on the mesh scaled to unit area.
     ground : list of int
-        What it rides on: numbers of parts of the body, then of riders before it.
+        What it rides on: indices of parts of the body, then of earlier riders.
     rigid : bool
-        Whether it moves as one.
+        Whether it moves rigidly.
     """
 
     piece: Piece
@@ -87,7 +87,7 @@ class Body(Piece):
         faces : (q, 3) ndarray of int
             Its triangles.
         target : int, optional
-            Number of vertices to work on; all when left out, or when there are hardly more.
+            Number of working vertices; all if omitted, or if there are hardly more.
         fixed : (k,) ndarray of int, optional
             Vertices that are kept.
         monitor : Monitor, optional
@@ -115,7 +115,7 @@ class Body(Piece):
         Parameters
         ----------
         chosen : (k,) ndarray of int or None
-            Its feature points, among its vertices, where they are chosen by hand.
+            Its feature points, as indices of its vertices, if chosen by hand.
         settings : Settings
             Options of the method.
         monitor : Monitor
@@ -124,7 +124,7 @@ class Body(Piece):
         Returns
         -------
         SurfaceFeatures
-            What was found.
+            The features.
 
         Raises
         ------
@@ -141,7 +141,7 @@ class Body(Piece):
         Parameters
         ----------
         shape : (p, 3) ndarray of float
-            Where the vertices of the surface are.
+            New positions of the vertices of the surface.
         monitor : Monitor
             Receives warnings; polled for cancellation.
 

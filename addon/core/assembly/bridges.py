@@ -1,4 +1,4 @@
-"""Bridges between the parts of a body: thin triangles where the parts hold each other."""
+"""Bridges between the parts of a body: thin triangles at the joints of the parts."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from .roles import AROUND, TOUCH, WIDEST_GAP
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
 
-_SHORT_WAY = 0.25  # on the surface, in sqrt(area), beyond twice the link: what closer parts of one limb are apart
-_BORDER = 4.0  # what a vertex on a border counts among those inside: joints are where surfaces end
-_HELD, _HELD_FACTOR = 0.7, 10.0  # share of an open end in a contact from which on it is held, and what that counts
-_LINKED = 3  # vertices of the other part that a vertex is linked to: one alone would let a part twist
+_SHORT_WAY = 0.25  # path on the surface, in sqrt(area), beyond twice the link, up to which more contacts are bridged
+_BORDER = 4.0  # weight of a border vertex, relative to an inner one: joints are where surfaces end
+_HELD, _HELD_FACTOR = 0.7, 10.0  # share of an open end in a contact above which it is held, and the factor for that
+_LINKED = 3  # vertices of the other part that a vertex is linked to: a single one would let a part twist
 _FALLBACK = 3  # links between parts that no contact joins
 
 
 class _Contact(NamedTuple):
-    """Links between two parts that lie beside each other on both."""
+    """Links between two parts that are adjacent on both."""
 
     links: IntArray
     lengths: FloatArray
@@ -33,11 +33,11 @@ class _Contact(NamedTuple):
 
 
 def bridges_between(points: FloatArray, faces: IntArray, part: IntArray, surfaces: Sequence[FloatArray]) -> IntArray:
-    """Find triangles that join the parts of a body where they hold each other.
+    """Compute triangles that join the parts of a body at their joints.
 
-    Every vertex near another part is linked to the nearest vertex there; links that lie beside each other are one
-    contact. The contacts that hold best, from all around and along borders, join the parts. Of the others those are
-    bridged that only shorten a way that is short already: two sides of one joint, but not a hand on a hip.
+    Every vertex near another part is linked to the nearest vertices there; adjacent links form one contact. The
+    contacts that hold best, from all around and along borders, join the parts. Others are bridged only if they shorten
+    a path that is short already: two sides of one joint, but not a hand on a hip.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def bridges_between(points: FloatArray, faces: IntArray, part: IntArray, surface
     Returns
     -------
     (b, 3) ndarray of int
-        Triangles, two for a link: an edge of one part and a vertex of the other.
+        Triangles, two per link: an edge of one part and a vertex of the other.
 
     Examples
     --------
@@ -78,7 +78,7 @@ def _contacts(
     part: IntArray,
     surfaces: Sequence[FloatArray],
 ) -> list[_Contact]:
-    """Link the parts where they are near, sort the links into contacts, the best first."""
+    """Link the parts where they are close, and group the links into contacts, the best first."""
     links, lengths = _links(points, part, surfaces)
     if not len(links):
         return []
@@ -100,7 +100,7 @@ def _contacts(
 
 
 def _links(points: FloatArray, part: IntArray, surfaces: Sequence[FloatArray]) -> tuple[IntArray, FloatArray]:
-    """Link every vertex that is near another part to the nearest vertex there; the distances from the parts."""
+    """Link every vertex near another part to the nearest vertices there; return links and distances from the parts."""
     from scipy.spatial import KDTree
 
     members = [np.flatnonzero(part == index) for index in range(len(surfaces))]
@@ -139,7 +139,7 @@ def _within_two_edges(count: int, pairs: IntArray) -> csr_matrix:
 
 
 def _rings_closed(links: IntArray, label: IntArray, loop: IntArray, whole: IntArray, part: IntArray) -> IntArray:
-    """Take as one the contacts that hold an open end only together, such as the front and the back of a neck."""
+    """Merge contacts that hold an open end only together, such as the front and the back of a neck."""
     ends = np.concatenate([links[:, 0], links[:, 1]])
     others = np.concatenate([part[links[:, 1]], part[links[:, 0]]])
     labels = np.tile(label, 2)
@@ -176,7 +176,7 @@ def _side_by_side(links: IntArray, near: csr_matrix) -> IntArray:
 
 def _chosen(points: FloatArray, pairs: IntArray, part: IntArray, contacts: list[_Contact]) -> IntArray:
     """Choose the contacts that join the parts, and those beside them."""
-    joined = np.arange(int(part.max()) + 1)  # which parts hang together so far
+    joined = np.arange(int(part.max()) + 1)  # which parts are connected so far
     chosen: list[IntArray] = []
     for contact in contacts:
         start, end = contact.links[np.argmin(contact.lengths)]
@@ -205,7 +205,7 @@ def _way_is_short(points: FloatArray, pairs: IntArray, chosen: list[IntArray], s
 
 
 def _shortest_links(points: FloatArray, group: IntArray) -> IntArray:
-    """Link the two groups of parts that are nearest to each other, or rather the first group to the nearest."""
+    """Link the first group of parts to the nearest other group by their shortest links."""
     from scipy.spatial import KDTree
 
     first, rest = np.flatnonzero(group == group[0]), np.flatnonzero(group != group[0])
@@ -216,7 +216,7 @@ def _shortest_links(points: FloatArray, group: IntArray) -> IntArray:
 
 
 def _triangles(points: FloatArray, pairs: IntArray, links: IntArray) -> IntArray:
-    """Make two thin triangles of every link: with the edge at either end that leads nearest to the other end."""
+    """Build two thin triangles per link: with the edge at either end that leads nearest to the other end."""
     if not len(links):
         return np.empty((0, 3), dtype=np.int64)
     both = np.concatenate([pairs, pairs[:, ::-1]])
@@ -238,5 +238,5 @@ def _triangles(points: FloatArray, pairs: IntArray, links: IntArray) -> IntArray
 
 
 def _shares(loop: IntArray, whole: IntArray) -> FloatArray:
-    """Compute which share of each border some vertices make up."""
+    """Compute the share of each border that some vertices make up."""
     return np.bincount(loop[loop >= 0], minlength=len(whole)) / np.maximum(whole, 1)

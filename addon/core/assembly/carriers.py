@@ -1,4 +1,4 @@
-"""Which piece carries which, where each lies on several."""
+"""The choice of a carrier for each piece that lies on several others."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from collections.abc import Mapping, Set
 
 
 def carriers(hold: Mapping[int, Mapping[int, float]], hosts: Set[int]) -> dict[int, int]:
-    """Choose the carrier of every piece so that together they lie on their carriers as much as can be.
+    """Choose the carrier of every piece so that the total contact with the carriers is largest.
 
-    Each rides on what it lies on most, unless pieces would carry each other in a ring: of these, the one that loses
-    least rides on something else. What comes out is the branching of the largest sum that leads to the hosts.
+    Each rides on what it lies on most, unless pieces would carry each other in a cycle: of these, the one that loses
+    least rides on something else. The result is the maximum branching that leads to the hosts.
 
     Parameters
     ----------
@@ -21,7 +21,7 @@ def carriers(hold: Mapping[int, Mapping[int, float]], hosts: Set[int]) -> dict[i
     Returns
     -------
     dict of int to int
-        The carrier of each piece, for those from which a way leads to a host.
+        The carrier of each piece from which a path leads to a host.
 
     Examples
     --------
@@ -36,15 +36,15 @@ def carriers(hold: Mapping[int, Mapping[int, float]], hosts: Set[int]) -> dict[i
 
 
 def _branching(hold: Mapping[int, Mapping[int, float]]) -> dict[int, int]:
-    """Find the best carriers; a ring of pieces becomes one piece, which then leaves it where that costs least."""
+    """Find the best carriers; a cycle is contracted to one piece, and later broken where that costs least."""
     best = {i: max(on, key=lambda j: (on[j], -j)) for i, on in hold.items()}
     ring = _ring(best)
     if not ring:
         return best
     whole = max(hold.keys() | {j for on in hold.values() for j in on}) + 1
     ways: dict[int, dict[int, float]] = {whole: {}}
-    enters: dict[int, int] = {}  # the piece of the ring on which others would ride
-    leaves: dict[int, int] = {}  # the piece of the ring that would ride on others
+    enters: dict[int, int] = {}  # the piece of the cycle on which others would ride
+    leaves: dict[int, int] = {}  # the piece of the cycle that would ride on others
     for i, on in hold.items():
         for j, how in on.items():
             if i in ring and j not in ring:
@@ -64,7 +64,7 @@ def _branching(hold: Mapping[int, Mapping[int, float]]) -> dict[int, int]:
 
 
 def _leading_to(hold: Mapping[int, Mapping[int, float]], hosts: Set[int]) -> dict[int, Mapping[int, float]]:
-    """Leave out pieces from which no way leads to a host, and the ways to them."""
+    """Remove pieces from which no path leads to a host, and the paths to them."""
     reached = set(hosts)
     while more := {i for i, on in hold.items() if i not in reached and not reached.isdisjoint(on)}:
         reached |= more
@@ -72,7 +72,7 @@ def _leading_to(hold: Mapping[int, Mapping[int, float]], hosts: Set[int]) -> dic
 
 
 def _ring(carrier: Mapping[int, int]) -> set[int]:
-    """Find pieces that carry each other in a ring, if there are any."""
+    """Find pieces that carry each other in a cycle, if there are any."""
     done: set[int] = set()
     for piece in carrier:
         way: list[int] = []

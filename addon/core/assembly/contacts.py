@@ -16,14 +16,14 @@ if TYPE_CHECKING:
     from scipy.spatial import KDTree
 
 SPACING = 0.008  # of the samples, in sqrt(area) of all pieces; vertices alone miss contacts of large faces
-FARTHEST = 0.1  # up to which distances between pieces are measured, in the same unit
+FARTHEST = 0.1  # largest distance between pieces that is measured, in the same unit
 _FEWEST = 24  # samples of a piece
-_ROUGH = 0.02  # spacing of the samples that tell what may belong together, in sqrt(area) of the piece
+_ROUGH = 0.02  # spacing of the samples that decide what may belong together, in sqrt(area) of the piece
 _GOLDEN = np.array([0.7548776662466927, 0.5698402909980532])  # of a plane: 1 / p, 1 / p² with p³ = p + 1
 
 
 class Samples(NamedTuple):
-    """Points spread evenly over a surface, as places on its triangles.
+    """Points spread evenly over a surface, as positions on its triangles.
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ class Samples(NamedTuple):
     normals: FloatArray
 
     def on(self, vertices: FloatArray) -> FloatArray:
-        """Find the same places after the vertices have moved.
+        """Compute the positions of the samples after the vertices have moved.
 
         Parameters
         ----------
@@ -64,7 +64,7 @@ class Samples(NamedTuple):
 
 
 class Contact(NamedTuple):
-    """How one piece lies to another.
+    """The distances of one piece from another.
 
     Attributes
     ----------
@@ -79,19 +79,19 @@ class Contact(NamedTuple):
 
     @property
     def gap(self) -> float:
-        """The least distance."""
+        """The smallest distance."""
         return float(self.distances.min())
 
 
 def sampled(points: FloatArray, faces: IntArray, spacing: float = SPACING) -> Samples:
-    """Spread samples evenly over a surface: one for every square of the spacing, along the triangles in their order.
+    """Spread samples evenly over a surface: one per square of the spacing, along the triangles in their order.
 
     Parameters
     ----------
     points : (n, 3) ndarray of float
         Vertices.
     faces : (m, 3) ndarray of int
-        Triangles, of some area together.
+        Triangles, not all of zero area.
     spacing : float
         Mean distance between samples.
 
@@ -129,12 +129,12 @@ def sampled(points: FloatArray, faces: IntArray, spacing: float = SPACING) -> Sa
 def contacts_between(
     pieces: Sequence[Piece], samples: Sequence[Samples], monitor: Monitor
 ) -> dict[tuple[int, int], Contact]:
-    """Measure how the pieces lie to each other.
+    """Measure the distances between the pieces.
 
     Parameters
     ----------
     pieces : sequence of Piece
-        The pieces, of unit area together.
+        The pieces, of unit area in total.
     samples : sequence of Samples
         Samples of each.
     monitor : Monitor
@@ -143,7 +143,7 @@ def contacts_between(
     Returns
     -------
     dict of (int, int) to Contact
-        For each ordered pair of pieces that come nearer than `FARTHEST`: how the first lies to the second.
+        For each ordered pair of pieces closer than `FARTHEST`: the distances of the first from the second.
 
     Raises
     ------
@@ -179,9 +179,9 @@ def contacts_between(
 
 
 def neighbourhoods(pieces: Sequence[Piece]) -> list[list[Piece]]:
-    """Group the pieces that may belong together: they are near each other, for the size of the larger.
+    """Group the pieces that may belong together: those close to each other, relative to the size of the larger.
 
-    Bounding boxes, which depend on how the mesh is turned, only spare the measuring.
+    Bounding boxes, which depend on the orientation of the mesh, only save measurements.
 
     Parameters
     ----------
@@ -230,6 +230,6 @@ def _cloud(piece: Piece, unit: float) -> KDTree:
 
 
 def _come_near(one: KDTree, two: KDTree, within: float) -> bool:
-    """Tell whether a point of one cloud lies within a distance of one of the other."""
+    """Check whether a point of one cloud lies within a distance of one of the other."""
     few, many = sorted((one, two), key=lambda cloud: cloud.n)
     return bool(np.isfinite(many.query(few.data, distance_upper_bound=within)[0]).any())

@@ -1,4 +1,4 @@
-"""The results of the bodies put together on the mesh: values, shapes and features."""
+"""The results of the bodies combined on the mesh: values, shapes and features."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class GatheredFeatures(NamedTuple):
     adf : (n,) ndarray of float
         Auto Diffusion Function of every vertex; 0 for vertices of no piece.
     bodies : list of BodyLimbs
-        What tells the feature points of each body apart.
+        The limbs identified among the feature points of each body.
     """
 
     points: IntArray
@@ -70,14 +70,14 @@ def gathered(bodies: Bodies, values: Sequence[np.ndarray], others: np.ndarray) -
 
 
 def shaped(bodies: Bodies, shapes: Sequence[FloatArray], monitor: Monitor, *, area_kept: bool = False) -> FloatArray:
-    """Gather the shapes of the bodies; riders go where what is under them goes.
+    """Gather the shapes of the bodies; riders follow the surface under them.
 
     Parameters
     ----------
     bodies : Bodies
         The bodies.
     shapes : sequence of (p, 3) ndarray of float
-        Where the vertices of each body's surface are.
+        Positions of the vertices of each body's surface.
     monitor : Monitor
         Receives warnings; polled for cancellation.
     area_kept : bool
@@ -86,7 +86,7 @@ def shaped(bodies: Bodies, shapes: Sequence[FloatArray], monitor: Monitor, *, ar
     Returns
     -------
     (n, 3) ndarray of float
-        Positions of all vertices; those of no piece are where they were.
+        Positions of all vertices; those of no piece are unchanged.
 
     Raises
     ------
@@ -122,7 +122,7 @@ def gathered_features(bodies: Bodies, found: Sequence[WholeFeatures]) -> Gathere
     bodies : Bodies
         The bodies.
     found : sequence of WholeFeatures
-        What was found on each.
+        The features of each.
 
     Returns
     -------
@@ -157,7 +157,7 @@ def gathered_features(bodies: Bodies, found: Sequence[WholeFeatures]) -> Gathere
 
 
 def feature_numbers(bodies: Bodies, features: Sequence[IntArray]) -> list[IntArray]:
-    """Give the feature points of the bodies numbers: those chosen by hand in their order, then body by body.
+    """Number the feature points of the bodies: those chosen by hand in their order, then body by body.
 
     Parameters
     ----------
@@ -189,7 +189,7 @@ def feature_numbers(bodies: Bodies, features: Sequence[IntArray]) -> list[IntArr
 
 
 def _with_copies(bodies: Bodies, whole: np.ndarray) -> np.ndarray:
-    """Give vertices that were taken as one the same values."""
+    """Assign the same values to vertices that were treated as one."""
     representative = bodies.pieces.representative
     copies = np.flatnonzero(representative != np.arange(len(whole)))
     whole[copies] = whole[representative[copies]]

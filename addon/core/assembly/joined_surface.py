@@ -1,4 +1,4 @@
-"""The working surface of a body: all parts made coarse, with bridges between them."""
+"""The working surface of a body: all parts coarsened, with bridges between them."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def joined_surface(
     fixed: IntArray | None = None,
     monitor: Monitor,
 ) -> WorkingSurface:
-    """Reduce the parts of a body to about `target` vertices together, and bridge them where they hold each other.
+    """Reduce the parts of a body to about `target` vertices in total, and bridge them at their joints.
 
     Parameters
     ----------
@@ -34,9 +34,9 @@ def joined_surface(
     faces : (m, 3) ndarray of int
         Triangles.
     parts : sequence of (slice, slice, Samples)
-        The vertices, the triangles and samples of each part; the samples' corners count within the part.
+        The vertices, the triangles and samples of each part; the samples' corners index the vertices of the part.
     target : int, optional
-        Number of vertices to work on; all when left out.
+        Number of working vertices; all if omitted.
     fixed : (k,) ndarray of int, optional
         Vertices that are kept.
     monitor : Monitor
@@ -45,7 +45,7 @@ def joined_surface(
     Returns
     -------
     WorkingSurface
-        One connected surface; its bridges lie on other triangles' edges.
+        One connected surface; its bridges share edges with other triangles.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Opens a mesh: finds its bodies, or takes those that are known, and refuses what does not fit into memory."""
+"""Opens a mesh: finds its bodies, or reuses known ones, and rejects what does not fit into memory."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ OPENING: Plan = {"Surface": 2, "Pieces": 98}  # stages
 
 
 def opened(vertices: ArrayLike, faces: ArrayLike, settings: Settings, monitor: Monitor) -> Bodies:
-    """Find the bodies in a mesh, refuse what does not fit into memory, and tell what was done to the mesh.
+    """Find the bodies in a mesh, reject what does not fit into memory, and report repairs.
 
     Parameters
     ----------
@@ -74,17 +74,17 @@ def known_bodies(
     vertices, faces, together, features
         As in `bodies_of`.
     monitor : Monitor
-        Knows what is kept; polled for cancellation.
+        Holds the kept results; polled for cancellation.
 
     Returns
     -------
     Bodies
-        The bodies. Those that are kept have arrays of their own, which the caller may not change.
+        The bodies. Kept ones have their own arrays, which the caller must not change.
 
     Raises
     ------
     InvalidMeshError, InvalidSettingsError, CancelledError
-        As `bodies_of` does.
+        As in `bodies_of`.
 
     Examples
     --------

@@ -15,8 +15,8 @@ from ..run.errors import InvalidMeshError
 from ..run.messages import Message, message
 from ..run.monitor import Monitor
 
-_MOST = 500  # pieces; more are loose faces, or cards of hair and leaves, whose patches nobody could use
-_NO_AREA = 1e-12  # squares of half the size; rounding leaves a thousandth of it
+_MOST = 500  # pieces; more are loose faces, or cards of hair and leaves, whose patches are of no use
+_NO_AREA = 1e-12  # in squares of half the size; rounding errors are a thousandth of it
 _ALIKE = 1e-6  # share of the whole area within which two pieces count as equally large
 
 
@@ -27,7 +27,7 @@ class Piece:
     Attributes
     ----------
     vertices : (p,) ndarray of int
-        Its vertices among those of the mesh, rising.
+        Its vertices among those of the mesh, ascending.
     points : (p, 3) ndarray of float
         Their positions.
     faces : (q, 3) ndarray of int
@@ -52,9 +52,9 @@ class Pieces:
     faces : (m, 3) ndarray of int
         Triangles of all pieces, as corners of the mesh.
     representative : (n,) ndarray of int
-        The vertex that each vertex is one with: itself, or the first at its place along a seam.
+        The vertex that each vertex is identified with: itself, or the first at its position along a seam.
     repairs : list of Message
-        What was different from the mesh as given.
+        Differences from the mesh as given.
     dropped : int
         Number of components left out because they have no area.
     loose : int
@@ -71,7 +71,7 @@ class Pieces:
 
     @property
     def left_out(self) -> list[Message]:
-        """What becomes of pieces without area and of vertices without a face."""
+        """Messages on pieces without area and vertices without a face."""
         counts = {"pieces_without_area": self.dropped, "loose_vertices": self.loose}
         return [message(kind, count=count) for kind, count in counts.items() if count]
 
@@ -138,7 +138,7 @@ def connected_pieces(
 
 
 def _largest_first(area: FloatArray, size: FloatArray) -> IntArray:
-    """Sort components that have any area by falling area; of those equally large the first in the mesh comes first."""
+    """Sort components that have any area by descending area; equally large ones keep the order of the mesh."""
     usable = np.flatnonzero(area > _NO_AREA)
     if len(usable) < 2:
         return usable
@@ -147,7 +147,7 @@ def _largest_first(area: FloatArray, size: FloatArray) -> IntArray:
 
 
 def _piece(points: FloatArray, faces: IntArray) -> Piece:
-    """Give the vertices of some triangles numbers of their own."""
+    """Make a piece of some triangles, with its own vertex numbers."""
     if faces.size < len(points):
         vertices, corners = np.unique(faces, return_inverse=True)
         return Piece(vertices, points[vertices], corners.reshape(-1, 3).astype(np.int64))

@@ -1,4 +1,4 @@
-"""Pieces that ride on a body: they go where the surface under them goes, and keep their shape."""
+"""Pieces that ride on a body: they follow the surface under them, and keep their shape."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ from ..run.monitor import Monitor
 from ..surface.working_surface import working_surface
 from .contacts import SPACING, Samples
 
-_REACH = 0.02  # over which what lies under a rider moves it, in sqrt(area) of the mesh, like the lengths below
-_UNDER = 0.03  # radius of the surface under a contact that tells how it turns
+_REACH = 0.02  # distance up to which ground moves a rider, in sqrt(area) of the mesh, like the lengths below
+_UNDER = 0.03  # radius of the surface under a contact that determines its motion
 _SMALL_HALF, _SMALL_AREA = 0.06, 0.004  # half the diagonal and the area below which a rider is rigid
 _FEWEST = 24  # vertices of a rider that bends
-_STRETCHED = 0.3  # 95th percentile of the edge distortion of a rider that bends: what lies on more than it can follow
+_STRETCHED = 0.3  # 95th percentile of the edge distortion above which a rider moves rigidly instead of bending
 _LOOSE = 0.3  # share of a rider on its carrier below which it is rigid
-_OFF, _ROUNDS = 0.005, 5  # how far ground of the same limb may leave its rigid motion; rounds of the robust fit
-_NEIGHBOURS = 24  # samples that tell how the surface turns at one of them
+_OFF, _ROUNDS = 0.005, 5  # deviation of ground of the same limb from its rigid motion; iterations of the robust fit
+_NEIGHBOURS = 24  # samples from which the rotation of the surface at one of them is estimated
 _NEAREST = 6  # samples under a vertex of a rider that move it
-_WORKED_ON = 400  # vertices of a rider that are worked on
+_WORKED_ON = 400  # working vertices of a rider
 _SPREAD = 0.002  # diffusion time of the motion over a rider, as a share of its area
-_FAR, _FAR_SHARE = 100, 1e-4  # times that time, and its weight: for what is far from all that lies on something
-_PULL, _STEPS = 60.0, 8  # towards where the ground takes it, in 1/area; alternations
+_FAR, _FAR_SHARE = 100, 1e-4  # factor on that time, and its weight: for parts far from any contact
+_PULL, _STEPS = 60.0, 8  # strength of the pull towards the motion of the ground, in 1/area; alternations
 
 
 class Ground(NamedTuple):
@@ -46,14 +46,14 @@ class Ground(NamedTuple):
 
 
 def ground_of(samples: Sequence[Samples], shapes: Sequence[FloatArray]) -> Ground:
-    """Put the samples of some pieces together.
+    """Combine the samples of several pieces.
 
     Parameters
     ----------
     samples : sequence of Samples
         Samples of each piece.
     shapes : sequence of (p, 3) ndarray of float
-        Where its vertices are after it moved.
+        Positions of its vertices after the move.
 
     Returns
     -------
@@ -75,7 +75,7 @@ def ground_of(samples: Sequence[Samples], shapes: Sequence[FloatArray]) -> Groun
 
 
 def is_rigid(points: FloatArray, area: float, covered: float) -> bool:
-    """Tell whether a rider moves as one: because it is small, or hardly lies on anything.
+    """Check whether a rider moves rigidly: because it is small, or has little contact.
 
     Parameters
     ----------
@@ -116,9 +116,9 @@ def ridden(
     ground : Ground
         What carries it.
     rigid : bool
-        Whether it moves as one; otherwise it follows what lies under each of its parts, as rigidly as possible.
+        Whether it moves rigidly; otherwise it follows what lies under each of its parts, as rigidly as possible.
     monitor : Monitor
-        Receives a warning where a rider cannot follow and moves as one; polled for cancellation.
+        Receives a warning where a rider cannot follow and moves rigidly; polled for cancellation.
 
     Returns
     -------
@@ -157,7 +157,7 @@ def ridden(
 
 
 def _moved_as_one(points: FloatArray, own: Samples, ground: Ground) -> FloatArray:
-    """Fit one rigid motion to the ground around the contact, without what the ground itself left there."""
+    """Fit one rigid motion to the ground around the contact, except for ground that moves away from it."""
     from scipy.spatial import KDTree
 
     tree = KDTree(ground.before)
@@ -180,14 +180,14 @@ def _moved_as_one(points: FloatArray, own: Samples, ground: Ground) -> FloatArra
 
 
 def _stays(ground: Ground, here: IntArray, there: IntArray) -> FloatArray:
-    """Tell how well samples of the ground stay beside others: those of the same limb do, those of another do not."""
+    """Weigh samples of the ground by how well they keep their distance from others: those of the same limb do."""
     before = np.linalg.norm(ground.before[here] - ground.before[there], axis=-1)
     after = np.linalg.norm(ground.after[here] - ground.after[there], axis=-1)
     return np.exp(-(((after - before) / _OFF) ** 2))
 
 
 def _draped(points: FloatArray, faces: IntArray, ground: Ground, monitor: Monitor) -> FloatArray:
-    """Let every part follow what lies under it, and what lies on nothing follow its surroundings."""
+    """Let every part follow the surface under it, and parts without contact follow their surroundings."""
     from scipy.spatial import KDTree
 
     scaled, _, unit = of_unit_area(points, faces)
@@ -219,7 +219,7 @@ def _draped(points: FloatArray, faces: IntArray, ground: Ground, monitor: Monito
 
 
 def _turns(tree: object, ground: Ground, where: IntArray) -> FloatArray:
-    """Find how the ground turns at some of its samples, from those around that stay there."""
+    """Estimate the rotation of the ground at some of its samples, from neighbours of the same limb."""
     k = min(_NEIGHBOURS, len(ground.before))
     around = tree.query(ground.before[where], k=k)[1].reshape(len(where), -1)  # type: ignore[attr-defined]
     same = _stays(ground, np.broadcast_to(where[:, None], around.shape), around)

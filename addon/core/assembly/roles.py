@@ -1,4 +1,4 @@
-"""Which pieces of a mesh are the body, and which ride on it."""
+"""The roles of the pieces of a mesh: which are the body, and which ride on it."""
 
 from __future__ import annotations
 
@@ -16,23 +16,23 @@ from .carriers import carriers
 from .contacts import Contact, Samples
 from .pieces import Piece
 
-TOUCH = 0.02  # nearer than this pieces touch, in sqrt(area) of all pieces, like all lengths here
-WIDEST_GAP = 0.04  # across which pieces still hold each other
-_COVERED = 0.75  # share of a piece on others from which on it rides there, as a shirt does on a body
-_REACH, _REACHING_AREA = 0.15, 0.02  # of a part of the body: how far it extends from what it touches, and its area
+TOUCH = 0.02  # distance below which pieces touch, in sqrt(area) of all pieces, like all lengths here
+WIDEST_GAP = 0.04  # gap across which pieces still hold each other
+_COVERED = 0.75  # share of a piece on others above which it rides there, like a shirt on a body
+_REACH, _REACHING_AREA = 0.15, 0.02  # least values for a part of the body: extent beyond what it touches, and area
 _HELD_AREA, _LOOP, _HELD_LOOP = 0.01, 6, 0.7  # of one in an open end: its area, edges of the end, share of them near
-AROUND = 0.2  # a joint holds from around: 1 - |mean normal| of where pieces touch; a touch from one side has less
-_HOLDING = 0.02  # share of the smaller of two pieces that touches at a joint: fingers in fingers are less
-_SMALLER = 0.5  # area of a piece over that of a body, below which it rides there even where it only touches
+AROUND = 0.2  # least 1 - |mean normal| of a joint, which holds all around; contact on one side has less
+_HOLDING = 0.02  # least share of the smaller of two pieces that touches at a joint: interlaced fingers have less
+_SMALLER = 0.5  # area of a piece over that of a body, below which it rides there even if it only touches
 
 
 class Roles(NamedTuple):
-    """What the pieces of a mesh are to each other.
+    """The roles of the pieces of a mesh.
 
     Attributes
     ----------
     bodies : list of list of int
-        The pieces that are unfolded together, those of each body by falling area.
+        The pieces that are unfolded together, those of each body by descending area.
     riders : list of (int, int)
         Pieces that ride, and the piece that carries each: part of a body, or a rider listed before.
     """
@@ -42,19 +42,19 @@ class Roles(NamedTuple):
 
 
 def roles_of(pieces: Sequence[Piece], samples: Sequence[Samples], contacts: Mapping[tuple[int, int], Contact]) -> Roles:
-    """Tell the pieces of bodies from those that ride on them.
+    """Separate the pieces of bodies from those that ride on them.
 
-    The largest piece is part of a body. So is, by falling area, every piece that reaches far from what it touches
-    or is held in an open end: a head on a neck, an arm in a sleeve. What is covered, small or merely touches rides.
+    The largest piece is part of a body. So is, by descending area, every piece that extends far from what it touches
+    or is held in an open end: a head on a neck, an arm in a sleeve. Pieces that are covered, small or only touch ride.
 
     Parameters
     ----------
     pieces : sequence of Piece
-        The pieces, largest area first, of unit area together.
+        The pieces, largest area first, of unit area in total.
     samples : sequence of Samples
         Samples of each, their numbers proportional to the areas.
     contacts : mapping of (int, int) to Contact
-        How they lie to each other.
+        The distances between them.
 
     Returns
     -------
@@ -80,7 +80,7 @@ def roles_of(pieces: Sequence[Piece], samples: Sequence[Samples], contacts: Mapp
 
 @dataclass(frozen=True, eq=False)
 class _Cast:
-    """The pieces and how they lie to each other."""
+    """The pieces and the distances between them."""
 
     pieces: Sequence[Piece]
     samples: Sequence[Samples]
@@ -88,7 +88,7 @@ class _Cast:
     known_loops: dict[int, list[IntArray]] = field(default_factory=dict)
 
     def loops(self, piece: int) -> list[IntArray]:
-        """List the borders of a piece, of some length."""
+        """List the borders of a piece that are long enough."""
         if piece not in self.known_loops:
             self.known_loops[piece] = _border_loops(self.pieces[piece].faces)
         return self.known_loops[piece]
@@ -101,19 +101,19 @@ class _Cast:
         return sum(len(each.points) for each in self.samples)
 
     def distance(self, piece: int, others: Iterable[int]) -> FloatArray:
-        """Measure the distance of every sample of a piece from some others."""
+        """Measure the distance of every sample of a piece from some other pieces."""
         each = [self.contacts[piece, other].distances for other in others if (piece, other) in self.contacts]
         return np.min(each, axis=0) if each else np.full(len(self.samples[piece].points), np.inf)
 
     def gap(self, one: Iterable[int], others: Sequence[int]) -> float:
-        """Measure the least distance between two groups of pieces."""
+        """Measure the smallest distance between two groups of pieces."""
         return min(
             (self.contacts[i, j].gap for i in one for j in others if (i, j) in self.contacts), default=float("inf")
         )
 
 
 def _hosts(cast: _Cast) -> tuple[list[int], list[int]]:
-    """Find the parts of bodies by falling area, over again after each: what was far may touch the new one."""
+    """Find the parts of bodies by descending area, starting over after each: a distant piece may touch the new one."""
     hosts, others = [0], list(range(1, len(cast.pieces)))
     while True:
         new = next((piece for piece in others if _is_host(cast, piece, hosts)), None)
@@ -128,7 +128,7 @@ def _is_host(cast: _Cast, piece: int, hosts: list[int]) -> bool:
 
     area, distance = cast.area(piece), cast.distance(piece, hosts)
     gap = float(distance.min())
-    if gap > WIDEST_GAP:  # nothing near: a body of its own, if it is no trinket
+    if gap > WIDEST_GAP:  # nothing near: a body of its own, unless it is small
         return not np.isfinite(gap) or area > _SMALLER * max(cast.area(host) for host in hosts)
     if np.mean(distance < TOUCH) >= _COVERED:
         return False
@@ -141,7 +141,7 @@ def _is_host(cast: _Cast, piece: int, hosts: list[int]) -> bool:
 
 
 def _bodies(cast: _Cast, hosts: list[int]) -> tuple[list[list[int]], list[int]]:
-    """Join the hosts that hold each other to bodies; those that only touch a much larger one ride there."""
+    """Group the hosts that hold each other into bodies; those that only touch a much larger one ride there."""
     hosts = sorted(hosts)
     held = [
         (a, b)
@@ -166,7 +166,7 @@ def _bodies(cast: _Cast, hosts: list[int]) -> tuple[list[list[int]], list[int]]:
 
 
 def _hold(cast: _Cast, i: int, j: int) -> bool:
-    """Tell a joint, which holds from around or in an open end, from a touch, which is on one side."""
+    """Check whether two pieces form a joint, held all around or in an open end, and do not only touch on one side."""
     gap = cast.contacts[i, j].gap
     if gap > WIDEST_GAP:
         return False
@@ -185,7 +185,7 @@ def _hold(cast: _Cast, i: int, j: int) -> bool:
 
 
 def _is_held(cast: _Cast, piece: int, hosts: Iterable[int]) -> bool:
-    """Tell whether an open end of others lies on a piece."""
+    """Check whether an open end of other pieces lies on a piece."""
     from scipy.spatial import KDTree
 
     ends = [cast.pieces[host].points[loop] for host in hosts for loop in cast.loops(host)]
@@ -194,7 +194,7 @@ def _is_held(cast: _Cast, piece: int, hosts: Iterable[int]) -> bool:
 
 
 def _with_riders(cast: _Cast, bodies: list[list[int]], others: list[int]) -> Roles:
-    """Let each of the other pieces ride on the one that it lies on most; what lies on no body is one of its own."""
+    """Let each of the other pieces ride on the one that it lies on most; a piece on no body becomes a body."""
     hosts = {piece for body in bodies for piece in body}
     hold: dict[int, dict[int, float]] = {piece: {} for piece in others}
     for (i, j), contact in cast.contacts.items():
@@ -211,7 +211,7 @@ def _with_riders(cast: _Cast, bodies: list[list[int]], others: list[int]) -> Rol
 
 
 def _border_loops(faces: IntArray) -> list[IntArray]:
-    """List the vertices along each border of some length."""
+    """List the vertices along each border that is long enough."""
     label = border_labels(faces, edge_table(faces))
     loops = [np.flatnonzero(label == index) for index in range(int(label.max()) + 1)]
     return [loop for loop in loops if len(loop) >= _LOOP]

@@ -17,7 +17,7 @@ from .roles import TOUCH, Roles, roles_of
 
 
 def bodies_together(pieces: Pieces, monitor: Monitor) -> list[Body]:
-    """Find the pieces that belong together, among those near each other; these are scaled to unit area.
+    """Find the pieces that belong together, among neighbouring ones scaled to unit area.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ def body_of(
     group: Sequence[int],
     frame: tuple[FloatArray, float],
 ) -> Body:
-    """Put the pieces of one body together.
+    """Combine the pieces of one body.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ def body_of(
     samples : sequence of Samples
         Samples of each, on the mesh scaled to unit area.
     contacts : mapping of (int, int) to Contact
-        How the pieces lie to each other.
+        The distances between the pieces.
     roles : Roles
         Their roles.
     group : sequence of int
@@ -100,7 +100,7 @@ def body_of(
     [0, 1, 2]
     """
     parts, first, begun = [], 0, 0
-    numbers: dict[int, int] = {}  # of what can carry: parts and riders, by piece
+    numbers: dict[int, int] = {}  # index of each piece that can carry: parts and riders
     carriers = {}  # vertices of the body's surface that carry those of each piece
     for index in group:
         piece = pieces[index]
@@ -137,7 +137,7 @@ def body_of(
 
 
 def _nearest(samples: Samples, piece: Piece, contact: Contact, frame: tuple[FloatArray, float]) -> IntArray:
-    """Find the nearest of those samples of a piece that have something under them, for each of its vertices."""
+    """Find, for each vertex of a piece, the nearest sample that has something under it."""
     from scipy.spatial import KDTree
 
     known = np.flatnonzero(np.isfinite(contact.distances))

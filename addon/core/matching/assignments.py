@@ -1,4 +1,4 @@
-"""Which feature point of one surface is which of another: assignments that keep distances and handedness."""
+"""Assignments of the feature points of one surface to those of another that keep distances and handedness."""
 
 from __future__ import annotations
 
@@ -9,29 +9,29 @@ from ..symmetry.chirality import sided
 from ..symmetry.involutions import MOST_FEATURES
 from ..symmetry.limbs import Limbs
 
-_ALIKE = np.log(2.5)  # most that the logarithms of the Auto Diffusion Function differ between a point and its like
-_MISMATCH = 0.5  # most that a single distance may change, over the mean distance
-_HANDEDNESS = 4.0  # weight of a change of handedness, a cubed length, beside the change of distances
+_ALIKE = np.log(2.5)  # maximum difference of the logarithms of the Auto Diffusion Function of two assigned points
+_MISMATCH = 0.5  # maximum change of a single distance, over the mean distance
+_HANDEDNESS = 4.0  # weight of a change of handedness, a cubed length, relative to the change of distances
 _SIDES = 1.5  # weight of a change of the handedness of all pairs of limbs together, which poses disturb less
-_WITHOUT = 0.15  # mismatch that a feature point without its like counts as, over the number of feature points
-_BEAM = 500  # partial assignments that are followed
+_WITHOUT = 0.15  # mismatch of a feature point without a counterpart, over the number of feature points
+_BEAM = 500  # partial assignments that are kept (beam width)
 
 
 def feature_assignments(limbs: Limbs, others: Limbs, most: int = 6) -> list[tuple[IntArray, float]]:
-    """Find the ways to assign feature points of one surface to those of another.
+    """Find the best assignments of the feature points of one surface to those of another.
 
     Parameters
     ----------
     limbs, others : Limbs
-        What tells the feature points of each surface apart.
+        The limbs identified among the feature points of each surface.
     most : int
-        Most ways to return.
+        Maximum number of assignments to return.
 
     Returns
     -------
     list of tuple
-        For each feature point that of the other surface which it is, -1 for those without, (k,) ndarray of int; and a
-        mismatch without unit. The best way comes first. Ways that assign fewer than half of the points are left out.
+        For each feature point its counterpart on the other surface, -1 for none, (k,) ndarray of int; and a mismatch
+        without unit. The best assignment comes first. Those of fewer than half of the points are left out.
 
     Examples
     --------
@@ -68,7 +68,7 @@ def feature_assignments(limbs: Limbs, others: Limbs, most: int = 6) -> list[tupl
 
 
 def _mismatch(limbs: Limbs, others: Limbs, image: IntArray, scale: float) -> float:
-    """Measure how far an assignment is from keeping distances, handedness and thickness."""
+    """Measure by how much an assignment changes distances, handedness and thickness."""
     known = np.flatnonzero(image >= 0)
     there = image[known]
     change = others.distances[np.ix_(there, there)] - limbs.distances[np.ix_(known, known)]

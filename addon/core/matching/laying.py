@@ -1,4 +1,4 @@
-"""Laying one form onto another: the proper motion, and which feature points are the same."""
+"""Alignment of one form to another: the proper motion, and the corresponding feature points."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from ..numerics.arrays import FloatArray, IntArray
 from ..symmetry.limbs import Limbs
 from .assignments import feature_assignments
 
-_NEAR = 0.25  # sqrt(area): feature points of one mesh that are farther apart on the form are not the same
-_RESIDUAL = 2.0  # weight of the distance that is left, in sqrt(area), beside the mismatch of an assignment
+_NEAR = 0.25  # sqrt(area): feature points that are farther apart do not correspond
+_RESIDUAL = 2.0  # weight of the remaining distance, in sqrt(area), relative to the mismatch of an assignment
 
 
 class Laying(NamedTuple):
-    """How a form is laid onto another.
+    """The alignment of a form to another.
 
     Attributes
     ----------
@@ -25,9 +25,9 @@ class Laying(NamedTuple):
     shift : (3,) ndarray of float
         t; the motion is ``x ↦ x R + t``.
     image : (k,) ndarray of int
-        For each feature point which of the other form's it is; -1 for those without.
+        For each feature point the corresponding one of the other form; -1 for none.
     mismatch : float
-        How unlike the two are, without unit: below 0.2 for poses of a body, above 0.3 for bodies of another kind.
+        Dissimilarity of the two, without unit: below 0.2 for poses of a body, above 0.3 for bodies of different kinds.
     """
 
     rotation: FloatArray
@@ -39,7 +39,7 @@ class Laying(NamedTuple):
 def laid_by_vertices(
     form: FloatArray, other: FloatArray, weights: FloatArray, tips: IntArray, others: IntArray
 ) -> Laying:
-    """Lay a form onto that of another pose of the same mesh, vertex on vertex.
+    """Align a form to that of another pose of the same mesh, vertex to vertex.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def laid_by_vertices(
     Returns
     -------
     Laying
-        The motion of least squares.
+        The least-squares motion.
 
     Examples
     --------
@@ -73,10 +73,10 @@ def laid_by_vertices(
 def laid_by_limbs(
     form: FloatArray, other: FloatArray, tips: IntArray, others: IntArray, limbs: Limbs, other_limbs: Limbs
 ) -> Laying:
-    """Lay a form onto that of another mesh of a like body.
+    """Align a form to that of another mesh of a similar body.
 
-    Every way to assign the feature points gives a start for closest points; the way that fits best, by what the
-    surfaces say and by the distance that is left, is taken. Where no feature points agree, closest points start from
+    Every assignment of the feature points gives a start for iterative closest points; the best result, by the mismatch
+    of the assignment and the remaining distance, is taken. If no feature points correspond, closest points start from
     the principal axes.
 
     Parameters
@@ -90,7 +90,7 @@ def laid_by_limbs(
     others : (k',) ndarray of int
         Feature points of the other.
     limbs, other_limbs : Limbs
-        What tells them apart.
+        The limbs identified among them.
 
     Returns
     -------
@@ -130,21 +130,21 @@ def laid_by_limbs(
 
 
 def completed(image: IntArray, tips: FloatArray, others: FloatArray) -> IntArray:
-    """Assign feature points that are without their like to the nearest of those left.
+    """Assign feature points without a counterpart to the nearest unassigned ones.
 
     Parameters
     ----------
     image : (k,) ndarray of int
-        For each feature point which of the other form's it is; -1 for those without.
+        For each feature point the corresponding one of the other form; -1 for none.
     tips : (k, 3) ndarray of float
-        Where they are, laid onto the other form, of unit area.
+        Their positions, aligned to the other form, of unit area.
     others : (k', 3) ndarray of float
-        Where the others are.
+        Positions of the others.
 
     Returns
     -------
     (k,) ndarray of int
-        The same with those added that are near.
+        The same, with nearby ones added.
 
     Examples
     --------

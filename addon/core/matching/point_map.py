@@ -1,4 +1,4 @@
-"""From a match of the vertices that are worked on to one of all vertices, with points on the triangles."""
+"""From a match of the working vertices to one of all vertices, with points on the triangles."""
 
 from __future__ import annotations
 
@@ -17,25 +17,25 @@ from .spectral_map import first_map, on_triangles, refined
 from .unfolded import Unfolded
 
 _COUNTS = range(20, 121, 10)  # eigenfunctions, round by round
-_NEAR = 0.3  # weight of the place in the form
-_SMOOTH = 2e-4  # diffusion time of the way from form to form, as a share of the area
-_FACING = 0.015  # weight of normals where the way ends on the other form
-_LOST = 0.08  # sqrt(area): ways back that end as far from home count as wrong
+_NEAR = 0.3  # weight of positions on the form
+_SMOOTH = 2e-4  # diffusion time of the displacement from form to form, as a share of the area
+_FACING = 0.015  # weight of normals in the search for the closest points
+_LOST = 0.08  # sqrt(area): round-trip error that counts as wrong
 _TURNED = 0.5  # cosine between normals below which a match counts as wrong
 _GROWN = np.log(3.0)  # change of the logarithm of the area that counts as wrong
 
 
 class PointMap(NamedTuple):
-    """For every vertex of a surface a point on another.
+    """For every vertex of a surface, the corresponding point of another.
 
     Attributes
     ----------
     points : SurfacePoints
         Points of the other surface, on all its triangles; for all vertices.
     confidence : (n,) ndarray of float
-        How sure each is, 0 to 1.
+        Confidence of each point, 0 to 1.
     score : float
-        How well the two surfaces match; that of its side.
+        Score of the match, that of its side.
     """
 
     points: SurfacePoints
@@ -46,15 +46,15 @@ class PointMap(NamedTuple):
 def point_map(one: Unfolded, other: Unfolded, side: Side, monitor: Monitor) -> PointMap:
     """Match all vertices of a surface with points of another.
 
-    The map between the vertices that are worked on moves one form onto the other. The way of each vertex, smoothed over
-    the surface, is interpolated to all; where it ends, the closest point of the other form is the match.
+    The map between the working vertices moves one form onto the other. Their displacements, smoothed over the surface,
+    are interpolated to all vertices; the point of the other form closest to each moved vertex is its match.
 
     Parameters
     ----------
     one, other : Unfolded
         The surfaces.
     side : Side
-        The way to match them.
+        The side on which they are matched.
     monitor : Monitor
         Polled for cancellation.
 
@@ -107,7 +107,7 @@ def point_map(one: Unfolded, other: Unfolded, side: Side, monitor: Monitor) -> P
 def _confidence(
     one: Unfolded, other: Unfolded, partner: IntArray, places: FloatArray, rotation: FloatArray, monitor: Monitor
 ) -> FloatArray:
-    """Tell how sure a map is: the way back leads home, normals agree, and triangles keep their area and side."""
+    """Compute the confidence of a map from its round-trip error, normals, and area and orientation of triangles."""
     back = refined(other, one, _first_back(other, partner), _COUNTS[-2:], _NEAR, monitor)
     home = np.linalg.norm(one.form[back[partner]] - one.form, axis=1)
     facing = np.einsum("ij,ij->i", one.normals @ rotation, other.normals[partner])
@@ -126,7 +126,7 @@ def _confidence(
 
 
 def _first_back(other: Unfolded, partner: IntArray) -> IntArray:
-    """Begin the way back: each vertex of the other surface goes where the nearest that is mapped comes from."""
+    """Initialise the inverse map: each vertex of the other surface maps to the source of the nearest image."""
     from scipy.spatial import cKDTree
 
     return np.asarray(cKDTree(other.form[partner]).query(other.form)[1])

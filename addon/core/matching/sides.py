@@ -1,4 +1,4 @@
-"""Which side of one surface is which of another: left or right, front or back, and how sure that is."""
+"""Matches of two surfaces that differ in left and right, or front and back, with their scores."""
 
 from __future__ import annotations
 
@@ -13,22 +13,22 @@ from .spectral_map import first_map, refined
 from .starts import Start, starts
 from .unfolded import Unfolded
 
-_SAMPLES = 500  # vertices on which the ways to match are compared
+_SAMPLES = 500  # vertices on which the matches are compared
 _COUNTS = (20, 35, 50)  # eigenfunctions, round by round
-_NEAR = 0.6  # weight of the place in the form
-_SIGNATURE, _CURVATURE = 2.0, 2.0  # weights beside the logarithm of the distance that is left
+_NEAR = 0.6  # weight of positions on the form
+_SIGNATURE, _CURVATURE = 2.0, 2.0  # weights relative to the logarithm of the remaining distance
 _SAME = 0.15  # sqrt(area): mean distance between two maps below which they are of one side
 
 
 class Side(NamedTuple):
-    """A way to match two surfaces.
+    """A possible match of two surfaces.
 
     Attributes
     ----------
     score : float
-        How well it fits, without unit; lower is better. Poses of a body reach -4 to -6, unlike bodies hardly -3.
+        How well it fits, without unit; lower is better. Poses of a body reach -4 to -6, dissimilar bodies hardly -3.
     start : Start
-        How the forms lie to each other, and which feature points are the same.
+        The alignment of the forms, and the corresponding feature points.
     """
 
     score: float
@@ -36,11 +36,11 @@ class Side(NamedTuple):
 
 
 def sides(one: Unfolded, other: Unfolded, monitor: Monitor) -> list[Side]:
-    """Find the ways to match two surfaces that differ in what is left and right, or front and back.
+    """Find the possible matches of two surfaces that differ in left and right, or front and back.
 
-    Each start is refined on a sample. Its score is the logarithm of the distance that is left between the forms, twice
-    the change of the wave kernel signature, and minus twice the correlation of smoothed mean curvature of the poses:
-    of all this, curvature tells front from back best.
+    Each start is refined on a sample. Its score is the logarithm of the remaining distance between the forms, plus twice
+    the change of the wave kernel signature, minus twice the correlation of smoothed mean curvature of the poses.
+    Curvature distinguishes front from back best.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ def sides(one: Unfolded, other: Unfolded, monitor: Monitor) -> list[Side]:
     Returns
     -------
     list of Side
-        The ways, the best one first; at least one.
+        The matches, the best one first; at least one.
 
     Raises
     ------
@@ -86,7 +86,7 @@ def sides(one: Unfolded, other: Unfolded, monitor: Monitor) -> list[Side]:
 
 
 def _score(one: Unfolded, other: Unfolded, rows: IntArray, partner: IntArray) -> float:
-    """Tell how well a map fits."""
+    """Compute the score of a map."""
     rotation, shift = rigid_fit(one.form[rows], other.form[partner])
     left = ((one.form[rows] @ rotation + shift - other.form[partner]) ** 2).sum(axis=1).mean()
     changed = ((one.signature[rows] - other.signature[partner]) ** 2).sum(axis=1).mean()

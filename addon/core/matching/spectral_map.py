@@ -1,4 +1,4 @@
-"""The map between two surfaces: by forms and distances first, then between eigenfunctions, more and more of them."""
+"""The map between two surfaces: from forms and distances first, then between more and more eigenfunctions."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ..run.monitor import Monitor
 from .starts import Start
 from .unfolded import Unfolded
 
-_NEAR, _FACING = 0.3, 0.08  # weights of place and normal in the form beside the distances from the feature points,
+_NEAR, _FACING = 0.3, 0.08  # weights of position and normal relative to the distances from the feature points,
 _FACING_LAST, _SPECTRAL, _SIGNATURE = 0.05, 0.2, 0.3  # of normal, eigenfunctions and wave kernel signature
 _EVERY = slice(None)
 
@@ -23,18 +23,18 @@ _EVERY = slice(None)
 def first_map(
     one: Unfolded, other: Unfolded, start: Start, monitor: Monitor, *, rows: IntArray | slice = _EVERY
 ) -> IntArray:
-    """Map each vertex to the one in its place, facing its way, as far from the feature points.
+    """Map each vertex to the most similar one in position, normal and distances from the feature points.
 
     Parameters
     ----------
     one, other : Unfolded
         The surfaces.
     start : Start
-        How the forms lie to each other, and which feature points are the same.
+        The alignment of the forms, and the corresponding feature points.
     monitor : Monitor
         Polled for cancellation.
     rows : (r,) ndarray of int, optional
-        Vertices to map; all when left out.
+        Vertices to map; all if omitted.
 
     Returns
     -------
@@ -77,8 +77,8 @@ def refined(
 ) -> IntArray:
     """Refine a map between vertices through maps between eigenfunctions.
 
-    Each round takes more of them. The other surface's are expressed in those of this one, which pulls the map together.
-    Places and normals of the forms are weighed in, which tell left from right; this form moves smoothly to the other.
+    Each round uses more of them. Those of the other surface are expressed in those of this one, which regularises the
+    map. Positions and normals of the forms distinguish left from right; this form moves smoothly to the other.
 
     Parameters
     ----------
@@ -89,11 +89,11 @@ def refined(
     counts : sequence of int
         Numbers of eigenfunctions, round by round.
     near : float
-        Weight of the place in the form.
+        Weight of positions on the form.
     monitor : Monitor
         Polled for cancellation.
     rows : (r,) ndarray of int, optional
-        The vertices that are mapped; all when left out.
+        The vertices that are mapped; all if omitted.
 
     Returns
     -------
@@ -119,7 +119,7 @@ def refined(
     References
     ----------
     Melzi and others, "ZoomOut: Spectral Upsampling for Efficient Shape Correspondence", 2019,
-    doi:10.1145/3355089.3356524; the forms beside the eigenfunctions: Eisenberger, Lähner and Cremers, "Smooth Shells",
+    doi:10.1145/3355089.3356524; the forms with the eigenfunctions: Eisenberger, Lähner and Cremers, "Smooth Shells",
     2020, doi:10.1109/CVPR42600.2020.01228.
     """
     for count in counts:
@@ -171,7 +171,7 @@ def on_triangles(
 def _side_by_side(
     one: Unfolded, other: Unfolded, partner: IntArray, count: int, near: float, rows: IntArray | None
 ) -> tuple[FloatArray, FloatArray]:
-    """Put eigenfunctions, places and normals of both surfaces side by side, as far as a map makes them comparable."""
+    """Stack eigenfunctions, positions and normals of both surfaces, made comparable by a map."""
     at: IntArray | slice = _EVERY if rows is None else rows
     waves, others = one.eigenvectors[at, :count], other.eigenvectors[:, :count]
     weights = one.areas if rows is None else np.full(len(rows), 1 / len(rows))

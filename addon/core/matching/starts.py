@@ -1,4 +1,4 @@
-"""Where a match may begin: ways to lay one form onto another, with the feature points that are then the same."""
+"""Starts of a match: alignments of one form to another, with the corresponding feature points."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ _SAME = np.cos(np.radians(25))  # cosine of the angle below which two motions co
 
 
 class Start(NamedTuple):
-    """A way to lay one form onto another.
+    """An alignment of one form to another.
 
     Attributes
     ----------
     image : (k,) ndarray of int
-        For each feature point which of the other surface's it is; -1 for those without.
+        For each feature point the corresponding one of the other surface; -1 for none.
     rotation : (3, 3) ndarray of float
         R, proper.
     shift : (3,) ndarray of float
@@ -38,10 +38,10 @@ class Start(NamedTuple):
 
 
 def starts(one: Unfolded, other: Unfolded, rows: IntArray, monitor: Monitor) -> list[Start]:
-    """Find the ways to begin.
+    """Find the possible starts of a match.
 
-    From the likeliest assignments of feature points, from their numbers where both surfaces have equally many, and from
-    the principal axes of the forms, each brought closer by closest points. Of those from the axes only motions that no
+    They come from the likeliest assignments of feature points, from their numbers if both surfaces have equally many, and
+    from the principal axes of the forms, each refined by iterative closest points. From the axes, only motions that no
     assignment leads to are kept.
 
     Parameters
@@ -49,7 +49,7 @@ def starts(one: Unfolded, other: Unfolded, rows: IntArray, monitor: Monitor) -> 
     one, other : Unfolded
         The surfaces.
     rows : (r,) ndarray of int
-        Vertices spread over the form, which are brought closer.
+        Vertices spread over the form, used for closest points.
     monitor : Monitor
         Polled for cancellation.
 
@@ -106,20 +106,20 @@ def starts(one: Unfolded, other: Unfolded, rows: IntArray, monitor: Monitor) -> 
 
 
 def _by_number(one: Unfolded) -> list[IntArray]:
-    """Assign feature points by their numbers, which last, as they are and with left and right swapped."""
+    """Assign feature points by their lasting numbers, as they are and with left and right swapped."""
     as_numbered = np.arange(len(one.features))
     return [as_numbered, one.limbs.partner]
 
 
 def _by_axes(one: Unfolded, other: Unfolded) -> list[tuple[FloatArray, FloatArray]]:
-    """Lay principal axes onto principal axes, in the four proper ways."""
+    """Align the principal axes, by the four proper rotations."""
     (centre, axes), (there, others) = (_principal_axes(each) for each in (one, other))
     turns = [axes.T @ (np.array(signs)[:, None] * others) for signs in _HALF_TURNS]
     return [(rotation, there - centre @ rotation) for rotation in turns]
 
 
 def _principal_axes(surface: Unfolded) -> tuple[FloatArray, FloatArray]:
-    """Find the centre and the principal axes of a form, longest first, as rows of a proper rotation."""
+    """Compute the centre and the principal axes of a form, longest first, as rows of a proper rotation."""
     centre = surface.areas @ surface.form
     apart = surface.form - centre
     axes = np.linalg.eigh((apart * surface.areas[:, None]).T @ apart)[1].T[::-1].copy()

@@ -1,4 +1,4 @@
-"""A surface with its form and what tells its points apart, whatever the pose and the triangles."""
+"""A surface with its form and descriptors of its points, for any pose and triangulation."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from ..symmetry.limbs import Limbs
 
 _BANDS = (40, 80)  # eigenfunctions to which the curvature is smoothed
 _OUTLIERS = 0.02  # share of the curvatures at either end that are cut off
-_EIGENPAIRS = 120  # of the map: limbs turn about their axes where there are fewer
+_EIGENPAIRS = 120  # of the map: with fewer, limbs rotate about their axes
 _SIGNED, _ENERGIES = 80, 40  # eigenpairs of the wave kernel signature, and its energies,
 _WIDTH = 7.0  # their width in steps
 
 
 class Unfolded(NamedTuple):
-    """A surface of unit area on the vertices that are worked on, and its form.
+    """A surface of unit area on its working vertices, and its form.
 
     Attributes
     ----------
@@ -36,7 +36,7 @@ class Unfolded(NamedTuple):
     eigenvectors : (c, K) ndarray of float
         Eigenfunctions, orthonormal under the areas, lowest first.
     curvature : (c, 2) ndarray of float
-        Mean curvature of the pose, smoothed over wide and over narrower surroundings.
+        Mean curvature of the pose, smoothed over wide and over narrower neighbourhoods.
     signature : (c, 40) ndarray of float
         Logarithm of the wave kernel signature, over the root of their number.
     features : (k,) ndarray of int
@@ -44,11 +44,11 @@ class Unfolded(NamedTuple):
     to_features : (c, k) ndarray of float
         Geodesic distances from them.
     limbs : Limbs
-        What tells them apart.
+        The limbs identified among them.
     whole_form : (n, 3) ndarray of float
         The form of all vertices.
     found : SurfaceFeatures
-        The pose, of unit area, and the way to all vertices.
+        The pose, of unit area, and the interpolation to all vertices.
     """
 
     form: FloatArray
@@ -66,7 +66,7 @@ class Unfolded(NamedTuple):
 
 
 def unfolded(found: SurfaceFeatures, form: FloatArray, monitor: Monitor) -> Unfolded:
-    """Gather what tells the points of a surface apart.
+    """Compute the descriptors of the points of a surface.
 
     Parameters
     ----------
@@ -129,7 +129,7 @@ def unfolded(found: SurfaceFeatures, form: FloatArray, monitor: Monitor) -> Unfo
 
 
 def _mean_curvature(found: SurfaceFeatures) -> FloatArray:
-    """Compute the mean curvature of the pose, above 0 where it bulges."""
+    """Compute the mean curvature of the pose, positive where it bulges."""
     points, faces = found.surface.points, found.surface.faces
     across = np.einsum("ij,ij->i", found.stiffness @ points, vertex_normals(points, faces))
     return np.asarray(across / (2 * found.mass))

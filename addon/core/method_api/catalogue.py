@@ -1,4 +1,4 @@
-"""What a method is, and the methods by name."""
+"""The description of a method, and the methods by name."""
 
 from __future__ import annotations
 
@@ -37,14 +37,14 @@ class Method(NamedTuple):
     stages : mapping of str to float
         Its stages in their order, with weights; feature detection weighs 40.
     uses : tuple of str
-        Names of the options that matter to it, beside those of the feature points.
+        Names of the options that it uses, besides those of the feature points.
     pairs : {'patches', 'all', 'landmarks'}
-        Between which vertices it keeps distances at quality 'full': those of each patch, all, or all and landmarks.
-        Tells the memory and time that it takes.
+        Vertices between which it keeps distances at quality 'full': those of each patch, all, or all and landmarks.
+        Determines the estimates of memory and time.
     rank : int
-        Its place in lists, and its number in saved files: no other method has it.
+        Its position in lists, and its number in saved files; unique.
     fixed : mapping of str to object
-        Options that are part of the method: whatever the settings say, these hold.
+        Options that are part of the method; they override the settings.
     """
 
     name: str
@@ -64,12 +64,12 @@ class Method(NamedTuple):
         Parameters
         ----------
         wanted : Settings
-            What the user wants.
+            The settings of the user.
 
         Returns
         -------
         Settings
-            What the method works with.
+            The settings that the method uses.
         """
         return replace(wanted, **self.fixed) if self.fixed else wanted
 
@@ -80,7 +80,7 @@ def methods() -> dict[str, Method]:
     Returns
     -------
     dict of str to Method
-        By name, by rising rank: ours, the rivals, the paper to the letter.
+        By name, in ascending rank: ours, the rivals, the paper to the letter.
 
     Examples
     --------
@@ -106,7 +106,7 @@ def method_named(name: str) -> Method:
     Raises
     ------
     InvalidSettingsError
-        If there is none of that name; the text lists those there are.
+        If there is no method of that name; the message lists the available ones.
 
     Examples
     --------

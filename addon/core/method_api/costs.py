@@ -1,4 +1,4 @@
-"""What a run will cost: memory and time, known before they are spent."""
+"""Estimates of the memory and time that a run takes."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ from .catalogue import method_named
 from .registry import OURS
 from .settings import Settings
 
-_SMALL = (0.08, 0.4e-6)  # gigabytes, and by vertex: the work on the coarse mesh, measured
-_LARGE = (0.02, 0.77e-6)  # the rounds of the coarse mesh, which take more from about 160,000 vertices on
-_MATCH = 0.15e-6  # gigabytes beside the larger form, by vertex of both, measured
-_MATCH_SECONDS = (1.0, 4e-5)  # beside the two forms, and by vertex
+_SMALL = (0.08, 0.4e-6)  # gigabytes, and per vertex: the work on the coarse mesh, measured
+_LARGE = (0.02, 0.77e-6)  # the rounds of coarsening, which take more from about 160,000 vertices on
+_MATCH = 0.15e-6  # gigabytes in addition to the larger form, per vertex of both, measured
+_MATCH_SECONDS = (1.0, 4e-5)  # in addition to the two forms, and per vertex
 _LANDMARK_BYTES = 40.0  # a distance of each vertex from each landmark, and the work to place the vertex by them
 _USUAL_PATCHES = 5
-PIECE_SECONDS = 0.25  # what a loose part with a form of its own takes however small it is, measured
+PIECE_SECONDS = 0.25  # time that a loose part with a form of its own takes at least, measured
 
 
 def memory_estimate(vertex_count: int, settings: Settings) -> float:
-    """Estimate the most memory that a run takes, beyond what Python and the mesh already take.
+    """Estimate the peak memory of a run, beyond what Python and the mesh already use.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ def require_memory(vertex_count: int, settings: Settings) -> None:
     Raises
     ------
     TooLargeError
-        With the memory needed and what to do. Where all pairs are kept, their number is known later, and refused then.
+        With the memory needed and what to do. Where all pairs are kept, their number is known later, and checked then.
 
     Examples
     --------
@@ -105,7 +105,7 @@ def require_memory(vertex_count: int, settings: Settings) -> None:
 
 
 def match_memory_estimate(count: int, other_count: int, settings: Settings) -> float:
-    """Estimate the most memory that a match takes, both forms included.
+    """Estimate the peak memory of a match, both forms included.
 
     Parameters
     ----------
@@ -177,7 +177,7 @@ def require_match_memory(count: int, other_count: int, settings: Settings) -> No
 
 
 def _grows_squared(settings: Settings) -> bool:
-    """Tell whether a run keeps all pairs of vertices, of each patch or of the mesh."""
+    """Check whether a run keeps all pairs of vertices, of each patch or of the mesh."""
     if settings.method == OURS:
         return settings.whole
     method = method_named(settings.method)

@@ -1,4 +1,4 @@
-"""What every way to unfold a surface gives."""
+"""The result that every method returns."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ class MethodResult(NamedTuple):
     Attributes
     ----------
     points : (n, 3) ndarray of float
-        All vertices, of any size and in any place, outside out.
+        All vertices, at any scale and position, not mirrored.
     history : (s + 1,) ndarray of float
-        What is minimised, before each of the s steps and after the last; one value for a method without steps.
+        The objective before each of the s steps and after the last; one value for a method without steps.
     pair_count : int
         Entries of the distance matrices that the method uses.
     asymmetry : float
-        How far the form is from its own mirror image, in units of sqrt(area); nan where no left and right was found.
+        Deviation of the form from its mirror image, in units of sqrt(area); nan where no left and right was found.
     partner : (c,) ndarray of int or None
-        The vertex that mirrors each of those worked on, where the method found them.
+        The mirror partner of each working vertex, if the method found them.
     """
 
     points: FloatArray
@@ -34,7 +34,7 @@ class MethodResult(NamedTuple):
 
 
 def warn_if_still_falling(history: FloatArray, settings: Settings, monitor: Monitor) -> None:
-    """Warn if the minimisation ran out of steps before it met the tolerance, where there is one.
+    """Warn if the minimisation ran out of steps before it met the tolerance, if one is set.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What is known about an option: label, help, bounds and choices, told once and read by every interface."""
+"""Metadata of an option: label, help, bounds and choices, declared once and read by every interface."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _TYPES = {int: (Integral, "a whole number"), float: (Real, "a number"), bool: (b
 
 
 class Choice(NamedTuple):
-    """One value of an option that has a few.
+    """One value of an option with a fixed set of values.
 
     Attributes
     ----------
@@ -30,7 +30,7 @@ class Choice(NamedTuple):
 
 
 class Option(NamedTuple):
-    """What is known about an option.
+    """Metadata of an option.
 
     Attributes
     ----------
@@ -39,17 +39,17 @@ class Option(NamedTuple):
     help : str
         One or two lines: what it does, its unit, when to change it.
     low, high : float or None
-        Least and greatest value.
+        Minimum and maximum.
     above : bool
-        Whether the least value itself is excluded.
+        Whether the minimum itself is excluded.
     soft_high : float or None
-        Greatest value that a slider offers.
+        Maximum that a slider offers.
     digits : int
         Decimal places shown.
     choices : tuple of Choice
-        The values, where there are a few.
+        The allowed values, if they are a fixed set.
     former : str
-        The name it had in the last version.
+        Its name in the previous version.
     """
 
     label: str

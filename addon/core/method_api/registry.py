@@ -1,4 +1,4 @@
-"""Which methods there are. Every file of the room `methods` is found by itself; none is listed anywhere."""
+"""Discovery of the methods: every file of the room `methods` is found automatically; none is listed anywhere."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def declared_methods() -> dict[str, Any]:
     Returns
     -------
     dict of str to Method
-        By name, by rising rank: ours, the rivals, the paper to the letter.
+        By name, in ascending rank: ours, the rivals, the paper to the letter.
 
     Examples
     --------
@@ -33,7 +33,7 @@ def declared_methods() -> dict[str, Any]:
 
 
 def require_method(name: str) -> None:
-    """Check that there is a method of a name.
+    """Check that a method of a given name exists.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ def require_method(name: str) -> None:
     Raises
     ------
     InvalidSettingsError
-        If there is none; the text lists those there are.
+        If there is none; the message lists the available ones.
 
     Examples
     --------

@@ -12,7 +12,7 @@ from ..run.errors import InvalidSettingsError
 from .options import Choice, option, options_of, require_allowed
 from .registry import OURS, require_method
 
-_COARSE = {"draft": 700, "normal": 1600}  # vertices of the mesh that is worked on
+_COARSE = {"draft": 700, "normal": 1600}  # working vertices
 
 
 @dataclass(frozen=True)
@@ -26,58 +26,58 @@ class Settings:
         letter ('as_published', 'as_published_closed'), or a rival to compare with. Rivals work on all vertices: from
         all pairs of them at quality 'full', otherwise from landmarks.
     quality : {'draft', 'normal', 'full'}
-        How much of the mesh is worked on. Draft: 700 vertices; normal: 1,600; the result is interpolated to all
-        vertices, at a cost that grows like their number. Full: all vertices, at a cost and memory that grow like the
+        Number of working vertices. Draft: 700 vertices; normal: 1,600; the result is interpolated to all vertices, at
+        a cost that grows linearly with their number. Full: all vertices, at a cost and memory that grow with the
         square of their number.
     preserve_detail : float
-        From 0, the bare form of multidimensional scaling, to 1, the surface kept as rigid as possible.
+        From 0, plain multidimensional scaling, to 1, the surface kept as rigid as possible.
     diffusion_time : float
         t of the Auto Diffusion Function (equation 7), in multiples of 1/λ_1. Larger: fewer, broader features.
     eigenpairs : int
         Number K of eigenpairs in the Auto Diffusion Function.
     prominence : float
-        Least prominence of a feature point: the logarithm of how many times higher the Auto Diffusion Function is
-        there than at the pass to a higher point. Larger: fewer features.
+        Minimum prominence of a feature point: the logarithm of the ratio of the Auto Diffusion Function there to that
+        at the pass to a higher point. Larger: fewer features.
     feature_count : int
-        Number of feature points, the most prominent; 0 to go by `prominence`.
+        Number of feature points, the most prominent; 0 to select by `prominence`.
     merge_distance : float
         Feature points closer than this share of the geodesic diameter become one, 0 to 1.
     feature_points : sequence of int, optional
         Vertices to use as feature points instead of those detected, in the order of their patches.
     start : {'intrinsic', 'input'}
-        Where the minimisation starts: from landmark classical scaling, which knows the surface alone, or from the
-        input, whose pose the result then keeps in part.
+        Start of the minimisation: landmark classical scaling, which depends on the surface alone, or the input, whose
+        pose the result then keeps in part.
     landmark_count : int
         Number of landmarks of the intrinsic start, and of rivals below quality 'full'.
     smoothing : float
-        Diffusion time of the geodesics inside patches, as a share of the area; those between landmarks have a
+        Diffusion time of the geodesics inside patches, as a share of the area; those between landmarks use a
         fiftieth of it and are averaged with biharmonic ones. Such distances hardly shorten where a joint bends.
-        0: geodesics alone, as accurate as the heat method is, and no struts through the interior: for sheets that are
-        to be unrolled.
+        0: geodesics alone, as accurate as the heat method, and no struts through the interior: for sheets to be
+        unrolled.
     arrangement_share : float
-        How much the other landmarks pull at a landmark, as a share of the weight with which its patch holds it.
+        Weight of the other landmarks on a landmark, relative to the weight of its patch.
     arrangement : {'straight', 'stress'}
-        Whether limbs are pushed straight and apart before they get the lengths of the surface back, or lie as the
-        stress leaves them. With `start` 'input' or `preserve_detail` 0 they always do the latter.
+        Whether limbs are straightened and pushed apart before the lengths of the surface are restored, or left as the
+        stress places them. With `start` 'input' or `preserve_detail` 0, always the latter.
     symmetry : {'hold', 'ignore'}
-        Whether a straight form of a surface that is its own mirror image is held to that.
+        Whether the straight form of a mirror-symmetric surface is kept symmetric.
     orientation : {'posed', 'upright', 'two_legs', 'all_fours'}
-        How the form lies: as the input does, or as the surface itself decides, alike for all poses: Z up, facing -Y.
+        Orientation of the form: that of the input, or determined by the surface, equal for all poses: Z up, facing -Y.
     max_iterations : int
-        Most majorisation steps.
+        Maximum number of majorisation steps.
     tolerance : float
-        Stop when a step lowers the stress by less than this share of it.
+        Stop when a step reduces the stress by less than this fraction.
     extrapolation : int
-        Number of earlier steps from which the next is extrapolated; 0 takes plain steps. The stress never rises.
+        Number of earlier steps from which the next is extrapolated; 0 for plain steps. The stress never increases.
     pieces : {'together', 'apart'}
         Whether loose parts that lie on, in or inside each other are one body, or each has a form of its own.
     memory_limit : float
-        Most memory that may be used, in gigabytes; 0 for 60 % of what is free when the run starts.
+        Maximum memory in gigabytes; 0 for 60 % of what is free when the run starts.
 
     Raises
     ------
     InvalidSettingsError
-        If a value has the wrong type or lies outside its range; the text names the option and the range.
+        If a value has the wrong type or lies outside its range; the message names the option and the range.
 
     Examples
     --------
@@ -171,7 +171,7 @@ class Settings:
     arrangement: str = option(
         "straight",
         "Arrangement",
-        "How the limbs lie to each other",
+        "Arrangement of the limbs",
         choices=(
             Choice("straight", "Straight", "Limbs straight and as far apart as their lengths allow"),
             Choice("stress", "Stress", "As the stress leaves them: slightly curved, and closer to the pose"),
@@ -180,16 +180,16 @@ class Settings:
     symmetry: str = option(
         "hold",
         "Symmetry",
-        "What becomes of left and right in a straight arrangement",
+        "How left and right are treated in a straight arrangement",
         choices=(
-            Choice("hold", "Hold", "Where the surface has a left and a right, the form has them alike"),
+            Choice("hold", "Hold", "Make left and right of the form symmetric if the surface is"),
             Choice("ignore", "Ignore", "Left and right come out as the surface has them in this pose"),
         ),
     )
     orientation: str = option(
         "posed",
         "Orientation",
-        "How the form lies",
+        "Orientation of the form",
         choices=(
             Choice("posed", "As Posed", "As near to the pose as a rotation brings it"),
             Choice("upright", "Upright", "Z up, facing -Y, as the surface decides: alike for all poses of a body"),
@@ -218,7 +218,7 @@ class Settings:
     pieces: str = option(
         "together",
         "Loose Parts",
-        "What becomes of loose parts",
+        "How loose parts are treated",
         choices=(
             Choice("together", "Together", "Parts that lie on, in or inside each other are unfolded as one body"),
             Choice("apart", "Apart", "Every part gets feature points and a form of its own and stays in its place"),
@@ -233,7 +233,7 @@ class Settings:
     )
 
     def __post_init__(self) -> None:
-        """Refuse values of a wrong type or outside their range."""
+        """Reject values of a wrong type or outside their range."""
         require_allowed(self)
         require_method(self.method)
 
@@ -249,7 +249,7 @@ class Settings:
 
     @property
     def straight(self) -> bool:
-        """Whether limbs are straightened: not from the pose, which is to be kept in part, and not in a bare form."""
+        """Whether limbs are straightened: not from the input, whose pose is kept in part, and not in a plain form."""
         return self.arrangement == "straight" and self.start == "intrinsic" and self.preserve_detail > 0
 
     @property
@@ -259,7 +259,7 @@ class Settings:
 
     @property
     def heat_time(self) -> float | None:
-        """Diffusion time of the geodesics inside patches, a squared length on a surface of unit area; None: least."""
+        """Diffusion time of the geodesics inside patches, a squared length on a surface of unit area; None: minimal."""
         return self.smoothing or None
 
     @property
@@ -268,11 +268,11 @@ class Settings:
         return {name: getattr(self, name) for name in ("max_iterations", "tolerance", "extrapolation")}
 
 
-_GONE: dict[str, Any] = {"as_published": False, "unbending": 0.0}  # options of version 0.1 that none replaces
+_GONE: dict[str, Any] = {"as_published": False, "unbending": 0.0}  # options of version 0.1 without a replacement
 
 
 def former_options() -> dict[str, Any]:
-    """List the options of version 0.1 that are gone or have another name, with a value of the type of each.
+    """List the options of version 0.1 that were removed or renamed, with a value of the type of each.
 
     Returns
     -------
@@ -290,7 +290,7 @@ def former_options() -> dict[str, Any]:
 
 
 def current_options(given: dict[str, Any]) -> dict[str, Any]:
-    """Translate options that had another name in version 0.1, with a warning.
+    """Translate options of version 0.1 that were renamed or removed, with a warning.
 
     Parameters
     ----------
@@ -300,7 +300,7 @@ def current_options(given: dict[str, Any]) -> dict[str, Any]:
     Returns
     -------
     dict
-        The same under today's names.
+        The same under their current names.
 
     Raises
     ------
@@ -315,7 +315,7 @@ def current_options(given: dict[str, Any]) -> dict[str, Any]:
     {'landmark_count': 50, 'method': 'as_published'}
     """
     today = {about.former: name for name, about in options_of(Settings).items() if about.former}
-    # `dataclasses.replace` gives all of today's names beside the former one, which is the one that is meant
+    # `dataclasses.replace` passes all current names besides the former one, which takes precedence
     result = {name: value for name, value in given.items() if name not in (*today, *_GONE)}
     for name, value in given.items():
         if name == "unbending":
@@ -338,7 +338,7 @@ def _warn_former(name: str, advice: str) -> None:
 
 
 def _accepting_former_names(initialise: Callable[..., None]) -> Callable[..., None]:
-    """Let scripts written for version 0.1 run for one version more."""
+    """Let scripts written for version 0.1 run for one more version."""
 
     @wraps(initialise)
     def accepting(self: Settings, *values: Any, **given: Any) -> None:

@@ -1,4 +1,4 @@
-"""What every method starts from: the surface that is worked on, its spectrum, feature points and patches."""
+"""The input of every method: the working surface, its spectrum, feature points and patches."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
 
 DETECTION: Plan = {"Coarse mesh": 28, "Triangulation": 2, "Spectrum": 7, "Feature points": 2, "Patches": 1}
-_SPARE = 4  # times as many candidates as feature points wanted, since some lie too close to others
-_MORE_SLACK = (0.01, 0.1)  # of every triangle inequality, in mean edges, in turn where the least is too little
+_SPARE = 4  # candidates per feature point requested, since some lie too close to others
+_MORE_SLACK = (0.01, 0.1)  # slack of every triangle inequality, in mean edges, tried in turn where the spectrum fails
 
 
 class WholeFeatures(NamedTuple):
-    """What was found on a surface, on all its vertices.
+    """The features of a surface, on all its vertices.
 
     Attributes
     ----------
@@ -54,7 +54,7 @@ class WholeFeatures(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class SurfaceFeatures:
-    """A connected surface scaled to unit area, and what was found on it.
+    """A connected surface scaled to unit area, and its features.
 
     Attributes
     ----------
@@ -63,11 +63,11 @@ class SurfaceFeatures:
     whole_faces : (m, 3) ndarray of int
         All triangles.
     centre : (3,) ndarray of float
-        Where the centre was, in the unit of the input.
+        Centre of the input, in its unit.
     unit : float
-        Root of the area, in the unit of the input.
+        Square root of the area, in the unit of the input.
     surface : WorkingSurface
-        The c vertices that are worked on.
+        The working surface, of c vertices.
     stiffness : (c, c) scipy.sparse.csr_matrix
         L.
     mass : (c,) ndarray of float
@@ -77,11 +77,11 @@ class SurfaceFeatures:
     adf : (c,) ndarray of float
         Auto Diffusion Function.
     features : (k,) ndarray of int
-        Feature points among the vertices that are worked on.
+        Feature points, as indices of working vertices.
     to_features : (c, k) ndarray of float
         Geodesic distances from them.
     cells : (c,) ndarray of int
-        Patch of every vertex that is worked on.
+        Patch of every working vertex.
     limbs : Limbs
         Head, tail and sides among the feature points.
     """
@@ -116,19 +116,19 @@ class SurfaceFeatures:
         return self.surface.kept[self.features]
 
     def prolonged(self, monitor: Monitor, order: IntArray | None = None) -> WholeFeatures:
-        """Interpolate what was found to all vertices.
+        """Interpolate the features to all vertices.
 
         Parameters
         ----------
         monitor : Monitor
             Polled for cancellation.
         order : (k,) ndarray of int, optional
-            Which feature point comes first, second, …; as they are when left out.
+            Which feature point comes first, second, …; unchanged if omitted.
 
         Returns
         -------
         WholeFeatures
-            What was found.
+            The features.
 
         Raises
         ------
@@ -154,15 +154,15 @@ def detected(
     *,
     reduced: Reduced = working_surface,
 ) -> SurfaceFeatures:
-    """Reduce a surface to the vertices that are worked on, and find its feature points and patches.
+    """Reduce a surface to its working vertices, and find its feature points and patches.
 
     Parameters
     ----------
     points : (n, 3) ndarray of float
         Vertex positions, any unit of length.
     faces : (m, 3) ndarray of int
-        Triangles of one connected surface, or of one that `reduced` connects, with some area; each vertex in one at
-        least.
+        Triangles of one connected surface, or of one that `reduced` connects, with some area; each vertex belongs to at
+        least one.
     chosen : (k,) ndarray of int or None
         Feature points given by hand; None to detect them.
     settings : Settings
@@ -170,12 +170,12 @@ def detected(
     monitor : Monitor
         Receives progress (the stages of `DETECTION`) and warnings; polled for cancellation.
     reduced : callable
-        Reduces the surface, as `working_surface` does; of a body of several parts it makes one surface.
+        Reduces the surface, as `working_surface` does; joins the parts of a body into one surface.
 
     Returns
     -------
     SurfaceFeatures
-        What was found.
+        The features.
 
     Raises
     ------
@@ -222,7 +222,7 @@ def detected(
         monitor.check()
 
     def numbered() -> SurfaceFeatures:
-        """Put the feature points in their order and let the patches grow around them."""
+        """Sort the feature points and grow the patches around them."""
         with monitor.stage("Feature points"):
             order, distances, limbs = _in_lasting_order(features, to_features, prominence, adf, surface, monitor)
         with monitor.stage("Patches"):
@@ -237,7 +237,7 @@ def detected(
 def _analysed(
     surface: WorkingSurface, eigenpairs: int, monitor: Monitor
 ) -> tuple[WorkingSurface, csr_matrix, FloatArray, Spectrum]:
-    """Compute eigenpairs, on slightly longer edges where triangles without width upset the solver."""
+    """Compute eigenpairs, on slightly longer edges where degenerate triangles disturb the solver."""
     with monitor.stage("Spectrum"):
         for slack in (0.0, *_MORE_SLACK):
             if slack:
@@ -259,7 +259,7 @@ def _analysed(
 def _feature_points(
     adf: FloatArray, surface: WorkingSurface, chosen: IntArray | None, settings: Settings, monitor: Monitor
 ) -> tuple[IntArray, FloatArray, FloatArray | None]:
-    """Take the prominent maxima of the Auto Diffusion Function, and of those close to each other the first."""
+    """Select the prominent maxima of the Auto Diffusion Function, and only the first of those close to each other."""
     heat = HeatMethod(surface.triangulation, refine=settings.whole, monitor=monitor)
     if chosen is not None:
         features = surface.numbers_of(chosen)
@@ -284,17 +284,17 @@ def _in_lasting_order(
     surface: WorkingSurface,
     monitor: Monitor,
 ) -> tuple[IntArray, FloatArray, Limbs]:
-    """Tell limbs apart, and number them; those without a prominence were chosen by hand and keep their order."""
+    """Identify limbs and number them; those without a prominence were chosen by hand and keep their order."""
     between = (to_features[features] + to_features[features].T) / 2
     vertices = surface.kept[features]
     count = len(features)
     if count <= MOST_FEATURES:
         handedness = chirality(to_features, surface.faces)
-    else:  # nobody asks for it, and it takes time and room that grow like the cube
+    else:  # not needed, and its time and memory grow cubically
         handedness = np.broadcast_to(0.0, (count, count, count))
 
     def places() -> FloatArray:
-        """Find the first vertex in the outer half of each limb: where a limb ends depends on the pose."""
+        """Find the first vertex in the outer half of each limb: the tip of a limb depends on the pose."""
         far = surface.prolong(to_features) if surface.coarse else to_features
         nearest, least = np.argmin(far, axis=1), far.min(axis=1)
         first = np.zeros(count)

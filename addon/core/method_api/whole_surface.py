@@ -1,4 +1,4 @@
-"""What rivals share: all vertices of the surface, and geodesics between them or from landmarks."""
+"""Shared by the rivals: all vertices of the surface, and geodesics between them or from landmarks."""
 
 from __future__ import annotations
 
@@ -71,11 +71,11 @@ class Samples:
         Parameters
         ----------
         placed : (s, 3) ndarray of float
-            Where the samples are.
+            Positions of the samples.
         start : (n, 3) ndarray of float
-            All vertices, where the samples were before.
+            All vertices, before the samples were placed.
         distances : (n, s) ndarray of float, optional
-            Other distances than the geodesic ones.
+            Distances to use instead of the geodesic ones.
 
         Returns
         -------
@@ -171,7 +171,7 @@ class WholeSurface:
         return Samples(landmarks, distances)
 
     def outside_out(self, form: FloatArray) -> FloatArray:
-        """Choose between an embedding and its mirror image, which no distance can tell apart.
+        """Choose between an embedding and its mirror image, which distances cannot distinguish.
 
         Parameters
         ----------
@@ -186,20 +186,20 @@ class WholeSurface:
         return outside_out(self.body, form)
 
     def embedding(self, form: FloatArray, history: ArrayLike, pair_count: int) -> MethodResult:
-        """Finish an embedding that may be a mirror image.
+        """Make the result of an embedding that may be a mirror image.
 
         Parameters
         ----------
         form : (n, 3) ndarray of float
             All vertices.
         history : (s + 1,) array_like of float
-            What was minimised.
+            The objective.
         pair_count : int
-            Distances used.
+            Number of distances used.
 
         Returns
         -------
         MethodResult
-            Outside out.
+            The result, not mirrored.
         """
         return MethodResult(self.outside_out(form), np.asarray(history, dtype=np.float64), pair_count)

@@ -1,4 +1,4 @@
-"""Where a form lies: as the pose does, upright, or on a reference; and how a reference numbers its feature points."""
+"""The placement of a form: as posed, upright, or aligned to a reference, which also numbers its feature points."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from ..run.monitor import Monitor
 from ..symmetry.upright import upright_rotation
 from .reference import ReferenceBody
 
-_ROUNDED = 1e-4  # share of the size to which positions may be rounded where the reference lies
-_UNLIKE = 0.3  # mismatch from which on two bodies count as unlike
+_ROUNDED = 1e-4  # share of the size to which positions at the reference may be rounded
+_UNLIKE = 0.3  # mismatch above which two bodies count as dissimilar
 
 
 def in_place(
@@ -27,32 +27,32 @@ def in_place(
     reference: ReferenceBody | None,
     monitor: Monitor,
 ) -> tuple[FloatArray, IntArray]:
-    """Give a form the area of its input, a place and an orientation, by a proper motion.
+    """Scale a form to the area of its input, and place and orient it by a proper motion.
 
     Parameters
     ----------
     embedded : MethodResult
-        The form, of any size and in any place.
+        The form, at any scale and position.
     found : SurfaceFeatures
-        The surface that it is the form of.
+        The surface of which it is the form.
     settings : Settings
         Whether it lies as posed, or upright.
     reference : ReferenceBody or None
-        What it is laid onto instead.
+        The body to which it is aligned instead.
     monitor : Monitor
         Receives a warning where the reference is a body of another kind.
 
     Returns
     -------
     form : (n, 3) ndarray of float
-        The form in its place.
+        The placed form.
     order : (k,) ndarray of int
         Which feature point comes first, second, …: as in the reference, where there is one.
 
     Raises
     ------
     InvalidSettingsError
-        If positions so far away as the reference are too coarse for a surface of this size.
+        If positions as far away as the reference are too coarse for a surface of this size.
 
     Examples
     --------

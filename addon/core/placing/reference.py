@@ -1,4 +1,4 @@
-"""A form as a reference: taken apart into the bodies that others are laid onto."""
+"""A form as a reference: split into the bodies to which others are aligned."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ..symmetry.limbs import BodyLimbs, Limbs
 
 
 class Reference(Protocol):
-    """What is asked of a form that others are laid onto; every `CanonicalForm` has it."""
+    """The interface of a form to which others are aligned; every `CanonicalForm` has it."""
 
     @property
     def vertices(self) -> FloatArray:
@@ -27,24 +27,24 @@ class Reference(Protocol):
 
     @property
     def bodies(self) -> list[BodyLimbs]:
-        """What tells the feature points of each body apart."""
+        """The limbs identified among the feature points of each body."""
 
 
 class ReferenceBody(NamedTuple):
-    """A body of a form that others are laid onto.
+    """A body of a form to which others are aligned.
 
     Attributes
     ----------
     points : (p, 3) ndarray of float
         Its form, scaled to unit area.
     centre : (3,) ndarray of float
-        Where its centre was, in the unit of the form.
+        Its centre, in the unit of the form.
     tips : (k,) ndarray of int
         Its feature points among its vertices, in the order of the mesh.
     limbs : Limbs
-        What tells them apart.
+        The limbs identified among them.
     same_mesh : bool
-        Whether the mesh that is laid onto it has the same triangles.
+        Whether the mesh that is aligned to it has the same triangles.
     """
 
     points: FloatArray
@@ -57,29 +57,29 @@ class ReferenceBody(NamedTuple):
 def reference_bodies(
     reference: Reference | None, faces: IntArray, vertices: Sequence[IntArray], monitor: Monitor
 ) -> list[ReferenceBody | None]:
-    """Take a form apart into the bodies that others are laid onto.
+    """Split a form into the bodies to which others are aligned.
 
     Parameters
     ----------
     reference : Reference or None
         The form; None where there is none.
     faces : (m, 3) ndarray of int
-        Triangles of the mesh that is laid onto it.
+        Triangles of the mesh that is aligned to it.
     vertices : sequence of (p,) ndarray of int
-        Vertices of each body of that mesh. In the same mesh each is laid onto itself; otherwise the largest is laid
-        onto the largest, and so on.
+        Vertices of each body of that mesh. In the same mesh each is aligned to itself; otherwise the largest is aligned
+        to the largest, and so on.
     monitor : Monitor
         Receives a warning where one has more bodies than the other.
 
     Returns
     -------
     list of ReferenceBody or None
-        One for each body; None where there is none for it.
+        One for each body; None for a body without a counterpart.
 
     Raises
     ------
     InvalidSettingsError
-        If the form was made without feature points, so that nothing tells its limbs apart.
+        If the form was computed without feature points, so that its limbs are not identified.
 
     Examples
     --------
@@ -116,7 +116,7 @@ def reference_bodies(
 
 
 def _reference_body(reference: Reference, body: BodyLimbs, vertices: IntArray, same_mesh: bool) -> ReferenceBody:
-    """Take one body out of a form, its vertices in the order of those given."""
+    """Extract one body of a form, with its vertices in the given order."""
     number = np.full(len(reference.vertices), -1)
     number[vertices] = np.arange(len(vertices))
     own = number[reference.faces]

@@ -1,4 +1,4 @@
-"""The way from the pose to the form: shapes half-way that turn like joints, everywhere alike or by vertex."""
+"""Interpolation from the pose to the form: shapes that bend like joints, uniformly or by vertex."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
 
 WORKED_ON = 1600  # vertices whose rotations are computed; the others follow them
-_RELAXATION = 20  # alternations between rotations and positions where part of the surface is held
+_RELAXATION = 20  # alternations between rotations and positions if part of the surface is held
 
 
 class Articulation:
-    """How a surface bends on the way from its pose to its form.
+    """Interpolation of a surface from its pose to its form.
 
-    Rotations of neighbouring vertices differ little, however far the whole limb turns. So each *difference* is taken
-    in part, and the rotations are put together from the parts: that has no limit at half a turn, and a limb unbends
-    like a joint where straight lines between the two shapes would shrink it.
+    Rotations of neighbouring vertices differ little, however far the whole limb rotates. So each *difference* is scaled,
+    and the rotations are composed of the scaled differences: this is not limited to half a turn, and a limb unbends
+    like a joint where linear interpolation of the two shapes would shrink it.
 
     Parameters
     ----------
@@ -41,7 +41,7 @@ class Articulation:
     monitor : Monitor, optional
         Polled for cancellation.
     surface : WorkingSurface, optional
-        Some of the vertices, whose rotations are computed while the others follow them; made where it is left out.
+        Some of the vertices, whose rotations are computed while the others follow them; computed if omitted.
 
     Raises
     ------
@@ -94,19 +94,19 @@ class Articulation:
         self._edge_after = np.einsum("ij,ikj->ik", after[self._j] - after[self._i], self._edge_turns(self._turned))
         whole_turn, shift = self._carried(self._turned, after)
         left = self._form - np.einsum("ij,ijk->ik", self._points, whole_turn) - shift
-        self._left = np.einsum("ij,ikj->ik", left, nearest_rotations(whole_turn))  # of the form, turned into the pose
+        self._left = np.einsum("ij,ikj->ik", left, nearest_rotations(whole_turn))  # of the form, rotated into the pose
 
     def at(self, amount: FloatArray | float, way: float = 1.0) -> FloatArray:
-        """Place all vertices a part of the way from the pose to the form.
+        """Interpolate all vertices between the pose and the form.
 
         Parameters
         ----------
         amount : (n,) ndarray of float, or float
-            The part of the way, 0 to 1, everywhere alike or by vertex. Vertices of amount 0 stay where they are in
-            the pose and the others join them; if there is none, the vertex that turns least on the whole way
-            turns evenly, and so does the centre of the area move.
+            The fraction of the way, 0 to 1, uniform or by vertex. Vertices of amount 0 keep their position in the
+            pose and the others remain attached to them; if there are none, the vertex that rotates least rotates
+            uniformly, and the centre of the area moves uniformly.
         way : float
-            The part of those parts, 0 to 1: from the pose to the shape that the amounts describe.
+            Factor on the amounts, 0 to 1: from the pose to the shape that the amounts describe.
 
         Returns
         -------
@@ -125,7 +125,7 @@ class Articulation:
             return (self._points if everywhere[0] == 0 else self._form) * self._unit + self._centre
         here = everywhere[self._kept]
         held = here == 0
-        if (everywhere == 0).any() and not held.any():  # none of them is worked on
+        if (everywhere == 0).any() and not held.any():  # none of them is a working vertex
             here, held = here.copy(), here == here.min()
             here[held] = 0.0
         turned, placed = self._turned_and_placed(here, held, way * complete[self._kept])
@@ -145,7 +145,7 @@ class Articulation:
     def _turned_and_placed(
         self, amount: FloatArray, held: np.ndarray, lengths: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
-        """Put rotations and positions of the coarse vertices together from those of their edges."""
+        """Compute rotations and positions of the coarse vertices from those of their edges."""
         from scipy.sparse import coo_matrix, diags
 
         count = len(amount)
@@ -184,7 +184,7 @@ class Articulation:
         return turned, placed
 
     def _edge_turns(self, turned: FloatArray) -> FloatArray:
-        """Find the rotation of each edge between those of its ends."""
+        """Compute the rotation of each edge as the mean of those of its ends."""
         return nearest_rotations(turned[self._i] + turned[self._j])
 
     def _covariances(self, edge: FloatArray, placed: FloatArray) -> FloatArray:
@@ -193,7 +193,7 @@ class Articulation:
         return self._summed(outer, outer).reshape(-1, 3, 3)
 
     def _summed(self, to_second: FloatArray, to_first: FloatArray) -> FloatArray:
-        """Sum what the edges hand to their ends."""
+        """Sum the contributions of the edges to their ends."""
         count = len(self._kept)
         return np.column_stack(
             [
@@ -203,13 +203,13 @@ class Articulation:
         )
 
     def _carried(self, turned: FloatArray, placed: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Carry the frames of the coarse vertices to all vertices."""
+        """Interpolate the frames of the coarse vertices to all vertices."""
         shift = placed - np.einsum("ij,ijk->ik", self._points[self._kept], turned)
         return self._surface.prolong_frames(turned, shift)
 
 
 def _held_solver(matrix: csr_matrix, held: np.ndarray) -> Callable[[FloatArray, FloatArray], FloatArray]:
-    """Factor ``matrix x = force`` where some rows of x keep the values that they are given."""
+    """Factor ``matrix x = force`` where some rows of x have given values."""
     matrix = matrix.tocsr()
     free = np.flatnonzero(~held)
     solve = factored(matrix[free][:, free]).solve

@@ -1,4 +1,4 @@
-"""How far each vertex goes when the pose is taken out of some limbs only."""
+"""How far each vertex moves when the pose is removed from selected limbs only."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from ..mesh.edges import vertex_pairs
 from ..mesh.geometry import of_unit_area
 from ..numerics.arrays import FloatArray, IntArray
 
-_BAND = 0.15  # half the width of the band in which a limb's form passes into the pose, in sqrt(area)
-_DEEPEST = 0.5  # of the way from the border of a limb to its tip: the most that the band may take
+_BAND = 0.15  # half the width of the band in which a limb's form blends into the pose, in sqrt(area)
+_DEEPEST = 0.5  # maximum of it, as a share of the distance from the border of a limb to its tip
 
 
 def limb_amounts(points: FloatArray, faces: IntArray, chosen: np.ndarray) -> FloatArray:
-    """Compute how far each vertex moves when the pose is taken out of some limbs only.
+    """Compute how far each vertex moves when the pose is removed from selected limbs only.
 
     Parameters
     ----------
@@ -23,7 +23,7 @@ def limb_amounts(points: FloatArray, faces: IntArray, chosen: np.ndarray) -> Flo
     faces : (m, 3) ndarray of int
         Triangles.
     chosen : (n,) ndarray of bool
-        The vertices of those limbs: whole patches.
+        The vertices of these limbs: whole patches.
 
     Returns
     -------
@@ -50,7 +50,7 @@ def limb_amounts(points: FloatArray, faces: IntArray, chosen: np.ndarray) -> Flo
     border = pairs[chosen[pairs[:, 0]] != chosen[pairs[:, 1]]].ravel()
 
     def depth(side: np.ndarray) -> FloatArray:
-        """Distance from the other side's vertices along the border."""
+        """Compute the distance from the other side's vertices along the border."""
         sources = np.unique(border[~side[border]])
         return dijkstra(graph, directed=False, indices=sources, min_only=True)
 

@@ -1,4 +1,4 @@
-"""A body that takes the pose of another: it goes where its likes are there, and keeps its own shape."""
+"""A body that takes the pose of another: it moves to corresponding points, and keeps its own shape."""
 
 from __future__ import annotations
 
@@ -7,29 +7,29 @@ import numpy as np
 from ..deformation.elastic_body import ElasticBody
 from ..numerics.arrays import FloatArray
 
-_EVEN = 1e-5  # diffusion time over which the places are averaged by confidence, as a share of the area,
-_TURNS = 5e-4  # over which the turns of edges are,
+_EVEN = 1e-5  # diffusion time over which the positions are averaged by confidence, as a share of the area,
+_TURNS = 5e-4  # over which the rotations of edges are,
 _LENGTHS = 4e-3  # and their lengths
-_LEAST = 0.02  # confidence that every place has at least
-_PULL = 80.0  # 1/area, where lengths here and there agree
-_ALIKE = 0.1  # difference of the logarithms of lengths from which on a place is hardly followed
+_LEAST = 0.02  # minimum confidence of a position
+_PULL = 80.0  # 1/area, where lengths agree
+_ALIKE = 0.1  # difference of the logarithms of lengths above which a position is hardly followed
 _HARDLY = 1e-3  # share of the pull that is left there
 
 
 def taken_pose(body: ElasticBody, places: FloatArray, confidence: FloatArray) -> FloatArray:
-    """Deform a body in its pose to the places that its vertices have in another.
+    """Deform a body from its pose to the positions that its vertices have in another.
 
-    Where lengths agree, up to one factor for the whole body, vertices go to their places. Where they do not, because
-    the other body is fatter, or has longer arms, edges only turn as they do there.
+    Where lengths agree, up to one factor for the whole body, vertices move to their positions. Where they do not,
+    because the other body is fatter, or has longer arms, edges only rotate as they do there.
 
     Parameters
     ----------
     body : ElasticBody
         The body, in its own pose.
     places : (n, 3) ndarray of float
-        Where the like of each vertex is.
+        The corresponding point of each vertex.
     confidence : (n,) ndarray of float
-        How sure each place is, 0 to 1.
+        Confidence of each position, 0 to 1.
 
     Returns
     -------
@@ -61,7 +61,7 @@ def taken_pose(body: ElasticBody, places: FloatArray, confidence: FloatArray) ->
 
 
 def _median(values: FloatArray, weights: FloatArray) -> float:
-    """Find the weighted median."""
+    """Compute the weighted median."""
     order = np.argsort(values, kind="stable")
     middle = np.searchsorted(np.cumsum(weights[order]), weights.sum() / 2)
     return float(values[order[min(middle, len(order) - 1)]])

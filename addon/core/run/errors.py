@@ -8,7 +8,7 @@ from .messages import Message, kinds, message
 
 
 class CanonicalFormError(Exception):
-    """Base of every error of this project; its text tells the user what to do.
+    """Base of every error of this project; its message tells the user what to do.
 
     Parameters
     ----------
@@ -37,11 +37,11 @@ class CanonicalFormError(Exception):
 
     @property
     def numbers(self) -> dict[str, Any]:
-        """What the text tells beside its kind."""
+        """The values in the message, by name."""
         return getattr(self.args[0], "numbers", {})
 
     def about(self, what: str) -> CanonicalFormError:
-        """Say of what the error tells, where there are several.
+        """Name the object that the error refers to, where there are several.
 
         Parameters
         ----------
@@ -51,7 +51,7 @@ class CanonicalFormError(Exception):
         Returns
         -------
         CanonicalFormError
-            The same error, whose text begins with that name.
+            The same error, whose message begins with that name.
 
         Examples
         --------
@@ -63,7 +63,7 @@ class CanonicalFormError(Exception):
 
 
 class InvalidMeshError(CanonicalFormError):
-    """The mesh cannot be given a canonical form as it stands."""
+    """No canonical form can be computed for the mesh as it is."""
 
 
 class InvalidSettingsError(CanonicalFormError):
@@ -71,7 +71,7 @@ class InvalidSettingsError(CanonicalFormError):
 
 
 class TooLargeError(CanonicalFormError):
-    """The computation would need more memory than it is allowed."""
+    """The computation would need more memory than allowed."""
 
 
 class SolverError(CanonicalFormError):

@@ -1,4 +1,4 @@
-"""What the stages of a run found, kept for the next run on the same mesh: it computes what changed only."""
+"""Results of the stages of a run, kept for the next run on the same mesh, which recomputes only what changed."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from .messages import Message
 
 Found = TypeVar("Found")
 
-_MOST = 3  # results of one stage that are kept: dragged to and fro, an option comes back to where it was
-_PLAIN = (str, bool, int, float, tuple, type(None), MethodType)  # by type: named tuples hold results
+_MOST = 3  # results kept per stage: an option that is dragged back and forth returns to earlier values
+_PLAIN = (str, bool, int, float, tuple, type(None), MethodType)  # compared by exact type: named tuples hold results
 
 
 class _Stage(NamedTuple):
-    """What a stage found, what it came from, and what it warned of."""
+    """The result of a stage, its sources and its warnings."""
 
     sources: list[Any]
     found: Any
@@ -26,11 +26,11 @@ class _Stage(NamedTuple):
 
 
 class KeptStages:
-    """What the stages of earlier runs found, for as long as what it came from stays the same.
+    """Results of the stages of earlier runs, valid as long as their sources stay the same.
 
-    Hand one object to several runs, one after the other. A stage is computed again where the mesh, its options or what
-    an earlier stage found have changed. Of each stage the last few results are kept. What is kept must not hold the
-    monitor of its run, which may have been cancelled since.
+    Pass one object to successive runs. A stage is recomputed if the mesh, its options or the result of an earlier stage
+    has changed. The last few results of each stage are kept. They must not hold the monitor of their run, which may
+    have been cancelled since.
 
     Examples
     --------
@@ -50,34 +50,34 @@ class KeptStages:
         self._parts: dict[Hashable, KeptStages] = {}
 
     def part(self, name: Hashable) -> KeptStages:
-        """Find what is kept for a part of the work, such as a body.
+        """Return the results kept for a part of the work, such as a body.
 
         Parameters
         ----------
         name : hashable
-            What tells the part from others.
+            Identifies the part.
 
         Returns
         -------
         KeptStages
-            Of the part.
+            The results of the part.
         """
         return self._parts.setdefault(name, KeptStages())
 
     def take(self, name: str, sources: list[Any], compute: Callable[[], Found], warnings: list[Message]) -> Found:
-        """Return what a stage found before, or compute it.
+        """Return the kept result of a stage, or compute it.
 
         Parameters
         ----------
         name : str
             Name of the stage.
         sources : list
-            All that its result depends on: arrays, lists, numbers and words, compared by value; methods, by what they
-            are bound to; and results of earlier stages, compared by identity.
+            All that its result depends on: arrays, lists, numbers and strings, compared by value; methods, by the
+            object they are bound to; and results of earlier stages, compared by identity.
         compute : callable
             Computes it.
         warnings : list of Message
-            Warnings so far. Those that came with what is kept join them.
+            Warnings so far. Those of the kept result are appended.
 
         Returns
         -------
@@ -97,7 +97,7 @@ class KeptStages:
 
 
 def _told(source: Any) -> Any:
-    """Tell arrays and lists by their content: they may be changed in place between two runs."""
+    """Identify arrays and lists by their content: they may be changed in place between two runs."""
     if isinstance(source, list) or type(source) is tuple:
         return repr(source)
     if not hasattr(source, "__array__"):

@@ -1,4 +1,4 @@
-"""How busy the machine is with other work: estimates of time take it into account."""
+"""The load of the machine from other processes, which estimates of time take into account."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from pathlib import Path
 
 
 def slowdown() -> float:
-    """Estimate how much longer a computation takes because others use the processors.
+    """Estimate how much longer a computation takes because other processes use the processors.
 
-    A computation is one thread for most of its time. It is slowed down where more threads want to run than there are
-    processors, which then share them evenly.
+    A computation uses one thread most of the time. It is slowed down if more threads are ready to run than there are
+    processors; the threads then share them evenly.
 
     Returns
     -------
     float
-        1 where a processor is free, or where the system does not tell; 2 where two threads share each.
+        1 if a processor is free, or if the system does not report its load; 2 if two threads share each.
 
     Examples
     --------
@@ -27,9 +27,9 @@ def slowdown() -> float:
 
 
 def _others() -> float:
-    """Count the threads of others that want to run: now and over the last minute, whichever is less.
+    """Count the runnable threads of other processes: now and over the last minute, whichever is less.
 
-    Right after a run of our own the last minute is busy; a moment alone may be busy by chance.
+    Right after our own run, the last minute is busy; a single moment may be busy by chance.
     """
     try:
         minute = os.getloadavg()[0]
@@ -37,7 +37,7 @@ def _others() -> float:
         return 0.0
     with suppress(OSError, ValueError, IndexError):
         now = int(Path("/proc/loadavg").read_text(encoding="ascii").split()[3].split("/")[0])
-        return min(minute, max(now - 1.0, 0.0))  # without the thread that asks
+        return min(minute, max(now - 1.0, 0.0))  # without the calling thread
     return minute
 
 

@@ -93,7 +93,7 @@ def require_pair_memory(vertex_count: int, sizes: list[int], *, limit: float = 0
     limit : float
         As in `memory_limit`.
     whole : bool
-        Whether all vertices are worked on by the user's choice.
+        Whether the user chose to use all vertices.
 
     Raises
     ------
@@ -122,7 +122,7 @@ def require_pair_memory(vertex_count: int, sizes: list[int], *, limit: float = 0
 
 
 def free_memory() -> float:
-    """Ask the system how much memory this process may still take.
+    """Query the system for the memory that this process may still use.
 
     Returns
     -------
@@ -157,7 +157,7 @@ def _free_on_linux() -> list[float | None]:
 
 
 def _cached(path: Path) -> int:
-    """Sum what a control group keeps of files and gives back when it is needed."""
+    """Sum the file cache of a control group, which is released on demand."""
     found = dict(line.split()[:2] for line in path.read_text(encoding="ascii").splitlines() if len(line.split()) == 2)
     names = ("inactive_file", "active_file")
     prefix = "total_" if "total_inactive_file" in found else ""
@@ -174,14 +174,14 @@ def _free_on_windows() -> list[float | None]:
 
 
 def _free_elsewhere() -> list[float | None]:
-    """Take half of the memory that is built in for free."""
+    """Assume that half of the installed memory is free."""
     with suppress(OSError, ValueError, AttributeError):
         return [os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") / 2]
     return []
 
 
 def _free_address_space() -> float | None:
-    """Subtract what the process has from its limit, as ``ulimit -v`` sets it."""
+    """Subtract the address space in use from the limit set by ``ulimit -v``."""
     try:
         import resource
 

@@ -1,4 +1,4 @@
-"""Every warning and error of the core as a kind with numbers, and the plain sentence for it.
+"""Every warning and error of the core as a kind with numbers, and its sentence.
 
 The sentences name no menu of any program. An outer layer recognises a message by its kind and adds its own advice.
 """
@@ -40,7 +40,7 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
     # its pieces
     "too_many_pieces": "The mesh has {count:,} loose parts, more than {most}. Merge what belongs together, or "
     "delete or separate the small parts, and run again.",
-    "pieces_without_area": "Loose parts without any area ({count}) stay where they are.",
+    "pieces_without_area": "Loose parts without area ({count}) were not moved.",
     "several_pieces": "The mesh has {count} loose parts. Each got feature points and a form of its own and stays in "
     "its place; parts that should move together have to be joined first.",
     "several_bodies": "The mesh has {count} bodies that do not touch, or only touch. Each got feature points and a "
@@ -68,14 +68,14 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
     "limb_ways": "ways must lie between 0 and 1.",
     "diffusion_time": "The diffusion time must be positive; got {value}.",
     # a reference
-    "reference_without_limbs": "The reference has no feature points to go by. Compute its form again and use that.",
+    "reference_without_limbs": "The reference has no feature points. Compute its form again and use that.",
     "reference_bodies": "This mesh has {count} bodies and the reference {others}; only those that both have, the "
-    "largest first, were laid onto it.",
+    "largest first, were aligned to it.",
     "reference_far": "The reference lies so far away that a mesh of this size would lose its shape there. Bring both "
     "to one unit, and the reference near the origin.",
     "reference_unlike": "This body is unlike the reference. Check how the form lies, or choose another reference.",
-    "reference_features": "This body has {count} feature points and the reference {others}; where the like of one is "
-    "missing, those after it have other numbers.",
+    "reference_features": "This body has {count} feature points and the reference {others}; if one has no "
+    "counterpart, the numbers after it differ.",
     # a match
     "match_side": 'The side must be "auto" or a whole number from 0 on; got {value!r}.',
     "match_no_side": "There are {count} ways to match these meshes; side must lie between 0 and {last}.",
@@ -151,14 +151,14 @@ _PHRASES = {  # parts of these sentences
 
 
 class Message(str):
-    """A sentence that knows its kind and its numbers.
+    """A sentence with its kind and its numbers.
 
     Attributes
     ----------
     kind : str
         What happened, one of `kinds()`; empty for a sentence from elsewhere.
     numbers : dict
-        What the sentence tells beside its kind.
+        Values of the placeholders, by name.
     sentence : str
         The sentence with a name in braces for each number; empty for a sentence from elsewhere.
 
@@ -186,9 +186,9 @@ def message(kind: str, **numbers: Any) -> Message:
     Parameters
     ----------
     kind : str
-        One of `kinds()`, or a phrase that a sentence is given as one of its numbers.
+        One of `kinds()`, or a phrase that is inserted into a sentence as one of its numbers.
     **numbers
-        What the sentence tells.
+        Values of its placeholders.
 
     Returns
     -------

@@ -21,26 +21,26 @@ Plan = Mapping[str, float]  # stages in their order, with weights: the share of 
 
 
 class Monitor:
-    """Reports how far a computation is and stops it when the caller wishes.
+    """Reports the progress of a computation and stops it on request.
 
     Parameters
     ----------
     progress : callable, optional
-        Called with the fraction done, 0 to 1 and never falling, and the name of the stage.
+        Called with the fraction done, 0 to 1 and never decreasing, and the name of the stage.
     cancelled : callable, optional
         Returns True when the computation should stop.
     plan : mapping of str to float, optional
         The stages to come, in order, with weights. A stage that is skipped counts as done when the next begins; a
         stage that is not in the plan counts as part of the one around it.
     keep : KeptStages, optional
-        What earlier runs found; without it nothing is kept.
+        Results of earlier runs; if omitted, nothing is kept.
 
     Attributes
     ----------
     timings : dict of str to float
         Seconds spent in each stage, in the order of the stages.
     warnings : list of Message
-        Sentences for the user, in the order in which they came up.
+        Sentences for the user, in the order in which they occurred.
 
     Examples
     --------
@@ -64,7 +64,7 @@ class Monitor:
         ends = [end / (sum(plan.values()) or 1.0) for end in accumulate(plan.values(), initial=0.0)]
         self._spans = dict(zip(plan, pairwise(ends), strict=True))
         self._name, self._span, self._done = "", (0.0, 1.0), 0.0
-        self._pieces = 0  # that were handed out
+        self._pieces = 0  # handed out so far
         self.timings: dict[str, float] = {}
         self.warnings: list[Message] = []
 
@@ -99,19 +99,19 @@ class Monitor:
             self._name, self._span = around
 
     def piece(self, begin: float, end: float, plan: Plan) -> Monitor:
-        """Make a monitor for one piece of the work that is left after the stages so far.
+        """Make a monitor for one piece of the work that remains after the stages so far.
 
         Parameters
         ----------
         begin, end : float
-            Parts of the work left that are done before and after the piece, 0 to 1.
+            Fractions of the remaining work that are done before and after the piece, 0 to 1.
         plan : mapping of str to float
             The stages of the piece.
 
         Returns
         -------
         Monitor
-            Of the piece. It has warnings of its own and shares the timings.
+            The monitor of the piece, with its own warnings and shared timings.
         """
         first = max((stop for name, (_, stop) in self._spans.items() if name in self.timings), default=0.0)
 
@@ -126,16 +126,16 @@ class Monitor:
 
     @property
     def keeps(self) -> bool:
-        """Whether what is found is kept for other runs."""
+        """Whether results are kept for other runs."""
         return self._keep is not None
 
     def kept(self, name: str, sources: list[Any], compute: Callable[[], Found]) -> Found:
-        """Take what an earlier run found, where its sources are the same, or compute it.
+        """Return the result of an earlier run, if its sources are the same, or compute it.
 
         Parameters
         ----------
         name : str
-            Name of what is found.
+            Name of the result.
         sources : list
             All that it depends on, as in `KeptStages.take`.
         compute : callable
@@ -144,17 +144,17 @@ class Monitor:
         Returns
         -------
         object
-            What `compute` returned, now or then.
+            What `compute` returned, in this run or an earlier one.
         """
         return compute() if self._keep is None else self._keep.take(name, sources, compute, self.warnings)
 
     def tick(self, fraction: float) -> None:
-        """Report the fraction of the present stage that is done; stop if the run is cancelled.
+        """Report the fraction of the current stage that is done; stop if the run is cancelled.
 
         Parameters
         ----------
         fraction : float
-            Part of the present stage that is done, 0 to 1.
+            Fraction of the current stage that is done, 0 to 1.
 
         Raises
         ------
@@ -177,7 +177,7 @@ class Monitor:
             raise CancelledError()
 
     def is_cancelled(self) -> bool:
-        """Tell whether the run is cancelled.
+        """Check whether the run is cancelled.
 
         Returns
         -------
@@ -187,19 +187,19 @@ class Monitor:
         return self._cancelled is not None and self._cancelled()
 
     def warn(self, kind: str, **numbers: Any) -> None:
-        """Keep a warning for the result, unless it is there already.
+        """Add a warning to the result, unless it is already there.
 
         Parameters
         ----------
         kind : str
             Kind of the message; see `messages`.
         **numbers
-            What its sentence tells.
+            Values of the placeholders of its sentence.
         """
         self.extend([message(kind, **numbers)])
 
     def extend(self, found: list[Message]) -> None:
-        """Keep warnings for the result, those that are not there already.
+        """Add those warnings to the result that are not already there.
 
         Parameters
         ----------
@@ -209,12 +209,12 @@ class Monitor:
         self.warnings += [each for each in found if each not in self.warnings]
 
     def deliver(self, warned: Warned | None) -> None:
-        """Deliver the warnings to the caller where the result has no place for them.
+        """Deliver the warnings to the caller if the result cannot hold them.
 
         Parameters
         ----------
         warned : callable, optional
-            Called with each sentence; without it they become Python's own warnings.
+            Called with each sentence; if omitted, Python warnings are issued.
         """
         for sentence in self.warnings:
             if warned is None:

@@ -1,4 +1,4 @@
-"""The handedness of functions on a surface: what changes sign when left and right are swapped, and nothing else."""
+"""The handedness of functions on a surface, which only changes sign when left and right are swapped."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ def chirality(functions: FloatArray, faces: IntArray) -> FloatArray:
     """Integrate one function over the area that two others span, for all triples.
 
     ``c_ijk = ∫ f_i df_j ∧ df_k``, made antisymmetric, as it is on a closed surface by Stokes' theorem. It needs no
-    lengths and no place in space, only which side of the triangles is outside. A mirror image of the surface has
-    ``-c``; so has a surface whose functions were swapped as a mirror swaps them.
+    lengths and no positions in space, only the orientation of the triangles. A mirror image of the surface has ``-c``;
+    so does a surface whose functions are swapped as a mirror swaps them.
 
     Parameters
     ----------
     functions : (n, k) ndarray of float
         Values at the vertices; here geodesic distances from the feature points, on a surface of unit area.
     faces : (m, 3) ndarray of int
-        Triangles, anticlockwise seen from outside.
+        Triangles, counter-clockwise seen from outside.
 
     Returns
     -------
@@ -45,7 +45,7 @@ def chirality(functions: FloatArray, faces: IntArray) -> FloatArray:
 
 
 def sided(handedness: FloatArray, side: IntArray, along: FloatArray) -> float:
-    """Add up the handedness of the limbs on the left, the way to the head, and those on the right.
+    """Sum the handedness of the limbs on the left, the direction to the head, and the limbs on the right.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ def sided(handedness: FloatArray, side: IntArray, along: FloatArray) -> float:
     Returns
     -------
     float
-        The sum: its sign changes when left and right change places.
+        The sum: its sign changes when left and right are swapped.
 
     Examples
     --------

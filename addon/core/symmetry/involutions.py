@@ -1,4 +1,4 @@
-"""Which feature points may mirror which: the swaps that keep the distances between them and reverse handedness."""
+"""Mirror symmetries of feature points: swaps that keep the distances between them and reverse handedness."""
 
 from __future__ import annotations
 
@@ -7,33 +7,33 @@ import numpy as np
 from ..numerics.arrays import FloatArray, IntArray
 from ..run.monitor import Monitor
 
-_ALIKE = np.log(1.6)  # most that the logarithms of the Auto Diffusion Function differ between a point and its image
-_MISMATCH = 0.375  # most that a single distance may change, over the mean distance
-_HANDEDNESS = 4.0  # weight of a handedness that is not reversed, a cubed length, beside the change of distances
+_ALIKE = np.log(1.6)  # maximum difference of the logarithms of the Auto Diffusion Function of a point and its image
+_MISMATCH = 0.375  # maximum change of a single distance, over the mean distance
+_HANDEDNESS = 4.0  # weight of a handedness that is not reversed, a cubed length, relative to the change of distances
 _THICKNESS = 0.6  # weight of a change of the logarithm of the Auto Diffusion Function
-_FULL = 0.08  # by which a swap of one more pair is preferred: bodies are symmetric as a whole, not limb by limb
-MOST_FEATURES = 40  # among which like ones are looked for
-_MOST_TRIED = 5_000  # partial swaps; only surfaces of dozens of like limbs have more
-_LOOKED_AT = 100  # whole ones whose handedness is looked at, those that keep distances best
+_FULL = 0.08  # bonus for each further pair that is swapped: bodies are symmetric as a whole, not limb by limb
+MOST_FEATURES = 40  # most feature points that are searched for swaps or assignments
+_MOST_TRIED = 5_000  # partial swaps; only surfaces with dozens of similar limbs have more
+_LOOKED_AT = 100  # complete swaps whose handedness is checked, those that keep distances best
 
 
 def feature_involutions(
     distances: FloatArray, handedness: FloatArray, adf: FloatArray, most: int = 6, *, monitor: Monitor | None = None
 ) -> list[tuple[IntArray, float]]:
-    """Find the ways to swap feature points in pairs that keep their distances and reverse their handedness.
+    """Find the pairwise swaps of feature points that keep their distances and reverse their handedness.
 
-    Distances alone cannot tell a mirror image from a body of which only the forelegs change places.
+    Distances alone cannot distinguish a mirror image from a swap of the forelegs only.
 
     Parameters
     ----------
     distances : (k, k) ndarray of float
         Geodesic distances between the feature points, symmetric, on a surface of unit area.
     handedness : (k, k, k) ndarray of float
-        Chirality of the distances from them, as `chirality` gives it.
+        Chirality of the distances from them, as computed by `chirality`.
     adf : (k,) ndarray of float
-        Auto Diffusion Function there; limbs that mirror each other have like values.
+        Auto Diffusion Function there; limbs that mirror each other have similar values.
     most : int
-        Most swaps to return.
+        Maximum number of swaps to return.
     monitor : Monitor, optional
         Polled for cancellation.
 
@@ -41,7 +41,7 @@ def feature_involutions(
     -------
     list of tuple
         The image of each feature point, (k,) ndarray of int, and a mismatch without unit. At least one pair is swapped;
-        the best way comes first. None for more than 40 feature points.
+        the best swap comes first. Empty for more than 40 feature points.
 
     Raises
     ------

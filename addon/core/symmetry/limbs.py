@@ -1,4 +1,4 @@
-"""Feature points told apart by the surface: head, tail, and limbs in pairs, left and right."""
+"""Feature points identified from the surface: head, tail, and limbs in pairs, left and right."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from ..run.monitor import Monitor
 from .chirality import sided
 from .involutions import feature_involutions
 
-_SYMMETRIC = 0.1  # mismatch of a swap from which on a surface counts as having no left and right
-_TOLD = 0.002  # least handedness, a cubed length, that tells left from right,
+_SYMMETRIC = 0.1  # mismatch of a swap above which a surface counts as having no left and right
+_TOLD = 0.002  # minimum handedness, a cubed length, that distinguishes left from right,
 _TRUST_JOINED = 0.5  # weight of handedness in finding pairs, where bridges join parts
 _TOLD_JOINED = 0.022  # and where bridges join parts: a hand held by a sleeve is nearer in one pose than in another
 _ALIKE = 0.1  # prominences that differ by less count as equal
 
 
 class Limbs(NamedTuple):
-    """What the surface tells about its feature points.
+    """The limbs identified among the feature points of a surface.
 
     Attributes
     ----------
@@ -31,7 +31,7 @@ class Limbs(NamedTuple):
     adf : (k,) ndarray of float
         Auto Diffusion Function there.
     partner : (k,) ndarray of int
-        The feature point that mirrors each; itself for those in the middle, and all where there is no left and right.
+        The mirror partner of each; itself for those in the middle, and for all if there is no left and right.
     side : (k,) ndarray of int
         1 on the left, -1 on the right, 0 in the middle.
     along : (k,) ndarray of float
@@ -46,7 +46,7 @@ class Limbs(NamedTuple):
     along: FloatArray
 
     def sorted_by(self, order: IntArray) -> Limbs:
-        """Put the feature points in another order.
+        """Reorder the feature points.
 
         Parameters
         ----------
@@ -56,7 +56,7 @@ class Limbs(NamedTuple):
         Returns
         -------
         Limbs
-            The same of feature points in that order.
+            The limbs in that order.
 
         Examples
         --------
@@ -78,18 +78,18 @@ class Limbs(NamedTuple):
 
 
 class BodyLimbs(NamedTuple):
-    """A body of a mesh and what tells its feature points apart.
+    """A body of a mesh and the limbs identified among its feature points.
 
     Attributes
     ----------
     vertices : (p,) ndarray of int
         Vertices of its surface, riders left out.
     tips : (k,) ndarray of int
-        Its feature points, as places in `vertices`.
+        Its feature points, as positions in `vertices`.
     numbers : (k,) ndarray of int
-        Which of the mesh's feature points are its.
+        Indices of its feature points among those of the mesh.
     limbs : Limbs
-        What tells them apart.
+        The limbs identified among them.
     """
 
     vertices: IntArray
@@ -107,33 +107,33 @@ def limbs_of(
     joined: bool = False,
     monitor: Monitor | None = None,
 ) -> Limbs:
-    """Find head, tail, left and right among the feature points.
+    """Identify head, tail, left and right among the feature points.
 
-    The head is the broadest of those in the middle, where the Auto Diffusion Function is least; the tail the thinnest,
-    if there are two. Limbs of one side lie nearer to each other than to those of the other side. Which side is left
+    The head is the broadest of those in the middle, where the Auto Diffusion Function is lowest; the tail the thinnest,
+    if there are two. Limbs of one side are closer to each other than to those of the other side. Which side is left
     follows from handedness: a body has its limbs on its front, or underneath, so the side where distances from them are
-    shorter is the front; front, head and outside tell left. Where they do not, the order of the vertices does.
+    shorter is the front; front, head and outside determine left. If they do not, the order of the vertices does.
 
     Parameters
     ----------
     distances : (k, k) ndarray of float
         Geodesic distances between the feature points, symmetric, on a surface of unit area.
     handedness : (k, k, k) ndarray of float
-        Chirality of the distances from them, as `chirality` gives it.
+        Chirality of the distances from them, as computed by `chirality`.
     adf : (k,) ndarray of float
         Auto Diffusion Function there.
     places : callable
-        Gives where each of their limbs stands in the order of the vertices, (k,) ndarray of float; called where nothing
-        else tells left from right.
+        Returns the position of each of their limbs in the order of the vertices, (k,) ndarray of float; called if nothing
+        else distinguishes left from right.
     joined : bool
-        Whether the surface is of several parts with bridges between them.
+        Whether the surface consists of several parts with bridges between them.
     monitor : Monitor, optional
         Polled for cancellation.
 
     Returns
     -------
     Limbs
-        What was found.
+        The limbs.
 
     Raises
     ------
@@ -172,11 +172,11 @@ def limbs_of(
 
 
 def lasting_order(limbs: Limbs, prominence: FloatArray, vertices: IntArray) -> IntArray:
-    """Sort feature points so that alike limbs of alike surfaces come in the same place, whatever the pose.
+    """Sort feature points so that similar limbs of similar surfaces get the same position, whatever the pose.
 
     Those in the middle come first, from head to tail; then the pairs, from the head backwards, each with its left one
-    first. On a surface without left and right the most prominent come first; by the order of the vertices, where
-    prominences are alike.
+    first. On a surface without left and right the most prominent come first; equally prominent ones are sorted by
+    vertex.
 
     Parameters
     ----------
@@ -185,7 +185,7 @@ def lasting_order(limbs: Limbs, prominence: FloatArray, vertices: IntArray) -> I
     prominence : (k,) ndarray of float
         Their prominence.
     vertices : (k,) ndarray of int
-        Which vertices they are.
+        Their vertices.
 
     Returns
     -------
@@ -212,14 +212,14 @@ def lasting_order(limbs: Limbs, prominence: FloatArray, vertices: IntArray) -> I
 
 
 def _along(partner: IntArray, adf: FloatArray) -> FloatArray:
-    """Weigh distances so that their sum rises towards the head: minus those from it, plus those from the tail."""
+    """Weigh distances so that their sum increases towards the head: minus those from it, plus those from the tail."""
     weights = np.zeros(len(partner))
     middle = np.flatnonzero(partner == np.arange(len(partner)))
     if len(middle):
         head, tail = middle[np.argmin(adf[middle])], middle[np.argmax(adf[middle])]
         weights[tail] += 1.0
         weights[head] -= 1.0
-    if not weights.any():  # one alone in the middle, or none: then the broadest pair leads
+    if not weights.any():  # a single one in the middle leads, or without any, the broadest pair
         first = int(np.argmin(adf + adf[partner])) if not len(middle) else int(middle[0])
         weights[first] -= 0.5
         weights[partner[first]] -= 0.5

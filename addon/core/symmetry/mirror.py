@@ -1,4 +1,4 @@
-"""The mirror image of a form under a map that takes each vertex to the one that it mirrors."""
+"""The mirror image of a form under a map that takes each vertex to its mirror partner."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ import numpy as np
 from ..deformation.elastic_body import ElasticBody
 from ..numerics.arrays import FloatArray, IntArray
 
-_SMOOTHING = 0.003  # diffusion time of the way to the mean, as a share of the area: what is smaller may differ
-_ROUNDS = 2  # each finds the plane anew
+_SMOOTHING = 0.003  # diffusion time of the displacement to the mean, as a share of the area: smaller details may differ
+_ROUNDS = 2  # each recomputes the plane
 
 
 class Plane(NamedTuple):
-    """A plane that mirrors.
+    """A mirror plane.
 
     Attributes
     ----------
@@ -59,14 +59,14 @@ class Plane(NamedTuple):
 
 
 class MirrorMap(NamedTuple):
-    """Left and right of a surface.
+    """The mirror symmetry of a surface.
 
     Attributes
     ----------
     partner : (n,) ndarray of int
-        The vertex that mirrors each vertex.
+        The mirror partner of each vertex.
     sure : float
-        How far the surface is its own mirror image, from 0, where it is not, to 1.
+        Degree of symmetry, from 0 for a surface that is not symmetric to 1.
     """
 
     partner: IntArray
@@ -79,14 +79,14 @@ def mirror_plane(points: FloatArray, partners: FloatArray, weights: FloatArray) 
     Parameters
     ----------
     points, partners : (n, 3) ndarray of float
-        Points, and where each should come to lie.
+        Points, and the wanted position of each mirror image.
     weights : (n,) ndarray of float
         Weight of each pair.
 
     Returns
     -------
     Plane
-        The plane of least squares.
+        The least-squares plane.
 
     Examples
     --------
@@ -101,14 +101,14 @@ def mirror_plane(points: FloatArray, partners: FloatArray, weights: FloatArray) 
 
 
 def asymmetry(form: FloatArray, partner: IntArray, weights: FloatArray) -> float:
-    """Measure how far a form is from its own mirror image.
+    """Measure the deviation of a form from its mirror image.
 
     Parameters
     ----------
     form : (n, 3) ndarray of float
         The form.
     partner : (n,) ndarray of int
-        The vertex that mirrors each vertex.
+        The mirror partner of each vertex.
     weights : (n,) ndarray of float
         Areas of the vertices.
 
@@ -128,9 +128,9 @@ def asymmetry(form: FloatArray, partner: IntArray, weights: FloatArray) -> float
 
 
 def held_symmetric(body: ElasticBody, form: FloatArray, mirror: MirrorMap) -> FloatArray:
-    """Move a form to the mean of itself and its mirror image, as far as the surface is symmetric.
+    """Move a form to the mean of itself and its mirror image, to the degree that the surface is symmetric.
 
-    What is smaller than a limb keeps its differences: the way to the mean is smoothed over the surface.
+    Details smaller than a limb keep their differences: the displacement to the mean is smoothed over the surface.
 
     Parameters
     ----------
@@ -139,7 +139,7 @@ def held_symmetric(body: ElasticBody, form: FloatArray, mirror: MirrorMap) -> Fl
     form : (n, 3) ndarray of float
         The form.
     mirror : MirrorMap
-        Its left and right.
+        Its mirror symmetry.
 
     Returns
     -------
@@ -165,6 +165,6 @@ def held_symmetric(body: ElasticBody, form: FloatArray, mirror: MirrorMap) -> Fl
 
 
 def _way_to_image(form: FloatArray, partner: IntArray, weights: FloatArray) -> FloatArray:
-    """Point from each vertex to where the mirror image of its partner lies."""
+    """Compute the displacement of each vertex to the mirror image of its partner."""
     image = form[partner]
     return mirror_plane(form, image, weights).mirrored(image) - form

@@ -1,4 +1,4 @@
-"""Which vertex mirrors which: from the feature points to all vertices, by the form and the surface together."""
+"""The mirror partner of each vertex: from the feature points to all vertices, by form and surface together."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from .involutions import feature_involutions
 from .limbs import Limbs
 from .mirror import MirrorMap, Plane, mirror_plane
 
-_NEAR, _FACING = 0.3, 0.08  # weights of place and normal in the form beside the distances from the feature points, and
-_FACING_LAST, _SPECTRAL = 0.05, 0.2  # of normal and eigenfunctions beside the place once a map is found
-_SURE, _NONE = 0.12, 0.15  # mismatch up to which a surface is symmetric, and from which on it is not
+_NEAR, _FACING = 0.3, 0.08  # weights of position and normal relative to the distances from the feature points, and
+_FACING_LAST, _SPECTRAL = 0.05, 0.2  # of normal and eigenfunctions relative to the position once a map is found
+_SURE, _NONE = 0.12, 0.15  # mismatch up to which a surface is symmetric, and above which it is not
 _EIGENPAIRS = (20, 50)  # of the rounds that refine the map
-_ROUNDS = 2  # of plane and map, for each way to swap the feature points
+_ROUNDS = 2  # of plane and map, for each swap of the feature points
 
 
 def mirror_partners(
@@ -31,12 +31,12 @@ def mirror_partners(
     samples: IntArray,
     monitor: Monitor,
 ) -> MirrorMap | None:
-    """Find left and right of a surface.
+    """Find the mirror symmetry of a surface.
 
-    Feature points are swapped in the ways that keep their distances. Each way gives a plane that mirrors those of the
-    form, and each vertex looks for its partner: in the mirrored place, facing the mirrored way, at the swapped
-    distances from the feature points. The way that fits best is refined: the map becomes one between eigenfunctions of
-    the surface, which with the mirrored places finds a better map.
+    Every swap of feature points that keeps their distances gives a mirror plane of the form. The partner of a vertex is
+    the most similar one to its mirror image, in position, normal and swapped distances from the feature points. The
+    best swap is refined: the map becomes one between eigenfunctions of the surface, which with the mirrored positions
+    gives a better map.
 
     Parameters
     ----------
@@ -53,9 +53,9 @@ def mirror_partners(
     to_features : (n, k) ndarray of float
         Geodesic distances from them.
     limbs : Limbs
-        What tells the feature points apart.
+        The limbs identified among the feature points.
     samples : (s,) ndarray of int
-        Vertices spread over the surface, on which the ways are compared.
+        Vertices spread over the surface, on which the swaps are compared.
     monitor : Monitor
         Polled for cancellation.
 
@@ -121,5 +121,5 @@ def mirror_partners(
 def _mirrored(
     form: FloatArray, normals: FloatArray, plane: Plane, near: float, facing: float, values: FloatArray
 ) -> FloatArray:
-    """Put mirrored values, places and normals side by side."""
+    """Stack mirrored values, positions and normals."""
     return np.column_stack([values, near * plane.mirrored(form), facing * plane.mirrored_vectors(normals)])

@@ -1,4 +1,4 @@
-"""Which way up a body stands: its left, head and front by the surface, laid onto the axes of the scene."""
+"""The upright orientation of a body: its left, head and front from the surface, aligned to the axes of the scene."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from .mirror import mirror_plane
 
 _UNDERNEATH = 0.12  # least mean offset of the limbs' ends towards the front, in sqrt(area), of a body on all fours
 _TAIL = 0.25  # least distance from the middle to the tail's end, in sqrt(area): hair is no tail
-_UNTOLD = 1e-3  # what is shorter tells no direction
+_UNTOLD = 1e-3  # vectors that are shorter give no direction
 # left, head and front of a body in axes with Z up and -Y towards the viewer of the front view
 _STANDING = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])
 _ON_ALL_FOURS = np.array([[1.0, 0, 0], [0, -1, 0], [0, 0, -1]])
@@ -26,18 +26,18 @@ def upright_rotation(
     *,
     stance: str = "upright",
 ) -> FloatArray:
-    """Find the rotation that makes a form stand: Z up, its face or the front of its trunk towards -Y.
+    """Find the rotation that makes a form upright: Z up, its face or the front of its trunk towards -Y.
 
-    Left and right come from the plane that mirrors the form, the direction of the head from the whole surface: where
-    the distance from the tail less that from the head rises. A body with a tail, or with its limbs underneath, stands
+    Left and right come from the mirror plane of the form, the direction of the head from the whole surface: where the
+    distance from the tail minus that from the head increases. A body with a tail, or with its limbs underneath, stands
     on all fours, with its head towards -Y; any other on two legs, with its head up. A surface without left and right
-    stands along its longest axis, its broad side to the front, and the ends of its axes go by the first feature point
-    and the order of the vertices.
+    stands along its longest axis, its broad side to the front; the first feature point and the order of the vertices
+    determine the signs of its axes.
 
     Parameters
     ----------
     form : (n, 3) ndarray of float
-        The form, of unit area, outside out.
+        The form, of unit area, not mirrored.
     weights : (n,) ndarray of float
         Areas of the vertices.
     features : (k,) ndarray of int
@@ -47,9 +47,9 @@ def upright_rotation(
     limbs : Limbs
         Head, tail and sides among them.
     partner : (n,) ndarray of int or None
-        The vertex that mirrors each; None where it is not known: then the feature points tell the plane.
+        The mirror partner of each; if None, the feature points determine the plane.
     stance : {'upright', 'two_legs', 'all_fours'}
-        Whether the surface decides on how many legs it stands.
+        The stance; 'upright' lets the surface decide.
 
     Returns
     -------
@@ -79,7 +79,7 @@ def upright_rotation(
         left = mirror_plane(some, other, per).normal
         left = left * _sign(float(limbs.side @ (form[features] @ left)))
         headward = headward - (headward @ left) * left
-        if np.linalg.norm(headward) < _UNTOLD:  # a tube of two like ends
+        if np.linalg.norm(headward) < _UNTOLD:  # a tube with two similar ends
             within = np.eye(3) - np.outer(left, left)
             headward = np.linalg.eigh(within @ covariance @ within)[1][:, 2]
             headward = headward * _sign(float(place @ centred @ headward))
@@ -100,7 +100,7 @@ def upright_rotation(
 
 
 def _poles(limbs: Limbs) -> FloatArray:
-    """Weigh distances so that their sum rises from tail to head, or from the hindmost limbs where there is no tail."""
+    """Weigh distances so that their sum increases from tail to head, or from the hindmost limbs where there is no tail."""
     weights = limbs.along.copy()
     paired = limbs.side != 0
     if paired.any() and not (weights > 0).any():
@@ -111,5 +111,5 @@ def _poles(limbs: Limbs) -> FloatArray:
 
 
 def _sign(value: float) -> float:
-    """Return -1 for what is below 0, and 1 otherwise."""
+    """Return -1 for a negative value, and 1 otherwise."""
     return -1.0 if value < 0 else 1.0
