@@ -33,7 +33,7 @@ def canonical_form(
     cancelled: Cancelled | None = None,
     keep: KeptStages | None = None,
 ) -> CanonicalForm:
-    """Compute the canonical form of a posed mesh: its shape with the pose taken out.
+    """Compute the canonical form of a posed mesh: its shape with the pose removed.
 
     Parameters
     ----------

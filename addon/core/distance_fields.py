@@ -56,9 +56,9 @@ def distance_field(
     sources : (s,) array_like of int
         Vertices to measure from.
     kind : {'heat', 'fast_marching', 'biharmonic', 'commute_time'}
-        Geodesic distance by the heat method or by fast marching, biharmonic distance (equation 9) or commute time
-        (the root of equation 8). The last two are computed on 2,000 vertices and interpolated to all; the heat
-        method, above 30,000 vertices, on 20,000.
+        Geodesic distance by the heat method or by fast marching, biharmonic distance (equation 9) or commute time (the
+        root of equation 8). The last two are computed on 2,000 vertices and interpolated to all; the heat method, above
+        30,000 vertices, on 20,000.
     progress : callable, optional
         Called with the fraction done (0 to 1) and the name of the stage.
     cancelled : callable, optional

@@ -175,7 +175,7 @@ def _side_by_side(links: IntArray, near: csr_matrix) -> IntArray:
 
 
 def _chosen(points: FloatArray, pairs: IntArray, part: IntArray, contacts: list[_Contact]) -> IntArray:
-    """Choose the contacts that join the parts, and those beside them."""
+    """Choose the contacts that join the parts, and those near them."""
     joined = np.arange(int(part.max()) + 1)  # which parts are connected so far
     chosen: list[IntArray] = []
     for contact in contacts:

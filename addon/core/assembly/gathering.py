@@ -157,7 +157,7 @@ def gathered_features(bodies: Bodies, found: Sequence[WholeFeatures]) -> Gathere
 
 
 def feature_numbers(bodies: Bodies, features: Sequence[IntArray]) -> list[IntArray]:
-    """Number the feature points of the bodies: those chosen by hand in their order, then body by body.
+    """Assign numbers to the feature points of the bodies: those chosen by hand in their order, then body by body.
 
     Parameters
     ----------

@@ -44,8 +44,8 @@ class Roles(NamedTuple):
 def roles_of(pieces: Sequence[Piece], samples: Sequence[Samples], contacts: Mapping[tuple[int, int], Contact]) -> Roles:
     """Separate the pieces of bodies from those that ride on them.
 
-    The largest piece is part of a body. So is, by descending area, every piece that extends far from what it touches
-    or is held in an open end: a head on a neck, an arm in a sleeve. Pieces that are covered, small or only touch ride.
+    The largest piece is part of a body. So is, by descending area, every piece that extends far from what it touches or
+    is held in an open end: a head on a neck, an arm in a sleeve. Pieces that are covered, small or only touch ride.
 
     Parameters
     ----------

@@ -16,15 +16,15 @@ from ..surface.triangulation import Triangulation
 from .rotations import nearest_rotations
 from .stretches import stretch_between
 
-_STRUT = 3.0  # stiffness of a strut, in areas of its end over its length squared; also the most that it may be
+_STRUT = 3.0  # stiffness of a strut, in areas of its end over its length squared; also its maximum
 _PRESSURE_STEPS = 3  # Newton steps of the pressure in each deformation step
 _MOST_PRESSURE = 0.05  # farthest a vertex may be pushed in one step, in units of sqrt(area)
-_WIDE = 0.01  # diffusion time of the first rotations, as a share of the area: wide enough to see a limb as a body
+_WIDE = 0.01  # diffusion time of the first rotations, as a share of the area: wide enough to cover a limb
 _SMALL = 0.0005  # diffusion time of the rotations between a stretched form and the body, as a share of the area
-_ROUNDING = 1e-9  # stiffness against its sign that is none: beyond it, bridges that no flip made Delaunay push
-_TORN = 4.0  # stretch of an edge beyond which it says nothing about a limb: bridges between parts may open so far
-_BEYOND = 1e200  # stretch that counts for edges of no length
-_HARDLY = 1e-6  # a pull that only says where a form lies
+_ROUNDING = 1e-9  # negative stiffness beyond which an edge has none: bridges that no flip made Delaunay would push
+_TORN = 4.0  # stretch above which an edge is capped: bridges that open between parts say nothing about a limb
+_BEYOND = 1e200  # stretch assigned to edges of zero length
+_HARDLY = 1e-6  # a pull that only fixes the position of a form
 _NEAR = 0.0015  # diffusion time of the frames that carry detail, as a share of the area: two edges of the coarse mesh
 
 
@@ -90,7 +90,7 @@ class ElasticBody:
         self._solvers: dict[float, Callable[[FloatArray], FloatArray]] = {}
 
     def shell(self) -> tuple[IntArray, FloatArray]:
-        """Tell the edges of the shell and how stiff they are.
+        """Return the edges of the shell and their stiffness.
 
         Returns
         -------
@@ -141,7 +141,7 @@ class ElasticBody:
         return self.smoothed(self._covariances(after).reshape(-1, 9), share).reshape(-1, 3, 3)
 
     def turns(self, after: FloatArray) -> FloatArray:
-        """Find the rotation of the surroundings of every vertex: of the edges near it.
+        """Compute the rotation of the neighbourhood of every vertex: of the edges near it.
 
         Parameters
         ----------
@@ -156,9 +156,9 @@ class ElasticBody:
         return nearest_rotations(self.covariances(after, _NEAR))
 
     def frames(self, after: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Find the rigid motion of the surroundings of every vertex: of the edges near it.
+        """Compute the rigid motion of the neighbourhood of every vertex: of the edges near it.
 
-        One ring alone would not do: a few edges that lie almost in one plane have a second rotation that fits as well.
+        The one-ring alone is not enough: a few nearly coplanar edges have a second rotation that fits as well.
 
         Parameters
         ----------
@@ -168,7 +168,7 @@ class ElasticBody:
         Returns
         -------
         rotation : (n, 3, 3) ndarray of float
-            R, as nearly a rotation as the mean of neighbouring ones is.
+            R, approximately a rotation: a mean of neighbouring ones.
         shift : (n, 3) ndarray of float
             t; the motion is ``x ↦ x R + t``.
         """
@@ -179,11 +179,11 @@ class ElasticBody:
         return motion[:, :9].reshape(-1, 3, 3), motion[:, 9:]
 
     def without_stretch(self, form: FloatArray, share: float) -> FloatArray:
-        """Give a stretched form the lengths that the body has on average around each point, and keep its directions.
+        """Restore the mean lengths of the body around each point of a stretched form, and keep the form's directions.
 
-        The edges of the body, turned by the local rotations, and those of the form have a covariance around each
-        point. The symmetric matrix that takes that of the form to that of the body is applied to the edges of the form,
-        which are put together again. So a limb that was pulled straight and long stays straight.
+        The edges of the body, rotated locally, and those of the form have a covariance around each point. The symmetric
+        matrix that maps that of the form to that of the body is applied to the edges of the form, which are then
+        reassembled. So a limb that was pulled straight and long stays straight.
 
         Parameters
         ----------
@@ -210,12 +210,12 @@ class ElasticBody:
         return self._solver(_HARDLY)(self._to_ends @ edges)
 
     def _spreads(self, edges: FloatArray, share: float) -> FloatArray:
-        """Smooth the covariance of the edges of the shell with themselves."""
+        """Compute the smoothed covariances of the edges of the shell with themselves."""
         outer = (self._is_shell * self._weight)[:, None, None] * edges[:, :, None] * edges[:, None, :]
         return self.smoothed(self._sums @ outer.reshape(-1, 9), share).reshape(-1, 3, 3)
 
     def stretch(self, after: FloatArray, share: float) -> FloatArray:
-        """Tell how much longer the edges around every vertex are than those of the body.
+        """Compute how much longer the edges around every vertex are than those of the body.
 
         Parameters
         ----------
@@ -236,21 +236,21 @@ class ElasticBody:
         return np.asarray(np.diff(np.log(np.maximum(sums[:, ::-1], np.finfo(float).tiny)), axis=1)[:, 0])
 
     def turned_towards(self, target: FloatArray, pull: FloatArray, share: float) -> FloatArray:
-        """Turn the edges of the body as a target turns them, and put them together near it.
+        """Rotate the edges of the body as in a target, and reassemble them near it.
 
         Parameters
         ----------
         target : (n, 3) ndarray of float
-            Where the vertices are pulled to.
+            Positions to which the vertices are pulled.
         pull : (n,) ndarray of float
             Strength of the pull, in 1/area, above 0.
         share : float
-            Diffusion time over which the turns are averaged, as a share of the area.
+            Diffusion time over which the rotations are averaged, as a share of the area.
 
         Returns
         -------
         (n, 3) ndarray of float
-            The vertices, with the lengths of the body as far as they fit together.
+            The vertices, with the lengths of the body as far as possible.
         """
         from scipy.sparse import diags
 
@@ -271,25 +271,25 @@ class ElasticBody:
         done: float = 0.0,
         share: float = 1.0,
     ) -> FloatArray:
-        """Deform the body as rigidly as possible while its vertices are pulled to given places.
+        """Deform the body as rigidly as possible while its vertices are pulled to given positions.
 
         Parameters
         ----------
         target : (n, 3) ndarray of float
-            Where the vertices are pulled to.
+            Positions to which the vertices are pulled.
         pull : float
             Strength of the pull, in 1/area.
         steps : int
             Number of alternations between rotations and positions.
         bending_weight : float
-            Share of the shell's energy that keeps its bends, 0 to 1. The rest asks for the lengths of the
-            edges only, whichever way they point: creases of the pose may open. Struts always keep their direction.
+            Share of the shell's energy that keeps its bends, 0 to 1. The rest keeps only the lengths of the edges, not
+            their directions: creases of the pose may open. Struts always keep their direction.
         monitor : Monitor, optional
             Receives progress; polled for cancellation.
         pressure : bool
             Whether the compactness ``V² / A³`` of a closed mesh is kept, by an even pressure.
         done, share : float
-            The fraction of the present stage that is done before, and that this call is worth.
+            The fraction of the current stage that is done before, and the fraction that this call covers.
 
         Returns
         -------
@@ -305,7 +305,7 @@ class ElasticBody:
         ----------
         Sorkine and Alexa, "As-Rigid-As-Possible Surface Modeling", 2007, doi:10.2312/SGP/SGP07/109-116. The first
         rotations come from covariances diffused over the surface, so that a limb that the target squashes or turns
-        inside out comes out right.
+        inside out is restored.
         """
         monitor = monitor or Monitor()
         anchor = pull * self.mass
@@ -351,16 +351,16 @@ class ElasticBody:
 def _under_pressure(
     positions: FloatArray, before: FloatArray, faces: IntArray, solve: Callable[[FloatArray], FloatArray]
 ) -> FloatArray:
-    """Blow a closed mesh up, or let air out, until its compactness is that of the mesh before."""
+    """Inflate or deflate a closed mesh until its compactness is that of the mesh before."""
     wanted = _signed_compactness(before, faces)
-    way = solve(vertex_area_vectors(positions, faces))  # along the growth of the volume
+    way = solve(vertex_area_vectors(positions, faces))  # direction in which the volume grows
     way *= np.sqrt(surface_area(before, faces) / (way**2).sum(axis=1).max())  # an amount of 1 moves by sqrt(area)
     side = np.sign(wanted)  # -1 where the triangles face inwards
     way, wanted, amount, step = side * way, abs(wanted), 0.0, 1e-4
     for _ in range(_PRESSURE_STEPS):
         here = side * _signed_compactness(positions + amount * way, faces) - wanted
         slope = (side * _signed_compactness(positions + (amount + step) * way, faces) - wanted - here) / step
-        if not slope > 0:  # the mesh has no inside to speak of
+        if not slope > 0:  # the mesh has hardly any interior
             return positions
         amount = float(np.clip(amount - here / slope, -_MOST_PRESSURE, _MOST_PRESSURE))
     return positions + amount * way

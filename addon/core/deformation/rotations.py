@@ -7,12 +7,12 @@ import numpy as np
 from ..numerics.arrays import FloatArray
 from ..numerics.blocks import AT_ONCE
 
-_CLEAR = 1e-3  # times the cube of a covariance's size: below, its nearest rotation is not clear enough for this way
-_NEWTON_STEPS = 20  # of the largest root of a quartic, from above
+_CLEAR = 1e-3  # times the cube of a covariance's size: below, its nearest rotation is too ambiguous for this method
+_NEWTON_STEPS = 20  # towards the largest root of a quartic, from above
 
 
 def nearest_rotations(covariances: FloatArray) -> FloatArray:
-    """Find the proper rotation nearest to each covariance.
+    """Compute the proper rotation nearest to each covariance.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ def nearest_rotations(covariances: FloatArray) -> FloatArray:
 
 
 def _nearest_at_once(covariances: FloatArray) -> FloatArray:
-    """Find the rotations of so many covariances that they stay in the cache."""
+    """Compute the rotations of a batch of covariances that stays in the cache."""
     tiny = np.finfo(float).tiny
     scaled = covariances / np.maximum(np.abs(covariances).max(axis=(1, 2)), tiny)[:, None, None]
     scaled /= np.maximum(np.sqrt(np.einsum("ijk,ijk->i", scaled, scaled)), tiny)[:, None, None]
@@ -53,7 +53,7 @@ def _nearest_at_once(covariances: FloatArray) -> FloatArray:
          b[1] * b[5] - b[2] * b[4], b[2] * b[3] - b[0] * b[5], b[0] * b[4] - b[1] * b[3]]  # cofactors  # fmt: skip
     determinant = b[0] * c[0] + b[1] * c[1] + b[2] * c[2]
     minors = 4 * sum(each * each for each in c)
-    best = np.full(len(scaled), np.sqrt(3.0))  # the sum of the singular values, the least with the determinant's sign
+    best = np.full(len(scaled), np.sqrt(3.0))  # the sum of the singular values, the last with the determinant's sign
     for _ in range(_NEWTON_STEPS):
         over = best * best - 1
         best -= (over * over - 8 * best * determinant - minors) / (4 * best * over - 8 * determinant)

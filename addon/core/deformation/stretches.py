@@ -1,4 +1,4 @@
-"""Stretches between covariances: what takes one cloud of vectors to another without turning it."""
+"""Stretches between covariances: maps from one cloud of vectors to another without rotation."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ import numpy as np
 
 from ..numerics.arrays import FloatArray
 
-_LEAST = 1e-6  # of an eigenvalue, over the largest: flat covariances have no stretch across
+_LEAST = 1e-6  # minimum of an eigenvalue, over the largest: flat covariances have no stretch across
 _MOST = 10.0  # stretch, either way
 
 
 def stretch_between(before: FloatArray, after: FloatArray) -> FloatArray:
-    """Find the symmetric positive matrices that take covariances to others.
+    """Compute the symmetric positive matrices that map covariances to others.
 
     Parameters
     ----------
@@ -21,7 +21,7 @@ def stretch_between(before: FloatArray, after: FloatArray) -> FloatArray:
     Returns
     -------
     (n, 3, 3) ndarray of float
-        U, with ``U C U = D``; no vector gets more than ten times as long or short.
+        U, with ``U C U = D``; no vector gets more than ten times longer or shorter.
 
     Examples
     --------
@@ -39,7 +39,7 @@ def stretch_between(before: FloatArray, after: FloatArray) -> FloatArray:
 
 
 def _roots(matrices: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Take the square roots of symmetric matrices, and their inverses."""
+    """Compute the square roots of symmetric matrices, and their inverses."""
     values, vectors = np.linalg.eigh(matrices)
     values = np.sqrt(np.maximum(values, np.maximum(_LEAST * values[:, -1:], np.finfo(float).tiny)))
     flipped = vectors.transpose(0, 2, 1)

@@ -1,4 +1,4 @@
-"""Struts: pairs of vertices that face each other through the interior, so that what is inside stays inside."""
+"""Struts: pairs of vertices that face each other through the interior, which preserve the interior."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from ..numerics.products import product
 from ..run.monitor import Monitor
 
 _REACH = 0.3  # radius of the widest ball, in units of sqrt(area)
-_WAY, _DETOUR = 0.13, 2.0  # longest way on the surface: this, and so many times the strut
+_WAY, _DETOUR = 0.13, 2.0  # longest path on the surface: this, plus so many times the strut
 _FACING = 0.5  # least cosine between a strut and the normals at its ends
-_TOUCH = 0.02  # share of the radius within which a ball rests on a vertex
-_TIE = 1e-6  # share within which vertices are equally far, the lower first
+_TOUCH = 0.02  # share of the radius within which a ball touches a vertex
+_TIE = 1e-6  # share within which vertices are equally far, the lower index first
 _ROWS = 128
-_OPENNESS, _VOLUME = 0.1, 0.002  # an open mesh with more and less than these, over area and area^1.5, has no inside
+_OPENNESS, _VOLUME = 0.1, 0.002  # open meshes above the first or below the second, over area and area^1.5, are sheets
 
 
 def struts_through(
@@ -24,18 +24,18 @@ def struts_through(
 ) -> IntArray:
     """Pair vertices with those that face them through the body, where the body is thin.
 
-    From each vertex a ball is let into the body, as wide as it can be without another vertex inside. The vertex that it
-    rests on, the farthest of them if they are several, is the other end. What a surface alone does not know, that a
-    mouth is a hole in a head and no pouch on it, is in these pairs; and they change little with the pose. Pairs that
-    are far from each other on the surface, as far as their distances from the feature points tell, are left out: they
-    join limbs that the pose pushed into each other. A sheet has no inside and no struts.
+    At each vertex the largest ball inside the body that contains no other vertex is found. The vertex that it touches,
+    the farthest if there are several, is the other end. These pairs contain what a surface alone does not, that a mouth
+    is a hole in a head and not a pouch on it, and they change little with the pose. Pairs that are far from each other
+    on the surface, according to their distances from the feature points, are left out: they join limbs that the pose
+    pushed into each other. A sheet has no interior and no struts.
 
     Parameters
     ----------
     points : (n, 3) ndarray of float
         Vertices, of unit area.
     faces : (m, 3) ndarray of int
-        Triangles, all outwards or all inwards.
+        Triangles, oriented all outwards or all inwards.
     to_features : (n, k) ndarray of float
         Geodesic distance of every vertex from each feature point.
     monitor : Monitor, optional
@@ -95,7 +95,7 @@ def struts_through(
 
 
 def _has_inside(points: FloatArray, faces: IntArray) -> bool:
-    """Tell a body, be it with holes, from a sheet."""
+    """Distinguish a body, possibly with holes, from a sheet."""
     if is_closed(faces):
         return True
     openness = float(np.linalg.norm(area_vectors(points, faces).sum(axis=0)))

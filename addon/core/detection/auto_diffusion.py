@@ -10,7 +10,7 @@ from ..surface.spectrum import Spectrum
 
 
 def auto_diffusion(spectrum: Spectrum, time: float = 0.15) -> FloatArray:
-    """Evaluate the Auto Diffusion Function: the heat that stays at each point after a time t.
+    """Evaluate the Auto Diffusion Function: the heat that remains at each point after a time t.
 
     ``ADF(x) = Σ_{k≥1} exp(-t λ_k / λ_1) h_k(x)²`` (equation 7, with its sum starting at 1).
 
@@ -19,7 +19,7 @@ def auto_diffusion(spectrum: Spectrum, time: float = 0.15) -> FloatArray:
     spectrum : Spectrum
         The eigenpairs.
     time : float
-        t, without unit: multiples of 1/λ_1. The paper has 0.1; at 0.15 the points stay on their limbs in more poses.
+        t, without unit: multiples of 1/λ_1. The paper uses 0.1; at 0.15 the points stay on their limbs in more poses.
 
     Returns
     -------

@@ -25,7 +25,7 @@ def prominent_maxima(values: FloatArray, faces: IntArray, threshold: float = 0.5
     faces : (m, 3) ndarray of int
         Triangles.
     threshold : float
-        Least prominence; 0.5 asks for 1.65 times the height of the pass.
+        Minimum prominence; 0.5 requires 1.65 times the height of the pass.
 
     Returns
     -------
@@ -44,7 +44,7 @@ def prominent_maxima(values: FloatArray, faces: IntArray, threshold: float = 0.5
     values = np.log(values)
     height = _rank(values, _TIE)  # (n,) a strict order, the same for equal values on any machine
     pairs = vertex_pairs(faces)
-    summit = _ascend(height, pairs)  # (n,) the maximum that the steepest way up leads to
+    summit = _ascend(height, pairs)  # (n,) the maximum that the steepest ascent leads to
     passes = pairs[summit[pairs[:, 0]] != summit[pairs[:, 1]]]
     lower = np.where(height[passes[:, 0]] < height[passes[:, 1]], passes[:, 0], passes[:, 1])
     order = np.argsort(-height[lower], kind="stable")
@@ -56,7 +56,7 @@ def prominent_maxima(values: FloatArray, faces: IntArray, threshold: float = 0.5
             peak = parent[peak]
         return peak
 
-    # only the first pass between two summits can join them: drop the rest before walking down in Python
+    # only the first pass between two summits can join them: drop the rest before the loop in Python
     ends = np.sort(summit[passes[order]], axis=1)
     _, first = np.unique(ends, axis=0, return_index=True)
     for index in np.sort(first):
@@ -85,12 +85,12 @@ def merged(points: IntArray, distances: FloatArray, radius: float) -> IntArray:
     distances : (k, k) ndarray of float
         Geodesic distances between them.
     radius : float
-        Least distance kept, in the same unit.
+        Minimum distance kept, in the same unit.
 
     Returns
     -------
     (k',) ndarray of int
-        Positions in `points` of those that stay, in order.
+        Positions in `points` of those that are kept, in order.
 
     Examples
     --------
@@ -106,7 +106,7 @@ def merged(points: IntArray, distances: FloatArray, radius: float) -> IntArray:
 
 
 def _rank(values: FloatArray, tie: float) -> IntArray:
-    """Sort the values in rising order; values that differ by less than `tie` count as equal, lower index first."""
+    """Rank the values in ascending order; values that differ by less than `tie` count as equal, lower index first."""
     order = np.argsort(values, kind="stable")
     group = np.concatenate([[0], np.cumsum(np.diff(values[order]) > tie)])
     level = np.empty(len(values), dtype=np.int64)
@@ -117,7 +117,7 @@ def _rank(values: FloatArray, tie: float) -> IntArray:
 
 
 def _ascend(height: IntArray, pairs: IntArray) -> IntArray:
-    """Follow the steepest way up from every vertex."""
+    """Follow the steepest ascent from every vertex."""
     highest = height.copy()
     np.maximum.at(highest, pairs[:, 0], height[pairs[:, 1]])
     np.maximum.at(highest, pairs[:, 1], height[pairs[:, 0]])

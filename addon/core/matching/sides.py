@@ -38,9 +38,9 @@ class Side(NamedTuple):
 def sides(one: Unfolded, other: Unfolded, monitor: Monitor) -> list[Side]:
     """Find the possible matches of two surfaces that differ in left and right, or front and back.
 
-    Each start is refined on a sample. Its score is the logarithm of the remaining distance between the forms, plus twice
-    the change of the wave kernel signature, minus twice the correlation of smoothed mean curvature of the poses.
-    Curvature distinguishes front from back best.
+    Each start is refined on a sample. Its score is the logarithm of the remaining distance between the forms, plus
+    twice the change of the wave kernel signature, minus twice the correlation of smoothed mean curvature of the poses:
+    of these, curvature distinguishes front from back best.
 
     Parameters
     ----------

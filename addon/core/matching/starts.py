@@ -40,9 +40,9 @@ class Start(NamedTuple):
 def starts(one: Unfolded, other: Unfolded, rows: IntArray, monitor: Monitor) -> list[Start]:
     """Find the possible starts of a match.
 
-    They come from the likeliest assignments of feature points, from their numbers if both surfaces have equally many, and
-    from the principal axes of the forms, each refined by iterative closest points. From the axes, only motions that no
-    assignment leads to are kept.
+    From the likeliest assignments of feature points, from their numbers if both surfaces have equally many, and from
+    the principal axes of the forms, each refined by iterative closest points. Of those from the axes, only motions that
+    no assignment leads to are kept.
 
     Parameters
     ----------

@@ -129,7 +129,7 @@ def unfolded(found: SurfaceFeatures, form: FloatArray, monitor: Monitor) -> Unfo
 
 
 def _mean_curvature(found: SurfaceFeatures) -> FloatArray:
-    """Compute the mean curvature of the pose, positive where it bulges."""
+    """Compute the mean curvature of the pose, above 0 where it is convex."""
     points, faces = found.surface.points, found.surface.faces
     across = np.einsum("ij,ij->i", found.stiffness @ points, vertex_normals(points, faces))
     return np.asarray(across / (2 * found.mass))

@@ -1,4 +1,4 @@
-"""Rigid motions: least-squares fit, iterative closest points, and which mirror image keeps the outside out."""
+"""Rigid motions: least-squares fit, iterative closest points, and the choice between mirror images."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ from ..numerics.arrays import FloatArray
 if TYPE_CHECKING:
     from scipy.spatial import KDTree
 
-_SCOUTS = 2000  # points of a cloud that are tried from every start
+_SCOUTS = 2000  # points of a cloud that are used from every start
 
 
 def rigid_fit(
     source: FloatArray, target: FloatArray, weights: FloatArray | None = None, *, mirror: bool = False
 ) -> tuple[FloatArray, FloatArray]:
-    """Find the rigid motion that best takes matching points onto each other.
+    """Compute the rigid motion that best aligns matching points.
 
     Parameters
     ----------
     source, target : (n, 3) ndarray of float
         Matching points.
     weights : (n,) ndarray of float, optional
-        Weight of each match; 1 when left out.
+        Weight of each match; 1 if omitted.
     mirror : bool
         Whether a mirror image is allowed too.
 
@@ -60,10 +60,10 @@ def rigid_fit(
 def closest_point_fit(
     source: FloatArray, target: FloatArray, *, max_iterations: int = 60, mirror: bool = False
 ) -> tuple[FloatArray, FloatArray]:
-    """Move one point cloud rigidly onto another without known matches (multi-start ICP).
+    """Align one point cloud rigidly to another without known matches (multi-start ICP).
 
-    Starts from the position as given and from every way to lay the principal axes onto each other; the one with the
-    least mean squared distance wins. Of large clouds a few thousand points find the way, and all take the last steps.
+    Starts from the given position and from every alignment of the principal axes; the one with the least mean squared
+    distance wins. Of large clouds, a few thousand points are used first, and all points in the last steps.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ def closest_point_fit(
     target : (q, 3) ndarray of float
         Points to move them to.
     max_iterations : int
-        Most steps from each start.
+        Maximum number of steps from each start.
     mirror : bool
         Whether mirror images are tried too.
 
@@ -118,7 +118,7 @@ def closest_point_fit(
 def closest_points_from(
     source: FloatArray, target: FloatArray, rotation: FloatArray, shift: FloatArray, *, max_iterations: int = 60
 ) -> tuple[FloatArray, FloatArray, float]:
-    """Move one point cloud onto another without known matches, from a motion that nearly does.
+    """Align one point cloud to another without known matches, from an approximate motion.
 
     Parameters
     ----------
@@ -131,7 +131,7 @@ def closest_points_from(
     shift : (3,) ndarray of float
         t at the start.
     max_iterations : int
-        Most steps.
+        Maximum number of steps.
 
     Returns
     -------
@@ -140,7 +140,7 @@ def closest_points_from(
     shift : (3,) ndarray of float
         t; the motion is ``x ↦ x R + t``.
     left : float
-        Root mean squared distance from the target that is left.
+        Remaining root mean squared distance from the target.
 
     Examples
     --------
@@ -176,7 +176,7 @@ def _closer(
     iterations: int,
     mirror: bool,
 ) -> tuple[FloatArray, FloatArray, float]:
-    """Match each point with the nearest and fit, over and over; return the motion and the mean squared distance."""
+    """Match each point with the nearest and fit, repeatedly; return the motion and the mean squared distance."""
     error = np.inf
     for _ in range(iterations):
         distance, match = tree.query(source @ rotation + shift)
@@ -188,9 +188,9 @@ def _closer(
 
 
 def outside_out(body: ElasticBody, after: FloatArray) -> FloatArray:
-    """Choose between an embedding and its mirror image, which no distance can tell apart.
+    """Choose between an embedding and its mirror image, which distances cannot distinguish.
 
-    Where most of the surface would have to be turned inside out, the mirror image is the right one.
+    If most of the surface would be turned inside out, the mirror image is the right one.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Where a surface passes through itself: pairs of triangles that cross."""
+"""Self-intersections of a surface: pairs of triangles that cross."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import numpy as np
 from ..numerics.arrays import FloatArray, IntArray
 from ..run.monitor import Monitor
 
-_CELLS = 8  # of the grid a triangle at most, on average
+_CELLS = 8  # of the grid per triangle at most, on average
 _AT_ONCE = 500_000  # pairs that are tested together
 _SIDES = ((0, 1), (1, 2), (2, 0))
 
@@ -15,8 +15,8 @@ _SIDES = ((0, 1), (1, 2), (2, 0))
 def crossings(vertices: FloatArray, faces: IntArray, monitor: Monitor | None = None) -> IntArray:
     """Find the pairs of triangles that cross and have no vertex in common.
 
-    Triangles are sorted into the cells of a grid; of those in one cell, an edge of one that passes through the inside
-    of the other makes a crossing. Triangles that only touch, or lie in one plane, do not cross.
+    Triangles are sorted into the cells of a grid; two in one cell cross if an edge of one passes through the interior
+    of the other. Triangles that only touch, or lie in one plane, do not cross.
 
     Parameters
     ----------
@@ -30,7 +30,7 @@ def crossings(vertices: FloatArray, faces: IntArray, monitor: Monitor | None = N
     Returns
     -------
     (c, 2) ndarray of int
-        Pairs of triangles, the lower number first, in rising order.
+        Pairs of triangles, the lower number first, in ascending order.
 
     Raises
     ------
@@ -55,7 +55,7 @@ def crossings(vertices: FloatArray, faces: IntArray, monitor: Monitor | None = N
     order = np.lexsort((inside, cell))
     cell, inside = cell[order], inside[order]
     last = np.searchsorted(cell, cell, side="right")
-    after = last - np.arange(len(cell)) - 1  # in the same cell, behind each
+    after = last - np.arange(len(cell)) - 1  # in the same cell, after each
     found = []
     ends = np.cumsum(after)
     begin = 0
@@ -77,7 +77,7 @@ def crossings(vertices: FloatArray, faces: IntArray, monitor: Monitor | None = N
 
 
 def _in_cells(low: FloatArray, high: FloatArray) -> tuple[IntArray, IntArray]:
-    """Sort boxes into the cells of a grid: a number of a cell and of a box for each time that they meet."""
+    """Sort boxes into the cells of a grid; return a cell and a box for each pair that overlaps."""
     size = float((high - low).max(axis=1).mean()) or 1.0
     while True:
         first = np.floor((low - low.min(axis=0)) / size).astype(np.int64)
@@ -96,7 +96,7 @@ def _in_cells(low: FloatArray, high: FloatArray) -> tuple[IntArray, IntArray]:
 
 
 def _cross(ones: FloatArray, others: FloatArray) -> np.ndarray:
-    """Tell which pairs of triangles cross: an edge of either passes through the other."""
+    """Determine which pairs of triangles cross: an edge of either passes through the other."""
     crossing = np.zeros(len(ones), dtype=bool)
     for these, those in ((ones, others), (others, ones)):
         a, b, c = those.transpose(1, 0, 2)
@@ -106,7 +106,7 @@ def _cross(ones: FloatArray, others: FloatArray) -> np.ndarray:
 
 
 def _passes(p: FloatArray, q: FloatArray, a: FloatArray, b: FloatArray, c: FloatArray) -> np.ndarray:
-    """Tell which segments from p to q pass through the inside of their triangle."""
+    """Determine which segments from p to q pass through the interior of their triangle."""
     above, below = _volume(p, a, b, c), _volume(q, a, b, c)
     turns = np.column_stack([_volume(p, q, a, b), _volume(p, q, b, c), _volume(p, q, c, a)])
     inside = (turns > 0).all(axis=1) | (turns < 0).all(axis=1)

@@ -1,4 +1,4 @@
-"""What a form keeps of the surface's detail, by measures that no constraint of the method restores by construction."""
+"""Measures of the surface detail that a form keeps, none of which the method enforces by construction."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from .crossings import crossings
 from .form_measures import edge_stretch
 
 _STEPS = 60  # of shrinking at most; a ball takes 4 to 8
-_SAME = 1e-9  # relative change of a diameter at which a ball has settled
-_JAG = np.radians(45.0)  # change of a fold that is seen as one
-_MANY = 20_000  # vertices whose thickness is measured at most, evenly chosen
+_SAME = 1e-9  # relative change of a diameter at which a ball has converged
+_JAG = np.radians(45.0)  # change of a fold that counts as a jag
+_MANY = 20_000  # maximum number of vertices whose thickness is measured, evenly chosen
 _HIGH, _HIGHEST = 0.95, 0.999  # quantiles
 
 
 def area_distortion(before: FloatArray, after: FloatArray, faces: IntArray) -> FloatArray:
-    """Compute by how much the area of every triangle has changed.
+    """Compute the relative change of the area of every triangle.
 
     Parameters
     ----------
@@ -46,10 +46,10 @@ def area_distortion(before: FloatArray, after: FloatArray, faces: IntArray) -> F
 def thickness(
     vertices: FloatArray, faces: IntArray, some: IntArray | None = None, monitor: Monitor | None = None
 ) -> FloatArray:
-    """Measure how thick a body is at its vertices, by shrinking balls.
+    """Measure the thickness of a body at its vertices, by shrinking balls.
 
-    The ball touches the surface at a vertex, from inside, and is the largest with no other vertex in it: it starts as
-    large as the body and shrinks to the vertex nearest to its centre until there is none nearer than its radius.
+    The ball touches the surface at a vertex, from inside, and is the largest that contains no other vertex: it starts
+    as large as the body and shrinks to the vertex nearest to its centre until none is nearer than its radius.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ def thickness(
     faces : (m, 3) ndarray of int
         Triangles, counter-clockwise seen from outside.
     some : (q,) ndarray of int, optional
-        Vertices at which to measure; all when left out.
+        Vertices at which to measure; all if omitted.
     monitor : Monitor, optional
         Polled for cancellation.
 
@@ -111,7 +111,7 @@ def thickness(
 
 
 def neighbouring_triangles(faces: IntArray) -> IntArray:
-    """List the pairs of triangles that share an edge which is no other triangle's.
+    """List the pairs of triangles that share an edge with no other triangle.
 
     Parameters
     ----------
@@ -134,7 +134,7 @@ def neighbouring_triangles(faces: IntArray) -> IntArray:
 
 
 def fold_changes(before: FloatArray, after: FloatArray, faces: IntArray, pairs: IntArray) -> FloatArray:
-    """Compute by how much the angles between neighbouring triangles have changed.
+    """Compute the change of the angles between neighbouring triangles.
 
     Parameters
     ----------
@@ -172,7 +172,7 @@ def _folds(points: FloatArray, faces: IntArray, pairs: IntArray) -> FloatArray:
 def detail_measures(
     before: FloatArray, after: FloatArray, faces: IntArray, patches: IntArray | None = None
 ) -> dict[str, float]:
-    """Collect what a form keeps of the surface, in units independent of its size.
+    """Collect the measures of detail that a form keeps, in units independent of its size.
 
     Parameters
     ----------
@@ -188,9 +188,9 @@ def detail_measures(
     dict of str to float
         ``edge_distortion_999``, the 99.9th percentile of ``|stretch - 1|``; ``area_distortion_median`` and ``_95``;
         ``thickness_median`` and ``_95``, of the relative change of `thickness` (at 20,000 vertices at most);
-        ``crossings_added``, by how much more pairs of triangles cross than before, over the number of triangles;
-        ``jags``, share of the edges whose fold changes by more than 45°, and ``border_jags``, the same share of the
-        edges between two patches (nan without any).
+        ``crossings_added``, the increase in crossing pairs of triangles, over the number of triangles; ``jags``, share
+        of the edges whose fold changes by more than 45°, and ``border_jags``, the same share of the edges between two
+        patches (nan without any).
 
     Examples
     --------

@@ -35,7 +35,7 @@ def enclosed_volume(vertices: FloatArray, faces: IntArray) -> float:
 
 
 def compactness(vertices: FloatArray, faces: IntArray) -> float:
-    """Compute ``C = V² / A³``, which no rigid motion or scale changes (a sphere has 1/36π = 88.4e-4).
+    """Compute ``C = V² / A³``, invariant to rigid motion and scale (a sphere has 1/36π = 88.4e-4).
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ def edge_stretch(before: FloatArray, after: FloatArray, faces: IntArray) -> Floa
     Returns
     -------
     (e,) ndarray of float
-        Length after over length before, in the order of `vertex_pairs`; edges of no length before are left out.
+        Length after over length before, in the order of `vertex_pairs`; edges of zero length before are left out.
 
     Examples
     --------
@@ -149,7 +149,7 @@ def summary(before: FloatArray, after: FloatArray, faces: IntArray, with_hausdor
     faces : (m, 3) ndarray of int
         Triangles of both.
     with_hausdorff : bool
-        Whether the Hausdorff distance is measured too, which takes longer than all else.
+        Whether the Hausdorff distance is measured too, which takes longer than the rest.
 
     Returns
     -------

@@ -9,10 +9,10 @@ import numpy as np
 from ..numerics.arrays import FloatArray, IntArray
 from ..run.monitor import Monitor
 
-_CENTRES = 6  # nearest centres of triangles whose triangles are looked at,
+_CENTRES = 6  # nearest centres of triangles whose triangles are examined,
 _CORNERS = 2  # and nearest vertices, with
 _AROUND = 8  # as many triangles around each
-_AT_ONCE = 4096  # points: their triangles stay in the cache, and a cancel is heard between them
+_AT_ONCE = 4096  # points per batch: their triangles stay in the cache; cancellation is polled between batches
 _AROUND_KNOWN = 12  # triangles around a vertex that is known to be the nearest
 
 
@@ -26,7 +26,7 @@ class SurfacePoints(NamedTuple):
     weights : (q, 3) ndarray of float
         Its barycentric coordinates there: not negative, their sum is 1.
     distances : (q,) ndarray of float
-        How far it is from the point that was looked for.
+        Its distance from the query point.
     """
 
     faces: IntArray
@@ -37,9 +37,9 @@ class SurfacePoints(NamedTuple):
 def closest_points(
     points: FloatArray, faces: IntArray, wanted: FloatArray, monitor: Monitor | None = None
 ) -> SurfacePoints:
-    """Find the closest point of a surface to each of the points wanted.
+    """Find the closest point of a surface to each query point.
 
-    Only triangles near the closest vertices and centres are looked at: a long, thin triangle whose corners and centre
+    Only triangles near the closest vertices and centres are examined: a long, thin triangle whose corners and centre
     are farther away than those of several others may be missed.
 
     Parameters
@@ -49,7 +49,7 @@ def closest_points(
     faces : (m, 3) ndarray of int
         Triangles.
     wanted : (q, d) ndarray of float
-        Points.
+        Query points.
     monitor : Monitor, optional
         Polled for cancellation.
 
@@ -96,7 +96,7 @@ def closest_points(
 
 
 def closest_around(points: FloatArray, faces: IntArray, wanted: FloatArray, nearest: IntArray) -> SurfacePoints:
-    """Find the closest point of the triangles around a vertex, to each of the points wanted.
+    """Find the closest point to each query point on the triangles around a vertex.
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ def closest_around(points: FloatArray, faces: IntArray, wanted: FloatArray, near
     faces : (m, 3) ndarray of int
         Triangles.
     wanted : (q, d) ndarray of float
-        Points.
+        Query points.
     nearest : (q,) ndarray of int
         The vertex that is nearest to each.
 
@@ -133,7 +133,7 @@ def triangles_around(faces: IntArray, count: int, most: int) -> IntArray:
     count : int
         Number n of vertices.
     most : int
-        Most triangles to list; where there are fewer, the last is repeated, where there is none, any.
+        Number of triangles to list; if there are fewer, the last is repeated; if there is none, any is used.
 
     Returns
     -------
@@ -153,7 +153,7 @@ def triangles_around(faces: IntArray, count: int, most: int) -> IntArray:
 
 
 def closest_among(points: FloatArray, faces: IntArray, wanted: FloatArray, candidates: IntArray) -> SurfacePoints:
-    """Find the closest point of some triangles, to each of the points wanted.
+    """Find the closest point to each query point on its candidate triangles.
 
     Parameters
     ----------
@@ -162,9 +162,9 @@ def closest_among(points: FloatArray, faces: IntArray, wanted: FloatArray, candi
     faces : (m, 3) ndarray of int
         Triangles.
     wanted : (q, d) ndarray of float
-        Points.
+        Query points.
     candidates : (q, c) ndarray of int
-        The triangles to look at for each.
+        The triangles to examine for each.
 
     Returns
     -------
@@ -191,7 +191,7 @@ def closest_among(points: FloatArray, faces: IntArray, wanted: FloatArray, candi
 
 
 def _barycentric(a: FloatArray, b: FloatArray, c: FloatArray, wanted: FloatArray) -> FloatArray:
-    """Find the barycentric coordinates of the closest points of triangles."""
+    """Compute the barycentric coordinates of the closest points of triangles."""
     ab, ac, ap = b - a, c - a, wanted - a
     aa, cross, cc, first, second = (_dot(*pair) for pair in ((ab, ab), (ab, ac), (ac, ac), (ap, ab), (ap, ac)))
     area = aa * cc - cross * cross
@@ -205,7 +205,7 @@ def _barycentric(a: FloatArray, b: FloatArray, c: FloatArray, wanted: FloatArray
 
 
 def _on_edges(corners: list[FloatArray], wanted: FloatArray) -> FloatArray:
-    """Find the barycentric coordinates of the closest points on the edges of triangles."""
+    """Compute the barycentric coordinates of the closest points on the edges of triangles."""
     least, weights = np.full(len(wanted), np.inf), np.zeros((len(wanted), 3))
     for first, second in ((0, 1), (1, 2), (2, 0)):
         start, way = corners[first], corners[second] - corners[first]

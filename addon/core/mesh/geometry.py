@@ -101,7 +101,7 @@ def vertex_area_vectors(vertices: FloatArray, faces: IntArray) -> FloatArray:
     Returns
     -------
     (n, 3) ndarray of float
-        The sums; a third of one is how fast the volume grows as the vertex moves.
+        The sums; a third of one is the gradient of the volume at the vertex.
 
     Examples
     --------
@@ -127,7 +127,7 @@ def vertex_normals(vertices: FloatArray, faces: IntArray) -> FloatArray:
     Returns
     -------
     (n, 3) ndarray of float
-        Normals, weighted by area; 0 where the triangles around a vertex have none.
+        Normals, weighted by area; 0 where the triangles around a vertex have no area.
 
     Examples
     --------
@@ -170,16 +170,16 @@ def of_unit_area(vertices: FloatArray, faces: IntArray) -> tuple[FloatArray, Flo
     vertices : (n, 3) ndarray of float
         Vertex positions.
     faces : (m, 3) ndarray of int
-        Triangles, of some area together.
+        Triangles, not all of zero area.
 
     Returns
     -------
     points : (n, 3) ndarray of float
-        The positions there.
+        The scaled positions.
     centre : (3,) ndarray of float
-        Where the centre was.
+        The former centre.
     unit : float
-        Root of the area: ``vertices = points * unit + centre``.
+        Square root of the area: ``vertices = points * unit + centre``.
 
     Examples
     --------
@@ -188,7 +188,7 @@ def of_unit_area(vertices: FloatArray, faces: IntArray) -> tuple[FloatArray, Flo
     >>> round(surface_area(points, faces), 6), round(float(unit), 6), np.allclose(points * unit + centre, triangle)
     (1.0, 3.0, True)
     """
-    scale = 2.0 ** np.floor(np.log2(np.abs(vertices).max()))  # exact, and squares of what is left do not overflow
+    scale = 2.0 ** np.floor(np.log2(np.abs(vertices).max()))  # exact, and squares of the quotients do not overflow
     points = vertices / scale
     centre, width = points.mean(axis=0), float(np.ptp(points, axis=0).max())
     points = (points - centre) / width
@@ -272,7 +272,7 @@ def moved_by_frames(vertices: FloatArray, rotation: FloatArray, shift: FloatArra
 
 
 def relative_rounding(points: FloatArray) -> float:
-    """Estimate how coarsely positions are rounded, as they are far from the origin.
+    """Estimate the relative rounding of positions that are far from the origin.
 
     Parameters
     ----------
@@ -282,7 +282,7 @@ def relative_rounding(points: FloatArray) -> float:
     Returns
     -------
     float
-        Half a step of single precision, if all positions are of it, or of double, over half the size of the mesh.
+        Half the spacing of single precision, if all positions have it, or of double, over half the size of the mesh.
 
     Examples
     --------
@@ -306,7 +306,7 @@ def component_areas(points: FloatArray, faces: IntArray, start: IntArray) -> tup
     points : (n, 3) ndarray of float
         Vertex positions.
     faces : (m, 3) ndarray of int
-        Triangles, those of one component beside each other.
+        Triangles, those of one component contiguous.
     start : (k,) ndarray of int
         The first triangle of each component.
 
@@ -341,7 +341,7 @@ def component_areas(points: FloatArray, faces: IntArray, start: IntArray) -> tup
 
 
 def _triangles(points: FloatArray, faces: IntArray) -> Iterator[tuple[slice, tuple[FloatArray, ...]]]:
-    """List the corners of the triangles, so many at once that they stay in the cache."""
+    """Yield the corners of the triangles, in batches that stay in the cache."""
     for start in range(0, len(faces), AT_ONCE):
         some = slice(start, start + AT_ONCE)
         yield some, tuple(points.take(faces[some, corner], axis=0) for corner in range(3))

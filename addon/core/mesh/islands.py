@@ -16,7 +16,7 @@ def island_labels(faces: IntArray, values: FloatArray) -> IntArray:
     faces : (m, 3) ndarray of int
         Triangles.
     values : (m, 3, d) ndarray of float
-        Values of their corners, such as places in a UV map.
+        Values of their corners, such as positions in a UV map.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Half a mesh and its mirror image: put together, and a shape of both made symmetric."""
+"""Half a mesh combined with its mirror images, and shapes of the whole made symmetric."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class Mirror(NamedTuple):
     axis : int
         0, 1 or 2.
     merge : float
-        Vertices and their images are one where they are nearer than this; negative for none.
+        Distance up to which vertices are merged with their images; negative for none.
     """
 
     axis: int
@@ -55,7 +55,7 @@ class Mirrored(NamedTuple):
         return int(self.source.max(initial=-1)) + 1
 
     def symmetrised(self, shape: FloatArray) -> FloatArray:
-        """Make a shape its own image in every mirror: the mean of the shape and its images.
+        """Make a shape symmetric in every mirror: the mean of the shape and its images.
 
         Parameters
         ----------
@@ -72,7 +72,7 @@ class Mirrored(NamedTuple):
         return shape
 
     def asymmetry(self, shape: FloatArray) -> float:
-        """Measure how far a shape is from its images.
+        """Measure the asymmetry of a shape.
 
         Parameters
         ----------
@@ -88,7 +88,7 @@ class Mirrored(NamedTuple):
         return float(np.sqrt((apart**2).sum(axis=1).mean() / surface_area(self.vertices, self.faces)))
 
     def spread(self, shape: FloatArray) -> FloatArray:
-        """Put a shape of the half and its images together.
+        """Combine a shape of the half with its images.
 
         Parameters
         ----------
@@ -106,7 +106,7 @@ class Mirrored(NamedTuple):
 def mirrored(
     vertices: FloatArray, faces: IntArray, mirrors: Sequence[Mirror], *, like: Mirrored | None = None
 ) -> Mirrored:
-    """Add to a mesh its mirror images, one mirror after the other.
+    """Add the mirror images to a mesh, one mirror after the other.
 
     Parameters
     ----------
@@ -115,9 +115,9 @@ def mirrored(
     faces : (m, 3) ndarray of int
         Triangles.
     mirrors : sequence of Mirror
-        The mirrors, each across another axis.
+        The mirrors, each across a different axis.
     like : Mirrored, optional
-        Take as one the vertices that are one there.
+        Merge the vertices that are merged there.
 
     Returns
     -------

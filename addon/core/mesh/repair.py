@@ -1,6 +1,6 @@
 """Mesh repair: seams closed, degenerate and duplicate faces left out, faces oriented consistently.
 
-The user's mesh is never changed: this is the surface that the methods see. Every departure from the mesh is a warning.
+The user's mesh is never changed: this is the surface that the methods use. Every difference from the mesh is a warning.
 """
 
 from __future__ import annotations
@@ -28,14 +28,14 @@ class RepairedMesh(NamedTuple):
     vertices : (n, 3) ndarray of float64
         The positions, as given.
     faces : (m', 3) ndarray of int64
-        Triangles of three different vertices each, no two alike, turned to agree with their neighbours where they can.
-        Of vertices that lie on each other along a seam they name the first.
+        Triangles of three different vertices each, without duplicates, oriented consistently where possible. Of
+        coincident vertices along a seam they use the first.
     representative : (n,) ndarray of int64
-        The vertex that each vertex is one with: itself, or the first at its place.
+        The vertex that each vertex is identified with: itself, or the first at its position.
     changes : dict of str to int
-        Number of faces left out, vertices joined and faces turned over, by kind of message.
+        Number of faces left out, vertices joined and faces flipped, by kind of message.
     rounding : float
-        To what share of the size the positions are rounded.
+        Rounding of the positions, as a share of the size.
     """
 
     vertices: FloatArray
@@ -46,7 +46,7 @@ class RepairedMesh(NamedTuple):
 
     @property
     def warnings(self) -> list[Message]:
-        """Every departure from the mesh as given."""
+        """Every difference from the mesh as given."""
         found = [message(kind, count=count) for kind, count in self.changes.items() if count]
         return found if self.rounding < _COARSE else [*found, message("rounded_positions", share=self.rounding)]
 
@@ -54,9 +54,9 @@ class RepairedMesh(NamedTuple):
 def repaired(vertices: ArrayLike, faces: ArrayLike, monitor: Monitor | None = None) -> RepairedMesh:
     """Repair a mesh: find the surface in it.
 
-    Faces that use a vertex twice and copies of faces are left out. Where borders lie exactly on each other, as along
-    the seams that many file formats cut, their vertices are taken as one. Faces that look the other way than their
-    neighbours are turned over.
+    Faces that use a vertex twice and duplicate faces are left out. Where borders coincide exactly, as along the seams
+    that many file formats cut, their vertices are treated as one. Faces oriented opposite to their neighbours are
+    flipped.
 
     Parameters
     ----------

@@ -8,7 +8,7 @@ from ..numerics.arrays import IntArray
 
 
 def rows_in(rows: IntArray, table: IntArray) -> IntArray:
-    """Find rows of three in a table.
+    """Look up rows of three in a table.
 
     Parameters
     ----------
@@ -20,7 +20,7 @@ def rows_in(rows: IntArray, table: IntArray) -> IntArray:
     Returns
     -------
     (q,) ndarray of int
-        Where each row is in the table, the last place of several; -1 where it is not.
+        Index of each row in the table, the last of several; -1 if it is not there.
 
     Examples
     --------

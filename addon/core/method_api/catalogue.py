@@ -20,7 +20,7 @@ MINIMISATION_OPTIONS = ("max_iterations", "tolerance", "extrapolation")
 
 
 class Method(NamedTuple):
-    """A way to unfold a surface.
+    """A method that unfolds a surface.
 
     Attributes
     ----------

@@ -26,9 +26,9 @@ class Settings:
         letter ('as_published', 'as_published_closed'), or a rival to compare with. Rivals work on all vertices: from
         all pairs of them at quality 'full', otherwise from landmarks.
     quality : {'draft', 'normal', 'full'}
-        Number of working vertices. Draft: 700 vertices; normal: 1,600; the result is interpolated to all vertices, at
-        a cost that grows linearly with their number. Full: all vertices, at a cost and memory that grow with the
-        square of their number.
+        Number of working vertices. Draft: 700 vertices; normal: 1,600; the result is interpolated to all vertices, at a
+        cost that grows linearly with their number. Full: all vertices, at a cost and memory that grow with the square
+        of their number.
     preserve_detail : float
         From 0, plain multidimensional scaling, to 1, the surface kept as rigid as possible.
     diffusion_time : float
@@ -50,10 +50,9 @@ class Settings:
     landmark_count : int
         Number of landmarks of the intrinsic start, and of rivals below quality 'full'.
     smoothing : float
-        Diffusion time of the geodesics inside patches, as a share of the area; those between landmarks use a
-        fiftieth of it and are averaged with biharmonic ones. Such distances hardly shorten where a joint bends.
-        0: geodesics alone, as accurate as the heat method, and no struts through the interior: for sheets to be
-        unrolled.
+        Diffusion time of the geodesics inside patches, as a share of the area; those between landmarks use a fiftieth
+        of it and are averaged with biharmonic ones. Such distances hardly shorten where a joint bends. 0: geodesics
+        alone, as accurate as the heat method, and no struts through the interior: for sheets to be unrolled.
     arrangement_share : float
         Weight of the other landmarks on a landmark, relative to the weight of its patch.
     arrangement : {'straight', 'stress'}
@@ -244,7 +243,7 @@ class Settings:
 
     @property
     def coarse_vertices(self) -> int | None:
-        """Number of vertices to work on; None for all."""
+        """Number of working vertices; None for all."""
         return _COARSE.get(self.quality)
 
     @property

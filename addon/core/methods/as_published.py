@@ -1,8 +1,8 @@
 """The paper to the letter, and a second reading of it with closed patches. Nothing here follows our own method.
 
-Start at the input, t = 0.1, sums over the K eigenpairs at hand, biharmonic distances as they are, unscaled terms and
-plain SMACOF steps, on all vertices. With open cells, as printed, the stress falls apart into one independent problem a
-patch; the paper's figures show forms that hold together, which closed cells give.
+Start at the input, t = 0.1, sums over the K eigenpairs computed, biharmonic distances as they are, unscaled terms and
+plain SMACOF steps, on all vertices. With open cells, as printed, the stress separates into one independent problem per
+patch; the paper's figures show connected forms, which closed cells give.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _LETTER = {"quality": "full", "diffusion_time": 0.1, "eigenpairs": 80, "extrapol
 
 
 def _form(found: SurfaceFeatures, settings: Settings, monitor: Monitor, *, closed: bool) -> MethodResult:
-    """Unfold a surface as the paper says, sections 3.2 to 3.4; the start is the input, so no mirror image is chosen."""
+    """Unfold a surface as in the paper, sections 3.2 to 3.4; the start is the input, so no mirror image is chosen."""
     surface, features, spectrum = found.surface, found.features, found.spectrum
     count = len(surface.points)
     patches = patches_of(found.cells, surface.faces, len(features), closed=closed)

@@ -1,4 +1,4 @@
-"""Classical multidimensional scaling of geodesic distances: all pairs, or landmarks that carry the rest.
+"""Classical multidimensional scaling of geodesic distances: all pairs, or landmarks that place the rest.
 
 Elad and Kimmel, "On bending invariant signatures for surfaces", 2003, doi:10.1109/TPAMI.2003.1233902; De Silva and
 Tenenbaum, "Sparse multidimensional scaling using landmark points", 2004.

@@ -1,4 +1,4 @@
-"""Fast multidimensional scaling: FastMap on geodesic distances, a handful of fields and no minimisation.
+"""Fast multidimensional scaling: FastMap on geodesic distances, with a few fields and no minimisation.
 
 Faloutsos and Lin, "FastMap: a fast algorithm for indexing, data-mining and visualization", 1995,
 doi:10.1145/223784.223812.
@@ -30,9 +30,9 @@ def fast_map(
     Parameters
     ----------
     distances_from : callable
-        Gives the distances of all n points from one of them, (n,).
+        Returns the distances of all n points from one of them, (n,).
     first : int
-        Where the search for pivots starts.
+        The point where the search for pivots starts.
     dimensions : int
         Dimension d of the embedding.
 
@@ -41,7 +41,7 @@ def fast_map(
     embedding : (n, d) ndarray of float
         The points.
     pivots : list of int
-        Two an axis; fewer axes where nothing is left to embed.
+        Two per axis; fewer axes if no distance remains to embed.
 
     Examples
     --------
@@ -61,7 +61,7 @@ def fast_map(
         if point not in known:
             known[point] = np.asarray(distances_from(point), dtype=np.float64) ** 2
         flat = embedding[:, :axis] - embedding[point, :axis]
-        return np.maximum(known[point] - (flat**2).sum(axis=1), 0.0)  # what the axes so far leave over
+        return np.maximum(known[point] - (flat**2).sum(axis=1), 0.0)  # what remains after the axes so far
 
     axis, pivots = 0, []
     embedding = np.zeros((len(np.asarray(distances_from(first))), dimensions))
@@ -79,7 +79,7 @@ def fast_map(
 
 
 def _form(found: SurfaceFeatures, settings: Settings, monitor: Monitor) -> MethodResult:
-    """Unfold a surface by FastMap: a handful of distance fields and no minimisation."""
+    """Unfold a surface by FastMap: a few distance fields and no minimisation."""
     whole = WholeSurface(found, settings, monitor)
     fields: dict[int, FloatArray] = {}
 

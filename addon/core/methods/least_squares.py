@@ -31,7 +31,7 @@ def fitted(samples: Samples, settings: Settings, monitor: Monitor) -> tuple[Floa
     Returns
     -------
     form : (n, 3) ndarray of float
-        All vertices. Those that are no samples are placed by their distances from the samples.
+        All vertices. Those that are not samples are placed by their distances from the samples.
     history : (s + 1,) ndarray of float
         Stress of the samples.
 

@@ -1,7 +1,7 @@
 """Non-metric multidimensional scaling: only the order of the geodesic distances is kept.
 
-Below quality 'full' the landmarks are embedded, and the rising function that was found for them turns the other
-vertices' distances from them into those to place them by.
+Below quality 'full' the landmarks are embedded, and the monotone function that was found for them converts the other
+vertices' distances from them into those by which they are placed.
 
 Kruskal, "Nonmetric multidimensional scaling: a numerical method", 1964, doi:10.1007/BF02289694.
 """
@@ -27,11 +27,11 @@ def non_metric_scaling(
     tolerance: float = 1e-6,
     monitor: Monitor | None = None,
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Alternate between the best rising function of the distances and a majorisation step towards its values.
+    """Alternate between the best monotone function of the distances and a majorisation step towards its values.
 
     The function's values, the disparities, keep the sum of squares of the given distances, so that the points cannot
-    escape by shrinking. Where two given distances are equal, the first in the matrix comes first (the secondary
-    approach to ties makes no difference to geodesics, which are hardly ever equal).
+    collapse. Where two given distances are equal, the first in the matrix comes first (the secondary approach to ties
+    makes no difference to geodesics, which are hardly ever equal).
 
     Parameters
     ----------
@@ -40,9 +40,9 @@ def non_metric_scaling(
     start : (n, d) ndarray of float
         First embedding.
     max_iterations : int
-        Most steps.
+        Maximum number of steps.
     tolerance : float
-        Stop when a step lowers the stress by less than this share of it.
+        Stop when a step reduces the stress by less than this fraction.
     monitor : Monitor, optional
         Receives progress; polled for cancellation.
 
@@ -51,7 +51,7 @@ def non_metric_scaling(
     embedding : (n, d) ndarray of float
         The points, centred.
     history : (s + 1,) ndarray of float
-        ``Σ_{i<j} (d̂_ij - d_ij)²`` before each step and after the last; it never rises.
+        ``Σ_{i<j} (d̂_ij - d_ij)²`` before each step and after the last; it never increases.
     disparities : (n (n - 1) / 2,) ndarray of float
         d̂ of the pairs i < j, row by row.
 
@@ -98,7 +98,7 @@ def non_metric_scaling(
         trial_straight = pdist(trial)
         trial_wanted = disparities_of(trial_straight)
         value = float(((trial_wanted - trial_straight) ** 2).sum())
-        if value > history[-1]:  # rounding is all that is left
+        if value > history[-1]:  # only rounding remains
             break
         points, straight, wanted = trial, trial_straight, trial_wanted
         history.append(value)

@@ -1,4 +1,4 @@
-"""Least-squares scaling, then edge vectors put together again: the surface's 1-form is kept.
+"""Least-squares scaling, then edge vectors reassembled: the surface's 1-form is kept.
 
 The entry of Cheng, Nie and Jin in Pickup and others, "Canonical forms for non-rigid 3D shape retrieval", SHREC'15.
 """
@@ -22,10 +22,10 @@ from .least_squares import fitted
 
 
 def with_one_form_kept(points: FloatArray, triangles: IntArray, layout: FloatArray) -> FloatArray:
-    """Rotate the edge vectors of each triangle as a layout does, and find the vertices that fit them best.
+    """Rotate the edge vectors of each triangle as in a layout, and find the vertices that fit them best.
 
-    The coordinates' differences along the edges are three discrete 1-forms. Turned triangle by triangle they are no
-    longer differences of anything; the exact part of their Hodge decomposition, one Poisson problem, is.
+    The coordinates' differences along the edges are three discrete 1-forms. Rotated triangle by triangle they are no
+    longer exact; the exact part of their Hodge decomposition, one Poisson problem, gives the vertices.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ def with_one_form_kept(points: FloatArray, triangles: IntArray, layout: FloatArr
     triangles : (m, 3) ndarray of int
         Triangles.
     layout : (n, 3) ndarray of float
-        Where an embedding has the vertices.
+        Positions of the vertices in an embedding.
 
     Returns
     -------
@@ -66,7 +66,7 @@ def with_one_form_kept(points: FloatArray, triangles: IntArray, layout: FloatArr
 
 
 def _form(found: SurfaceFeatures, settings: Settings, monitor: Monitor) -> MethodResult:
-    """Unfold a surface by least-squares scaling and give it back its edge vectors, turned."""
+    """Unfold a surface by least-squares scaling and restore its edge vectors, rotated."""
     whole = WholeSurface(found, settings, monitor)
     with monitor.stage("Distances"):
         samples = whole.samples()

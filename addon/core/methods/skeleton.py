@@ -1,4 +1,4 @@
-"""Unbending the curve skeleton, which then drives the mesh.
+"""Straightening of the curve skeleton, which then drives the mesh.
 
 Pickup, Sun, Rosin and Martin, "Skeleton-based canonical forms for non-rigid 3D shape retrieval", 2016,
 doi:10.1007/s41095-016-0045-5.
@@ -24,10 +24,10 @@ from ..numerics.arrays import FloatArray, IntArray
 from ..run.monitor import Monitor
 
 _RINGS = 40  # level sets between the root and the farthest vertex
-_LEAST_RING = 1.5  # mean edges that a level set is wide at least
-_SMALL = 1e-3  # share of the area below which a node is joined with its neighbour
+_LEAST_RING = 1.5  # minimum width of a level set, in mean edges
+_SMALL = 1e-3  # share of the area below which a node is merged with its neighbour
 _PULL = 3.0  # 1/area: how firmly the vertices follow their nodes
-_ROUNDS, _STEPS = 3, 12  # of moving every node's vertices onto it, and of the deformation in each
+_ROUNDS, _STEPS = 3, 12  # of moving every node's vertices to it, and of the deformation in each
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +37,7 @@ class CurveSkeleton:
     Attributes
     ----------
     nodes : (b, 3) ndarray of float
-        Where the nodes are.
+        Positions of the nodes.
     bones : (e, 2) ndarray of int
         Pairs of nodes.
     node_of : (n,) ndarray of int
@@ -52,7 +52,7 @@ class CurveSkeleton:
     areas: FloatArray
 
     def path_lengths(self) -> FloatArray:
-        """Measure the shortest way between all nodes along the bones.
+        """Compute the shortest paths between all nodes along the bones.
 
         Returns
         -------
@@ -120,7 +120,7 @@ def curve_skeleton(points: FloatArray, triangles: IntArray, from_root: FloatArra
 
 
 def driven(body: ElasticBody, skeleton: CurveSkeleton, places: FloatArray, monitor: Monitor) -> FloatArray:
-    """Deform a mesh as rigidly as possible so that its skeleton moves to given places.
+    """Deform a mesh as rigidly as possible so that its skeleton moves to given positions.
 
     Parameters
     ----------
@@ -129,7 +129,7 @@ def driven(body: ElasticBody, skeleton: CurveSkeleton, places: FloatArray, monit
     skeleton : CurveSkeleton
         Its skeleton.
     places : (b, 3) ndarray of float
-        Where the nodes are wanted.
+        Wanted positions of the nodes.
     monitor : Monitor
         Receives progress; polled for cancellation.
 
@@ -164,7 +164,7 @@ def driven(body: ElasticBody, skeleton: CurveSkeleton, places: FloatArray, monit
 
 
 def _form(found: SurfaceFeatures, settings: Settings, monitor: Monitor) -> MethodResult:
-    """Unfold a surface by least-squares scaling of its curve skeleton, which starts as it lies."""
+    """Unfold a surface by least-squares scaling of its curve skeleton, starting from its input position."""
     whole = WholeSurface(found, settings, monitor)
     with monitor.stage("Skeleton"):
         from_root = np.maximum(whole.heat.distances([whole.summit])[:, 0], 0.0)

@@ -40,7 +40,7 @@ _LEFT = (
     RoundCone((0.125, -0.085, 0.025), (0.13, -0.15, 0.018), 0.026, 0.018),
 )
 _ELBOW, _WRIST, _KNUCKLES = 0.28, 0.53, 0.615  # from the shoulder
-_FINGERS = (  # where each lies beside the hand's middle at the knuckles and at its tip, and its length
+_FINGERS = (  # offset of each from the hand's middle at the knuckles and at its tip, and its length
     (-0.032, -0.045, 0.075),
     (-0.011, -0.016, 0.085),
     (0.01, 0.014, 0.078),
@@ -84,7 +84,7 @@ def _arm() -> list[RoundCone | Ellipsoid]:
 
 
 def _along(out: float, back: float = 0.0, up: float = 0.0) -> Point:
-    """Find a point of the left arm."""
+    """Return a point of the left arm."""
     return SHOULDER[0] + out, SHOULDER[1] + back, SHOULDER[2] + up
 
 

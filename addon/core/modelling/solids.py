@@ -11,8 +11,8 @@ from ..numerics.arrays import FloatArray
 
 Point = tuple[float, float, float]
 
-_REACH = 6.0  # blends beyond which a solid does not count
-_DEEP = 8.0  # blends below a surface from which on a solid counts as deep: the exponential stays small
+_REACH = 6.0  # blends beyond which a solid has no effect
+_DEEP = 8.0  # blends below a surface to which the depth is limited: the exponential stays small
 
 
 class RoundCone(NamedTuple):
@@ -43,7 +43,7 @@ class RoundCone(NamedTuple):
         return np.minimum(self.start, self.end) - wide, np.maximum(self.start, self.end) + wide
 
     def distance(self, points: FloatArray) -> FloatArray:
-        """Measure how far points are from the surface; nearly, where the radii differ.
+        """Measure the distance of points from the surface; approximate if the radii differ.
 
         Parameters
         ----------
@@ -68,14 +68,14 @@ class RoundCone(NamedTuple):
 
 
 class Ellipsoid(NamedTuple):
-    """An ellipsoid along the axes.
+    """An axis-aligned ellipsoid.
 
     Attributes
     ----------
     centre : (float, float, float)
         Its centre.
     radii : (float, float, float)
-        Its half axes.
+        Its semi-axes.
     """
 
     centre: Point
@@ -92,7 +92,7 @@ class Ellipsoid(NamedTuple):
         return np.subtract(self.centre, self.radii), np.add(self.centre, self.radii)
 
     def distance(self, points: FloatArray) -> FloatArray:
-        """Measure how far points are from the surface, to first order.
+        """Measure the distance of points from the surface, to first order.
 
         Parameters
         ----------
@@ -126,7 +126,7 @@ def smooth_union(solids: Sequence[RoundCone | Ellipsoid], axes: Sequence[FloatAr
     axes : three (k,) ndarray of float
         Coordinates of the grid, ascending.
     blend : float
-        How far from each other surfaces flow together.
+        Width over which surfaces are blended.
 
     Returns
     -------

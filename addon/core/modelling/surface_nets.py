@@ -19,7 +19,7 @@ def surface_net(field: FloatArray, axes: Sequence[FloatArray]) -> tuple[FloatArr
     field : (k, k', k'') ndarray of float
         Values on the grid, negative inside; positive along its border.
     axes : three (k,) ndarray of float
-        Coordinates of the grid, in even steps.
+        Coordinates of the grid, evenly spaced.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Large dense work in blocks: bounded memory, and a cancellation is noticed between two of them."""
+"""Large dense computations in blocks: bounded memory, and cancellation between blocks."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import numpy as np
 from .arrays import FloatArray
 
 AT_ONCE = 8192  # rows of a few numbers each: they stay in the cache from one step of a formula to the next
-_COLUMNS = 32  # most right-hand sides at once: more do not fit the processor's cache and take longer each
-_VALUES = 200_000  # most values at once
+_COLUMNS = 32  # maximum number of right-hand sides at once: more do not fit the cache and take longer each
+_VALUES = 200_000  # maximum number of values at once
 _ROWS = 128
 
 

@@ -40,5 +40,5 @@ def factored(matrix: object) -> SuperLU:
 
     try:
         return splu(csc_matrix(matrix), permc_spec="COLAMD", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
-    except RuntimeError as error:  # what SuperLU calls it
+    except RuntimeError as error:  # raised by SuperLU
         raise SolverError("singular") from error

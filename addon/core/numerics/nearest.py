@@ -12,21 +12,21 @@ _ROWS = 512
 
 
 def nearest_rows(points: FloatArray, others: FloatArray, monitor: Monitor) -> IntArray:
-    """Find the nearest of the others to each point; the first of those that tie.
+    """Find the nearest of other points to each point; on a tie, the first.
 
     Parameters
     ----------
     points : (r, d) ndarray of float
         Points.
     others : (s, d) ndarray of float
-        The others.
+        The other points.
     monitor : Monitor
         Polled for cancellation.
 
     Returns
     -------
     (r,) ndarray of int
-        Which of the others is nearest to each.
+        Index of the nearest other point of each.
 
     Raises
     ------

@@ -1,7 +1,7 @@
 """Matrix products in blocks so small that a linear algebra library runs each on one thread.
 
-Where the threads of a library have to be woken, or share their cores with another program, they wait for each other
-longer than such products take: 5 to 80 ms at a time were measured.
+If the threads of a library have to be woken, or share their cores with another program, they wait for each other longer
+than such products take: 5 to 80 ms at a time were measured.
 """
 
 from __future__ import annotations

@@ -16,8 +16,8 @@ _TIE = 1e-6  # share of the largest distance within which two feature points cou
 def voronoi_cells(distances: FloatArray, feature_points: IntArray, faces: IntArray) -> IntArray:
     """Assign every vertex to its nearest feature point.
 
-    Each cell is connected and holds its own feature point: an island that rounding or a poor distance cut off goes
-    to the cell around it. On a tie the first feature point wins.
+    Each cell is connected and holds its own feature point: an island that rounding or an inaccurate distance cut off is
+    assigned to the cell around it. On a tie the first feature point wins.
 
     Parameters
     ----------
@@ -62,8 +62,8 @@ class Patch(NamedTuple):
     faces : (f, 3) ndarray of int
         Triangles with at least one corner in the cell: distances are measured on them.
     vertices : (p,) ndarray of int
-        Vertices whose pairs the stress asks for, in rising order: all corners of those triangles if the cell is
-        closed, those in the cell alone if it is open.
+        Vertices whose pairs the stress uses, in ascending order: all corners of those triangles if the cell is closed,
+        those in the cell alone if it is open.
     """
 
     faces: IntArray
@@ -73,8 +73,8 @@ class Patch(NamedTuple):
 def patches_of(cells: IntArray, faces: IntArray, count: int, *, closed: bool = True) -> list[Patch]:
     """Build the patches from the cells.
 
-    Neighbouring closed patches share a band of vertices, which is what keeps the form in one piece. Open ones, as
-    published, share none.
+    Neighbouring closed patches share a band of vertices, which keeps the form connected. Open ones, as published, share
+    none.
 
     Parameters
     ----------
@@ -112,6 +112,6 @@ def patches_of(cells: IntArray, faces: IntArray, count: int, *, closed: bool = T
 
 
 def _reached(cell: IntArray, feature_points: IntArray, pairs: IntArray) -> np.ndarray:
-    """Mark the vertices that are joined to their feature point inside their own cell."""
+    """Mark the vertices that are connected to their feature point inside their own cell."""
     component = component_labels(len(cell), pairs[cell[pairs[:, 0]] == cell[pairs[:, 1]]])
     return component == component[feature_points][cell]

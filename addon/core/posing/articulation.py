@@ -26,9 +26,9 @@ _RELAXATION = 20  # alternations between rotations and positions if part of the 
 class Articulation:
     """Interpolation of a surface from its pose to its form.
 
-    Rotations of neighbouring vertices differ little, however far the whole limb rotates. So each *difference* is scaled,
-    and the rotations are composed of the scaled differences: this is not limited to half a turn, and a limb unbends
-    like a joint where linear interpolation of the two shapes would shrink it.
+    Rotations of neighbouring vertices differ little, however far the whole limb rotates. So each *difference* is
+    scaled, and the rotations are composed of the scaled differences: this is not limited to half a turn, and a limb
+    unbends like a joint where linear interpolation of the two shapes would shrink it.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ class Articulation:
         self._turned = ElasticBody(self._surface.triangulation, before, self._surface.faces).turns(after)  # x ↦ x R
         self._turns = _rotation_vectors(np.einsum("nji,njk->nik", self._turned[self._i], self._turned[self._j]))
         own = _rotation_vectors(self._turned)
-        self._anchor = int(np.argmin((own**2).sum(axis=1)))  # the vertex that turns least
+        self._anchor = int(np.argmin((own**2).sum(axis=1)))  # the vertex that rotates least
         self._edge_before = before[self._j] - before[self._i]
         self._edge_after = np.einsum("ij,ikj->ik", after[self._j] - after[self._i], self._edge_turns(self._turned))
         whole_turn, shift = self._carried(self._turned, after)
@@ -102,9 +102,9 @@ class Articulation:
         Parameters
         ----------
         amount : (n,) ndarray of float, or float
-            The fraction of the way, 0 to 1, uniform or by vertex. Vertices of amount 0 keep their position in the
-            pose and the others remain attached to them; if there are none, the vertex that rotates least rotates
-            uniformly, and the centre of the area moves uniformly.
+            The fraction of the way, 0 to 1, uniform or by vertex. Vertices of amount 0 keep their position in the pose
+            and the others remain attached to them; if there are none, the vertex that rotates least rotates uniformly,
+            and the centre of the area moves uniformly.
         way : float
             Factor on the amounts, 0 to 1: from the pose to the shape that the amounts describe.
 

@@ -1,4 +1,4 @@
-"""How much memory a run may take: what is free now, and the limit that is set."""
+"""How much memory a run may use: what is free now, and the limit that is set."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ import numpy as np
 from .errors import TooLargeError
 from .messages import Message, message
 
-_SHARE = 0.6  # of the free memory: the most that a run may take where no limit is set
+_SHARE = 0.6  # of the free memory: the maximum that a run may use if no limit is set
 _UNKNOWN = 8.0  # gigabytes, where the system does not say how much is free
 
 
 def memory_limit(limit: float = 0.0) -> float:
-    """Return the most memory that a run may take.
+    """Return the maximum memory that a run may use.
 
     Parameters
     ----------

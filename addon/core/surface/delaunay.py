@@ -9,7 +9,7 @@ from ..run.monitor import Monitor
 from .triangulation import Triangulation, corner_cotangents, face_areas
 
 _TIE = 1e-9  # cotangent sums above minus this count as Delaunay: squares are left as they are
-_ROUNDS = 10_000  # of simultaneous flips; meshes with more vertices may take as many as these
+_ROUNDS = 10_000  # of simultaneous flips; meshes with more vertices may take as many as they have
 
 
 def intrinsic_delaunay(
@@ -27,8 +27,8 @@ def intrinsic_delaunay(
     monitor : Monitor, optional
         Receives warnings; polled for cancellation between rounds of flips.
     max_rounds : int, optional
-        Upper bound on the rounds of simultaneous flips, which rounding could otherwise keep up for ever; 10,000, or as
-        many as there are vertices, when left out.
+        Upper bound on the rounds of simultaneous flips, which rounding could otherwise continue forever; if omitted,
+        10,000 or the number of vertices, whichever is larger.
 
     Returns
     -------
@@ -56,7 +56,7 @@ def intrinsic_delaunay(
     """
     faces, lengths, edges = surface.faces.copy(), surface.lengths.copy(), surface.edges.copy()
     twin = _twins(faces, edges)
-    active = np.arange(len(faces))  # faces whose edges may have changed since they were last looked at
+    active = np.arange(len(faces))  # faces whose edges may have changed since they were last checked
     monitor = monitor or Monitor()
     for _ in range(max(_ROUNDS, surface.vertex_count) if max_rounds is None else max_rounds):
         monitor.check()
@@ -110,7 +110,7 @@ def midpoint_refined(surface: Triangulation) -> Triangulation:
 
 
 def _second_of_loop(surface: Triangulation) -> np.ndarray:
-    """Tell the two sides of an edge that joins a vertex to itself apart by the order of their faces."""
+    """Distinguish the two sides of an edge that joins a vertex to itself by the order of their faces."""
     flat = surface.edges.ravel()
     second = np.ones(len(flat), dtype=bool)
     second[np.unique(flat, return_index=True)[1]] = False
@@ -123,14 +123,14 @@ def _twins(faces: IntArray, edges: IntArray) -> IntArray:
     _, start, count = np.unique(edges.ravel()[order], return_index=True, return_counts=True)
     first, second = order[start[count == 2]], order[start[count == 2] + 1]
     tail = np.roll(faces, -1, axis=1).ravel()
-    opposed = tail[first] != tail[second]  # neighbours that face the other way cannot be flipped as they stand
+    opposed = tail[first] != tail[second]  # edges between oppositely oriented neighbours cannot be flipped
     twin = np.full(faces.size, -1, dtype=np.int64)
     twin[first[opposed]], twin[second[opposed]] = second[opposed], first[opposed]
     return twin
 
 
 def _flippable(lengths: FloatArray, twin: IntArray, active: IntArray) -> IntArray:
-    """Choose half-edges that violate the Delaunay condition, at most one a triangle, the worst first."""
+    """Choose half-edges that violate the Delaunay condition, at most one per triangle, the worst first."""
     half = (3 * active[:, None] + np.arange(3)).ravel()
     half = half[twin[half] >= 0]
     half = np.unique(np.minimum(half, twin[half]))
@@ -149,7 +149,7 @@ def _flippable(lengths: FloatArray, twin: IntArray, active: IntArray) -> IntArra
 
 
 def _flip(faces: IntArray, lengths: FloatArray, edges: IntArray, twin: IntArray, half: IntArray) -> IntArray:
-    """Flip the given half-edges in place and return the faces whose edges have to be looked at again."""
+    """Flip the given half-edges in place and return the faces whose edges have to be checked again."""
     other = twin[half]
     left, right = half // 3, other // 3
     i, j = half % 3, other % 3

@@ -15,7 +15,7 @@ from ..run.monitor import Monitor
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
 
-_ACCURACY = 1e-8  # largest residual of an eigenpair that is let through
+_ACCURACY = 1e-8  # largest residual of an eigenpair that is accepted
 _CONNECTED = 1e-10  # least λ_1, in 1/area; a thread 100,000 times as long as wide has 1e-4
 _DENSE = 300  # up to this many vertices all eigenpairs are computed at once
 
@@ -45,7 +45,7 @@ def compute_spectrum(stiffness: csr_matrix, mass: FloatArray, count: int, monito
     mass : (n,) ndarray of float
         Diagonal of M.
     count : int
-        Number K of eigenpairs wanted; at most n - 1 are there.
+        Number K of eigenpairs wanted; at most n - 1 exist.
     monitor : Monitor, optional
         Polled for cancellation between matrix products.
 
@@ -78,14 +78,14 @@ def compute_spectrum(stiffness: csr_matrix, mass: FloatArray, count: int, monito
     symmetric = (symmetric + symmetric.T) / 2
     shift = -1e-2 / mass.sum()  # just below 0, where L is singular
     inverse = factored(symmetric - shift * identity(n))
-    # the inverse, because thin triangles make the largest eigenvalues so large that the lowest drown in rounding
+    # the inverse, because thin triangles make the largest eigenvalues so large that rounding swamps the lowest
     if n <= max(_DENSE, count + 2):
         whole = inverse.solve(np.eye(n))
         inverted, vectors = np.linalg.eigh((whole + whole.T) / 2)
     else:
         inverted, vectors = _largest(inverse.solve, n, count + 1, monitor)
     order = np.argsort(-inverted)[1 : count + 1]
-    least = np.finfo(float).eps * inverted.max()  # below it the sign is rounding
+    least = np.finfo(float).eps * inverted.max()  # below it the sign is due to rounding
     values, vectors = 1 / np.maximum(inverted[order], least) + shift, vectors[:, order]
     residual = np.linalg.norm(inverse.solve(np.ascontiguousarray(symmetric @ vectors - vectors * values)), axis=0)
     residual *= values[0] / values  # all that uses them weighs them by 1/λ or less
@@ -99,7 +99,7 @@ def compute_spectrum(stiffness: csr_matrix, mass: FloatArray, count: int, monito
 def _largest(
     solve: Callable[[FloatArray], FloatArray], n: int, count: int, monitor: Monitor
 ) -> tuple[FloatArray, FloatArray]:
-    """Find the largest eigenvalues of an inverse by Lanczos."""
+    """Compute the largest eigenvalues of an inverse by Lanczos."""
     from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
     def checked_solve(vector: FloatArray) -> FloatArray:

@@ -1,7 +1,7 @@
-"""A surface as triangles with edge lengths, without a place in space.
+"""A surface as triangles with edge lengths, without positions in space.
 
-What takes a `Triangulation` sees the surface through its triangles and the lengths of their edges only, so it cannot
-depend on how the mesh lies in space.
+Functions of a `Triangulation` use only its triangles and the lengths of their edges, so they cannot depend on how the
+mesh lies in space.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from ..numerics.arrays import FloatArray, IntArray
 
 
 class Triangulation(NamedTuple):
-    """Triangles glued along edges, each edge with a length: a surface without a place in space.
+    """Triangles glued along edges, each edge with a length: a surface without positions in space.
 
     Attributes
     ----------
@@ -45,7 +45,7 @@ def triangulated(vertices: FloatArray, faces: IntArray, slack: float = 1e-5) -> 
     faces : (m, 3) ndarray of int
         Triangles.
     slack : float
-        Of `mollified`.
+        As `factor` in `mollified`.
 
     Returns
     -------
@@ -93,14 +93,14 @@ def corner_lengths(vertices: FloatArray, faces: IntArray) -> FloatArray:
 def mollified(lengths: FloatArray, factor: float = 1e-5) -> FloatArray:
     """Lengthen all edges by one constant, just enough that no triangle is degenerate.
 
-    A mesh whose triangles all have some thickness comes back as it was.
+    A mesh whose triangles are all thick enough is returned unchanged.
 
     Parameters
     ----------
     lengths : (m, 3) ndarray of float
         Edge lengths by triangle.
     factor : float
-        Slack demanded of every triangle inequality, in units of the mean edge length.
+        Slack required of every triangle inequality, in units of the mean edge length.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""The surface that a computation works on: a coarse mesh under Delaunay triangles, and the way back to all vertices."""
+"""The working surface: a coarse mesh under Delaunay triangles, and the interpolation to all vertices."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from ..run.monitor import Monitor
 from .delaunay import intrinsic_delaunay
 from .triangulation import Triangulation, triangulated
 
-WORTH_IT = 1.2  # times as many vertices as wanted: fewer are not made coarse
-STUCK = 2.0  # times as many vertices as wanted are left: the coarse mesh is not one
+WORTH_IT = 1.2  # ratio of vertices to the target up to which a mesh is not coarsened
+STUCK = 2.0  # ratio of remaining vertices to the target above which coarsening is stuck
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,19 +24,19 @@ class WorkingSurface:
     Attributes
     ----------
     points : (c, 3) ndarray of float
-        The vertices that are worked on.
+        The working vertices.
     faces : (d, 3) ndarray of int
         Their triangles in space; corners index `points`.
     kept : (c,) ndarray of int
-        Which vertices of the whole mesh they are, in rising order.
+        Their indices in the whole mesh, ascending.
     triangulation : Triangulation
         Their intrinsic Delaunay triangulation.
     stuck : bool
-        Whether far more vertices are left than were wanted, because no more could be removed.
+        Whether far more vertices remain than wanted, because no more could be removed.
     coarsening : Coarsening or None
-        The way back to all vertices; None where all are worked on.
+        The interpolation to all vertices; None if all are working vertices.
     bridges : (b, 3) ndarray of int
-        Those of the triangles, the last, that are not on the mesh but join the parts of a body.
+        The last of the triangles, which are not on the mesh but join the parts of a body.
     """
 
     points: FloatArray
@@ -49,11 +49,11 @@ class WorkingSurface:
 
     @property
     def coarse(self) -> bool:
-        """Whether there are vertices that are not worked on."""
+        """Whether there are other vertices than the working vertices."""
         return self.coarsening is not None
 
     def numbers_of(self, vertices: IntArray) -> IntArray:
-        """Map vertices of the whole mesh to their numbers among those that are worked on.
+        """Map vertices of the whole mesh to their numbers among the working vertices.
 
         Parameters
         ----------
@@ -73,7 +73,7 @@ class WorkingSurface:
         Parameters
         ----------
         values : (c, d) or (c,) ndarray of float
-            Values on the vertices that are worked on.
+            Values on the working vertices.
 
         Returns
         -------
@@ -88,14 +88,14 @@ class WorkingSurface:
         Parameters
         ----------
         rotation : (c, 3, 3) ndarray of float
-            R of the vertices that are worked on.
+            R of the working vertices.
         shift : (c, 3) ndarray of float
             Their t.
 
         Returns
         -------
         rotation : (n, 3, 3) ndarray of float
-            R of all vertices, as nearly a rotation as the mean of neighbouring ones is.
+            R of all vertices, approximately a rotation: a mean of neighbouring ones.
         shift : (n, 3) ndarray of float
             Their t.
 
@@ -107,7 +107,7 @@ class WorkingSurface:
         return motion[:, :9].reshape(-1, 3, 3), motion[:, 9:]
 
     def moved(self, points: FloatArray, monitor: Monitor) -> WorkingSurface:
-        """Take the same vertices and triangles where another shape of the mesh has them.
+        """Return the same vertices and triangles in another shape of the mesh.
 
         Parameters
         ----------
@@ -119,13 +119,13 @@ class WorkingSurface:
         Returns
         -------
         WorkingSurface
-            The same vertices, triangulated as that shape asks for; the way back to all vertices is this surface's.
+            The same vertices, triangulated for that shape; the interpolation to all vertices is that of this surface.
         """
         own = points[self.kept]
         return replace(self, points=own, triangulation=intrinsic_delaunay(triangulated(own, self.faces), monitor))
 
     def with_slack(self, slack: float, monitor: Monitor) -> WorkingSurface:
-        """Lengthen every edge a little further, for solvers that fail on triangles without width.
+        """Lengthen every edge a little further, for solvers that fail on degenerate triangles.
 
         Parameters
         ----------
@@ -137,13 +137,13 @@ class WorkingSurface:
         Returns
         -------
         WorkingSurface
-            The same vertices and triangles in space, triangulated anew.
+            The same vertices and triangles in space, retriangulated.
         """
         return replace(self, triangulation=intrinsic_delaunay(triangulated(self.points, self.faces, slack), monitor))
 
 
 class Reduced(Protocol):
-    """What reduces a mesh to a working surface, as `working_surface` does."""
+    """The interface of a function that reduces a mesh, as `working_surface` does."""
 
     def __call__(
         self,
@@ -174,7 +174,7 @@ def working_surface(
     faces : (m, 3) ndarray of int
         Triangles of one connected surface.
     target : int, optional
-        Number of vertices to work on; all when left out, or when there are hardly more.
+        Number of working vertices; all if omitted, or if there are hardly more.
     fixed : (k,) ndarray of int, optional
         Vertices that are kept.
     monitor : Monitor, optional

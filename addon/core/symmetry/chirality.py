@@ -54,7 +54,7 @@ def sided(handedness: FloatArray, side: IntArray, along: FloatArray) -> float:
     side : (k,) ndarray of int
         1 on the left, -1 on the right, 0 in the middle.
     along : (k,) ndarray of float
-        Weights with which the distances add up to a function that rises towards the head.
+        Weights with which the distances add up to a function that increases towards the head.
 
     Returns
     -------

@@ -35,7 +35,7 @@ class Limbs(NamedTuple):
     side : (k,) ndarray of int
         1 on the left, -1 on the right, 0 in the middle.
     along : (k,) ndarray of float
-        Weights with which distances from the feature points add up to a function that rises towards the head.
+        Weights with which distances from the feature points add up to a function that increases towards the head.
     """
 
     distances: FloatArray
@@ -123,8 +123,8 @@ def limbs_of(
     adf : (k,) ndarray of float
         Auto Diffusion Function there.
     places : callable
-        Returns the position of each of their limbs in the order of the vertices, (k,) ndarray of float; called if nothing
-        else distinguishes left from right.
+        Returns the position of each of their limbs in the order of the vertices, (k,) ndarray of float; called if
+        nothing else distinguishes left from right.
     joined : bool
         Whether the surface consists of several parts with bridges between them.
     monitor : Monitor, optional

@@ -34,7 +34,7 @@ def mirror_partners(
     """Find the mirror symmetry of a surface.
 
     Every swap of feature points that keeps their distances gives a mirror plane of the form. The partner of a vertex is
-    the most similar one to its mirror image, in position, normal and swapped distances from the feature points. The
+    the one most similar to its mirror image, in position, normal and swapped distances from the feature points. The
     best swap is refined: the map becomes one between eigenfunctions of the surface, which with the mirrored positions
     gives a better map.
 

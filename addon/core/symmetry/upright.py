@@ -100,7 +100,7 @@ def upright_rotation(
 
 
 def _poles(limbs: Limbs) -> FloatArray:
-    """Weigh distances so that their sum increases from tail to head, or from the hindmost limbs where there is no tail."""
+    """Weigh distances so that their sum increases from tail to head, or from the hindmost limbs if there is no tail."""
     weights = limbs.along.copy()
     paired = limbs.side != 0
     if paired.any() and not (weights > 0).any():
@@ -111,5 +111,5 @@ def _poles(limbs: Limbs) -> FloatArray:
 
 
 def _sign(value: float) -> float:
-    """Return -1 for a negative value, and 1 otherwise."""
+    """Return -1 for values below 0, and 1 otherwise."""
     return -1.0 if value < 0 else 1.0
