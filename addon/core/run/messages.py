@@ -41,11 +41,11 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
     "too_many_pieces": "The mesh has {count:,} loose parts, more than {most}. Merge what belongs together, or "
     "delete or separate the small parts, and run again.",
     "pieces_without_area": "Loose parts without area ({count}) were not moved.",
-    "several_pieces": "The mesh has {count} loose parts. Each got feature points and a form of its own and stays in "
-    "its place; parts that should move together have to be joined first.",
-    "several_bodies": "The mesh has {count} bodies that do not touch, or only touch. Each got feature points and a "
-    "form of its own and stays in its place.",
-    "rider_stretched": "Some loose parts lie on others that move apart. They were moved without bending.",
+    "several_pieces": "The mesh has {count} loose parts. Each has its own feature points and form and stays in place; "
+    "join parts that should move together first.",
+    "several_bodies": "The mesh has {count} bodies that do not touch, or only touch. Each has its own feature "
+    "points and form and stays in place.",
+    "rider_stretched": "Some loose parts lie on others that move apart. They were moved rigidly.",
     "loose_vertices": (
         "1 vertex that belongs to no face stays where it is.",
         "{count:,} vertices that belong to no face stay where they are.",
@@ -71,21 +71,22 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
     "reference_without_limbs": "The reference has no feature points. Compute its form again and use that.",
     "reference_bodies": "This mesh has {count} bodies and the reference {others}; only those that both have, the "
     "largest first, were aligned to it.",
-    "reference_far": "The reference lies so far away that a mesh of this size would lose its shape there. Bring both "
-    "to one unit, and the reference near the origin.",
-    "reference_unlike": "This body is unlike the reference. Check how the form lies, or choose another reference.",
+    "reference_far": "The reference is too far from the origin for a mesh of this size. Use one unit for both, and "
+    "move the reference near the origin.",
+    "reference_unlike": "This body differs too much from the reference. Check the orientation of the form, or choose "
+    "another reference.",
     "reference_features": "This body has {count} feature points and the reference {others}; if one has no "
     "counterpart, the numbers after it differ.",
     # a match
-    "match_side": 'The side must be "auto" or a whole number from 0 on; got {value!r}.',
+    "match_side": 'The side must be "auto" or a non-negative whole number; got {value!r}.',
     "match_no_side": "There are {count} ways to match these meshes; side must lie between 0 and {last}.",
     "match_pose": "The pose of the reference needs one position for each of its {count} vertices.",
     "mannequin_arms": "The arms of the mannequin can be lowered by -90 to 90 degrees; got {value!r}.",
     "match_bodies": "This mesh has {count} bodies and the other {others}; only those that both have, the largest "
     "first, were matched.",
-    "match_unlike": "These bodies are unlike each other. Check the match, or choose another mesh.",
-    "match_unsure": "Much of this match is doubtful; the confidence tells where. Check it before you use it.",
-    "match_sides": "Left and right, or front and back, can hardly be told apart here. Check them, or "
+    "match_unlike": "These bodies differ too much. Check the match, or choose another mesh.",
+    "match_unsure": "Large parts of this match are uncertain; see the confidence. Check them before use.",
+    "match_sides": "Left and right, or front and back, can hardly be distinguished here. Check them, or "
     "choose another side.",
     "transfer_shape": "There must be one item per vertex of the other mesh, {count:,}.",
     "transfer_corners": "There must be one row per corner of the other mesh, {count:,}.",
@@ -111,12 +112,12 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
     "singular": "The triangles are too thin, or differ too much in size, for the solver. Clean the mesh up or "
     "remesh it.",
     "disconnected": "The surface is disconnected, or nearly so: its second eigenvalue is 0.",
-    "inaccurate_spectrum": "The spectrum of the surface is only accurate to {residual:.1e}. Clean the mesh up or ask "
-    "for fewer eigenpairs.",
-    "spectrum_diverged": "The spectrum of the surface did not converge ({reason}). Ask for fewer eigenpairs or clean "
-    "the mesh up.",
+    "inaccurate_spectrum": "The spectrum of the surface is only accurate to {residual:.1e}. Clean the mesh up or "
+    "request fewer eigenpairs.",
+    "spectrum_diverged": "The spectrum of the surface did not converge ({reason}). Request fewer eigenpairs or "
+    "clean the mesh up.",
     "heat_disconnected": "Heat does not reach all of the surface: it has loose parts. Separate or merge them.",
-    "no_axes": "Classical scaling found no axes: the distances are too alike or too irregular. Clean the mesh up.",
+    "no_axes": "Classical scaling found no axes: the distances are too similar or too irregular. Clean the mesh up.",
     # distances
     "heat_fallback": "The heat method fails on some long, thin triangles; distances there were measured along edges. "
     "Remesh for a better form.",
