@@ -150,7 +150,7 @@ def test_an_unlike_body_and_bodies_too_many_are_told(real_mesh, figure):
 def test_a_reference_that_is_too_far_for_the_size_of_the_mesh_is_refused(figure):
     vertices, faces = figure
     reference = form_of(figure, DRAFT)
-    with pytest.raises(InvalidSettingsError, match="so far away"):
+    with pytest.raises(InvalidSettingsError, match="too far from the origin"):
         canonical_form(1e-20 * vertices, faces, DRAFT, reference=reference)
     far = replace(reference, vertices=reference.vertices + 1e6)
     near = canonical_form(vertices, faces, DRAFT, reference=far).vertices
