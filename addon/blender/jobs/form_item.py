@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from ...core.numerics.arrays import FloatArray
     from ...core.results import AnyResult, Shaped
     from ...core.run.monitor import Cancelled, Progress
-    from ..results.carried import Carried
+    from ..results.match_values import MatchValues
     from .likeness import Likeness
 
 
@@ -329,7 +329,7 @@ class FormItem:
         settings: Settings,
         progress: Progress | None,
         cancelled: Cancelled | None,
-    ) -> tuple[Shaped, Carried]:
+    ) -> tuple[Shaped, MatchValues]:
         """Put the objects into the pose of another, oriented as that object is in the scene."""
         self._require_no_mirror(
             told(

@@ -12,7 +12,7 @@ from ..mesh_items.palette import Colours, colours_of
 from ..objects.combining import Combined
 from ..objects.mesh_reading import Reading
 from ..records.form_report import FormReport, StressReport
-from ..results.carried import Carried
+from ..results.match_values import MatchValues
 from ..words.advice import all_advised
 from ..words.wording import told
 from .request import Request
@@ -38,7 +38,7 @@ class FormResult(NamedTuple):
         Colours of the fields and patches.
     shapes : list of (n, 3) ndarray of float
         Shapes between pose and form, for keys of an earlier run that are computed again.
-    carried : Carried or None
+    carried : MatchValues or None
         Values that show the match with the object that provides the pose.
     """
 
@@ -46,7 +46,7 @@ class FormResult(NamedTuple):
     report: FormReport
     colours: Colours
     shapes: list[FloatArray]
-    carried: Carried | None = None
+    carried: MatchValues | None = None
 
 
 def results_of(
@@ -55,7 +55,7 @@ def results_of(
     found: AnyResult,
     shapes: Sequence[FloatArray],
     request: Request,
-    carried: Carried | None = None,
+    carried: MatchValues | None = None,
 ) -> list[FormResult]:
     """Split the results for a body by object.
 
@@ -71,7 +71,7 @@ def results_of(
         Shapes between its pose and form.
     request : Request
         What was to be computed.
-    carried : Carried, optional
+    carried : MatchValues, optional
         Values that show the match with the object that provides the pose.
 
     Returns
@@ -91,9 +91,9 @@ def results_of(
     points = whole.owned(found.feature_points)
     shown = zip(whole.split(colours.field), whole.split(colours.patches), strict=True)
     between = [whole.brought_back(shape) for shape in shapes]
-    matched: list[Carried | None] = [None] * len(readings)
+    matched: list[MatchValues | None] = [None] * len(readings)
     if carried is not None:
-        matched = [Carried(*each) for each in zip(*map(whole.split, carried), strict=True)]
+        matched = [MatchValues(*each) for each in zip(*map(whole.split, carried), strict=True)]
     return [
         FormResult(
             own,

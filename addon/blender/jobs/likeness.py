@@ -9,7 +9,7 @@ import numpy as np
 
 from ...core.numerics.arrays import FloatArray, IntArray
 from ..records.form_report import LikeReport
-from ..results.carried import Carried
+from ..results.match_values import MatchValues
 
 if TYPE_CHECKING:
     from ...core import PosedLike, Settings
@@ -88,7 +88,7 @@ class Likeness:
         settings: Settings,
         progress: Progress | None = None,
         cancelled: Cancelled | None = None,
-    ) -> tuple[PosedLike, Carried]:
+    ) -> tuple[PosedLike, MatchValues]:
         """Put a mesh into the pose; may run in any thread.
 
         Parameters
@@ -106,7 +106,7 @@ class Likeness:
         -------
         found : PosedLike
             The mesh in that pose, oriented for the scene.
-        carried : Carried
+        carried : MatchValues
             Values that show the match.
 
         Raises
@@ -130,7 +130,7 @@ class Likeness:
             cancelled=cancelled,
         )
         colours = transferred(found.match, places(here))
-        return found, Carried(found.match.confidence, np.append(colours, np.ones((len(colours), 1)), axis=1))
+        return found, MatchValues(found.match.confidence, np.append(colours, np.ones((len(colours), 1)), axis=1))
 
 
 def _mannequin(pose: str) -> PoseArrays:

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from ...core.results import AnyResult
     from ..mesh_items.palette import Colours
     from ..records.form_report import FormReport
-    from .carried import Carried
+    from .match_values import MatchValues
 
 SHAPE_KEY = "Canonical Form"
 FEATURE_GROUP = "Feature Points"
@@ -51,7 +51,7 @@ def write_results(
     value: float = 1.0,
     patches: bool = True,
     part: Part | None = None,
-    carried: Carried | None = None,
+    carried: MatchValues | None = None,
     live: bool = False,
 ) -> None:
     """Write results to a mesh as shape key, vertex groups and colours, replacing those of an earlier run.
@@ -75,7 +75,7 @@ def write_results(
         Write the patches too, and not only the feature points.
     part : Part or None
         The part of a body of several objects that this object is.
-    carried : Carried or None
+    carried : MatchValues or None
         Values that show the match with the object that provides the pose.
     live : bool
         Whether to update the form only: the value of its key stays, and groups and colours stay if the patches are the

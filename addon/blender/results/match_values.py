@@ -9,7 +9,7 @@ import numpy as np
 from ...core.numerics.arrays import FloatArray
 
 
-class Carried(NamedTuple):
+class MatchValues(NamedTuple):
     """Values that show a match on a mesh.
 
     Attributes
