@@ -286,25 +286,27 @@ def _biharmonic_field(body: Body, chosen: IntArray, memory_limit: float, monitor
     def distances(green: GreensFunction, count: int, chosen: IntArray) -> FloatArray:
         return green.biharmonic_distances(np.arange(count))[:, chosen].min(axis=1)
 
-    return _spectral_field(body, chosen, distances, memory_limit, monitor) * of_unit_area(body.points, body.faces)[2]
+    points, _, unit = of_unit_area(body.points, body.faces)
+    return unit * _spectral_field(body, points, chosen, distances, memory_limit, monitor)
 
 
 def _commute_time_field(body: Body, chosen: IntArray, memory_limit: float, monitor: Monitor) -> FloatArray:
     def distances(green: GreensFunction, count: int, chosen: IntArray) -> FloatArray:
         return np.sqrt(green.commute_time_squared(np.arange(count), monitor)[:, chosen].min(axis=1))
 
-    return _spectral_field(body, chosen, distances, memory_limit, monitor)  # a time: it has no unit of length
+    points = of_unit_area(body.points, body.faces)[0]
+    return _spectral_field(body, points, chosen, distances, memory_limit, monitor)  # a time: it has no unit of length
 
 
 def _spectral_field(
     body: Body,
+    points: FloatArray,
     chosen: IntArray,
     distances: Callable[[GreensFunction, int, IntArray], FloatArray],
     memory_limit: float,
     monitor: Monitor,
 ) -> FloatArray:
     """Compute exact distances from a Green's function on a coarse mesh and interpolate them to all vertices."""
-    points = of_unit_area(body.points, body.faces)[0]
     surface = body.working_surface(points, body.faces, _WORKED_ON, fixed=chosen, monitor=monitor)
     count = len(surface.points)
     if surface.stuck:

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..mesh.connectivity import component_labels
+from ..mesh.edges import vertex_pairs
 from ..numerics.arrays import FloatArray, IntArray
 from ..numerics.factoring import factored
 from ..run.errors import SolverError
@@ -109,7 +111,7 @@ class HeatMethod:
         try:
             self._factor(smooth)
         except SolverError as error:
-            if not _connected(fine):
+            if component_labels(n, vertex_pairs(fine.faces)).any():
                 raise SolverError("heat_disconnected") from error
             self._poisson = None  # edges without weight, by rounding
 
@@ -224,13 +226,6 @@ class HeatMethod:
         norm[norm == 0] = 1.0
         flow = np.concatenate([np.divide(along, norm, out=along), np.divide(across, norm, out=across)])
         return np.asarray(self._poisson.solve(self._divergence @ flow)[: self._vertex_count])
-
-
-def _connected(surface: Triangulation) -> bool:
-    """Tell whether edges lead from any vertex to any other."""
-    from scipy.sparse.csgraph import connected_components
-
-    return bool(connected_components(edge_graph(surface), directed=False, return_labels=False) == 1)
 
 
 def _without_negative_weights(stiffness_matrix: csr_matrix) -> csr_matrix:

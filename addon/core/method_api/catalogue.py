@@ -8,7 +8,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from ..run.monitor import Monitor, Plan
-from .registry import declared_methods, require_method
+from .registry import declared_method, declared_methods
 
 if TYPE_CHECKING:
     from .method_result import MethodResult
@@ -113,5 +113,5 @@ def method_named(name: str) -> Method:
     >>> method_named("fast").label
     'Fast MDS'
     """
-    require_method(name)
-    return methods()[name]
+    found: Method = declared_method(name)
+    return found

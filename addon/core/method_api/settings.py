@@ -10,7 +10,7 @@ from typing import Any
 
 from ..run.errors import InvalidSettingsError
 from .options import Choice, option, options_of, require_allowed
-from .registry import OURS, require_method
+from .registry import OURS, declared_method
 
 _COARSE = {"draft": 700, "normal": 1600}  # working vertices
 
@@ -234,7 +234,8 @@ class Settings:
     def __post_init__(self) -> None:
         """Reject values of a wrong type or outside their range."""
         require_allowed(self)
-        require_method(self.method)
+        if self.method != OURS:
+            declared_method(self.method)
 
     @property
     def whole(self) -> bool:
