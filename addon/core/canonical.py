@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,16 +11,17 @@ from numpy.typing import ArrayLike
 from .assembly.body import Body
 from .assembly.gathering import gathered_features, shaped
 from .assembly.opening import OPENING, opened
-from .method_api.catalogue import Method, method_named
-from .method_api.method_result import MethodResult
+from .method_api.catalogue import DETECTION, Method, method_named
 from .method_api.settings import Settings
-from .method_api.surface_features import DETECTION, WholeFeatures
 from .numerics.arrays import FloatArray, IntArray
-from .placing.orientation import in_place
-from .placing.reference import ReferenceBody, reference_bodies
 from .results import CanonicalForm
 from .run.kept_stages import KeptStages
 from .run.monitor import Cancelled, Monitor, Progress
+
+if TYPE_CHECKING:
+    from .method_api.method_result import MethodResult
+    from .method_api.surface_features import WholeFeatures
+    from .placing.reference import ReferenceBody
 
 
 def canonical_form(
@@ -83,6 +84,8 @@ def canonical_form(
     ----------
     "Local Feature-Based 3D Canonical Form".
     """
+    from .placing.reference import reference_bodies
+
     settings = settings or Settings()
     method = method_named(settings.method)
     settings = method.settings(settings)
@@ -132,6 +135,8 @@ def _body_form(
     settings: Settings,
 ) -> _BodyForm:
     """Find the features of a body, unfold it, and place the form."""
+    from .placing.orientation import in_place
+
     found = body.features(chosen, settings, monitor)
     embedded = method.unfold(found, settings, monitor)
     with monitor.stage("Alignment"):

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from numpy.typing import ArrayLike
 
 from .assembly.body import Body
 from .assembly.gathering import gathered_features
 from .assembly.opening import OPENING, opened
-from .method_api.catalogue import method_named
+from .method_api.catalogue import DETECTION, method_named
 from .method_api.settings import Settings
-from .method_api.surface_features import DETECTION, WholeFeatures
 from .numerics.arrays import IntArray
 from .results import FeaturePatches
 from .run.monitor import Cancelled, Monitor, Progress
+
+if TYPE_CHECKING:
+    from .method_api.surface_features import WholeFeatures
 
 
 def feature_patches(

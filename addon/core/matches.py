@@ -17,10 +17,9 @@ from .matching.sides import Side, sides
 from .matching.unfolded import Unfolded, unfolded
 from .mesh.geometry import surface_area
 from .mesh.tables import rows_in
-from .method_api.catalogue import method_named
+from .method_api.catalogue import DETECTION, method_named
 from .method_api.costs import require_match_memory
 from .method_api.settings import Settings
-from .method_api.surface_features import DETECTION
 from .numerics.arrays import IntArray
 from .results import Match
 from .run.errors import CancelledError, CanonicalFormError, InvalidSettingsError

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from .numerics.arrays import FloatArray, IntArray
 from .run.messages import Message
-from .symmetry.limbs import BodyLimbs
+
+if TYPE_CHECKING:
+    from .symmetry.limbs import BodyLimbs
 
 
 class _Summarised:

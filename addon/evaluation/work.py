@@ -15,8 +15,7 @@ from ..core import CanonicalFormError, Settings, canonical_form
 from ..core.measures.detail_kept import detail_measures
 from ..core.measures.form_measures import hausdorff, summary
 from ..core.mesh.geometry import surface_area
-from ..core.method_api.catalogue import method_named
-from ..core.method_api.surface_features import DETECTION
+from ..core.method_api.catalogue import DETECTION, method_named
 from ..core.numerics.arrays import FloatArray, IntArray
 from .descriptor import harmonic_descriptor
 from .methods import Method

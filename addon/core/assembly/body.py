@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..method_api.settings import Settings
-from ..method_api.surface_features import SurfaceFeatures, detected
 from ..numerics.arrays import FloatArray, IntArray
 from ..run.monitor import Monitor
-from ..surface.working_surface import WorkingSurface, working_surface
 from .pieces import Piece
 
 if TYPE_CHECKING:
+    from ..method_api.surface_features import SurfaceFeatures
+    from ..surface.working_surface import WorkingSurface
     from .contacts import Samples
 
 
@@ -104,6 +104,8 @@ class Body(Piece):
             If the run is cancelled.
         """
         if len(self.parts) < 2:
+            from ..surface.working_surface import working_surface
+
             return working_surface(points, faces, target, fixed=fixed, monitor=monitor)
         from .joined_surface import joined_surface
 
@@ -133,6 +135,8 @@ class Body(Piece):
         CancelledError
             If the run is cancelled.
         """
+        from ..method_api.surface_features import detected
+
         return detected(self.points, self.faces, chosen, settings, monitor, reduced=self.working_surface)
 
     def with_riders(self, shape: FloatArray, monitor: Monitor) -> list[FloatArray]:

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from ..mesh.geometry import of_unit_area
-from ..method_api.surface_features import WholeFeatures
 from ..numerics.arrays import FloatArray, IntArray
 from ..run.monitor import Monitor
-from ..symmetry.limbs import BodyLimbs
 from .bodies import Bodies
+
+if TYPE_CHECKING:
+    from ..method_api.surface_features import WholeFeatures
+    from ..symmetry.limbs import BodyLimbs
 
 
 class GatheredFeatures(NamedTuple):
@@ -137,6 +139,8 @@ def gathered_features(bodies: Bodies, found: Sequence[WholeFeatures]) -> Gathere
     >>> found.bodies[0].vertices.tolist()
     [0, 1, 2, 3]
     """
+    from ..symmetry.limbs import BodyLimbs
+
     count = len(bodies.vertices)
     numbers = feature_numbers(bodies, [each.points for each in found])
     points = np.empty(sum(map(len, numbers)), dtype=np.int64)

@@ -14,7 +14,7 @@ from ..mesh.geometry import of_unit_area
 from ..numerics.arrays import FloatArray, IntArray
 from ..patching.cells import voronoi_cells
 from ..run.errors import SolverError
-from ..run.monitor import Monitor, Plan
+from ..run.monitor import Monitor
 from ..surface.laplacian import mass, stiffness
 from ..surface.spectrum import Spectrum, compute_spectrum
 from ..surface.working_surface import Reduced, WorkingSurface, working_surface
@@ -26,7 +26,6 @@ from .settings import Settings
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
 
-DETECTION: Plan = {"Coarse mesh": 28, "Triangulation": 2, "Spectrum": 7, "Feature points": 2, "Patches": 1}
 _SPARE = 4  # candidates per feature point requested, since some lie too close to others
 _MORE_SLACK = (0.01, 0.1)  # slack of every triangle inequality, in mean edges, tried in turn where the spectrum fails
 

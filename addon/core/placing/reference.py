@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 
@@ -11,7 +11,9 @@ from ..mesh.geometry import of_unit_area
 from ..numerics.arrays import FloatArray, IntArray
 from ..run.errors import InvalidSettingsError
 from ..run.monitor import Monitor
-from ..symmetry.limbs import BodyLimbs, Limbs
+
+if TYPE_CHECKING:
+    from ..symmetry.limbs import BodyLimbs, Limbs
 
 
 class Reference(Protocol):
