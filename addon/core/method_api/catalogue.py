@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 
 FEATURE_OPTIONS = ("prominence", "feature_count", "merge_distance", "diffusion_time", "eigenpairs")  # of every method
 MINIMISATION_OPTIONS = ("max_iterations", "tolerance", "extrapolation")
-DETECTION: Plan = {"Coarse mesh": 28, "Triangulation": 2, "Spectrum": 7, "Feature points": 2, "Patches": 1}  # stages
+# stages of every run, before those of its method
+DETECTION: Plan = {"Coarse mesh": 28, "Triangulation": 2, "Spectrum": 7, "Feature points": 2, "Patches": 1}
 
 
 class Method(NamedTuple):
