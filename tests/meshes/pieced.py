@@ -80,6 +80,23 @@ def character() -> tuple[np.ndarray, np.ndarray, Pieced]:
     return vertices, faces, with_ball(pieced, "eye", top, 0.02 * float(np.sqrt(surface_area(vertices, faces))))
 
 
+def with_scales(vertices, faces, count: int, height: float = 0.004) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Add small squares that stand off a surface on some of its triangles, and name the triangle under each."""
+    rng = np.random.default_rng(3)
+    under = rng.choice(len(faces), count, replace=False)
+    size = np.sqrt(surface_area(vertices, faces))
+    a, b, c = (vertices[faces[under, corner]] for corner in range(3))
+    along = (b - a) / np.linalg.norm(b - a, axis=1)[:, None]
+    normal = np.cross(b - a, c - a)
+    normal /= np.linalg.norm(normal, axis=1)[:, None]
+    across = np.cross(normal, along)
+    middle = (a + b + c) / 3 + height * size * normal
+    square = np.array([[-1, -1], [1, -1], [-1, 1], [1, 1]]) * 0.004 * size
+    points = middle[:, None] + square[:, :1] * along[:, None] + square[:, 1:] * across[:, None]
+    own = np.arange(count)[:, None, None] * 4 + np.array([[0, 1, 3], [0, 3, 2]]) + len(vertices)
+    return np.vstack([vertices, points.reshape(-1, 3)]), np.vstack([faces, own.reshape(-1, 3)]), under
+
+
 class _Made:
     def __init__(self, start: Pieced | None = None) -> None:
         self._points = [] if start is None else [start.vertices]

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..numerics.arrays import FloatArray, IntArray
-from ..run.errors import InvalidSettingsError
+from ..run.errors import InvalidMeshError, InvalidSettingsError
 from ..run.messages import Message, message
 from ..run.monitor import Monitor, Plan
 from .body import Body, single
-from .pieces import Pieces, connected_pieces
+from .pieces import MOST_PIECES, Pieces, connected_pieces
 
 Result = TypeVar("Result")
 
@@ -52,6 +52,8 @@ class Bodies:
         Whether pieces that belong together are one body.
     given : sequence of int or None
         Feature points chosen by hand, as vertices of the mesh.
+    crowd : int
+        Number of pieces too small or too many to be compared with all others: they ride on what lies nearest.
     """
 
     bodies: list[Body]
@@ -59,6 +61,7 @@ class Bodies:
     chosen: list[Chosen | None]
     together: bool
     given: Sequence[int] | None
+    crowd: int
 
     @property
     def vertices(self) -> FloatArray:
@@ -152,6 +155,8 @@ class Bodies:
     def apart(self) -> list[Message]:
         """Messages on how a form treats several bodies, pieces without area and vertices without a face."""
         told = list(self.pieces.left_out)
+        if self.crowd:
+            told.append(message("small_pieces_ride", count=self.crowd))
         if len(self.bodies) > 1:
             told.append(message("several_bodies" if self.together else "several_pieces", count=len(self.bodies)))
         return told
@@ -216,10 +221,12 @@ def bodies_of(
     if together and len(pieces.pieces) > 1:
         from .together import bodies_together
 
-        bodies = bodies_together(pieces, monitor)
+        bodies, crowd = bodies_together(pieces, monitor)
+    elif len(pieces.pieces) > MOST_PIECES:
+        raise InvalidMeshError("too_many_pieces", count=len(pieces.pieces), most=MOST_PIECES)
     else:
-        bodies = list(map(single, pieces.pieces))
-    return Bodies(bodies, pieces, _chosen_features(bodies, pieces, features), together, features)
+        bodies, crowd = list(map(single, pieces.pieces)), 0
+    return Bodies(bodies, pieces, _chosen_features(bodies, pieces, features), together, features, crowd)
 
 
 def _chosen_features(bodies: list[Body], pieces: Pieces, given: Sequence[int] | None) -> list[Chosen | None]:

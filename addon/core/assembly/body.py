@@ -162,15 +162,18 @@ class Body(Piece):
         from .riding import ground_of, ridden
 
         centre, unit = self._frame
-        shapes = [(shape[vertices] - centre) / unit for vertices, _, _ in self.parts]
-        samples = [each for _, _, each in self.parts]
-        for rider in self.riders:
-            ground = ground_of([samples[at] for at in rider.ground], [shapes[at] for at in rider.ground])
-            points = (rider.piece.points - centre) / unit
-            moved = ridden(points, rider.piece.faces, rider.samples, ground, rigid=rider.rigid, monitor=monitor)
-            shapes.append(moved)
-            samples.append(rider.samples)
-        return [each * unit + centre for each in shapes[len(self.parts) :]]
+        shapes = dict(enumerate((shape[vertices] - centre) / unit for vertices, _, _ in self.parts))
+        samples = [each for _, _, each in self.parts] + [rider.samples for rider in self.riders]
+        pieces = [Piece(piece.vertices, (piece.points - centre) / unit, piece.faces) for piece, *_ in self.riders]
+        sharing: dict[tuple[bool, tuple[int, ...]], list[int]] = {}  # the first comes after all that carries them
+        for index, rider in enumerate(self.riders):
+            sharing.setdefault((rider.rigid, tuple(rider.ground)), []).append(index)
+        for (rigid, under), riding in sharing.items():
+            ground = ground_of([samples[at] for at in under], [shapes[at] for at in under])
+            own = [self.riders[index].samples for index in riding]
+            moved = ridden([pieces[index] for index in riding], own, ground, rigid=rigid, monitor=monitor)
+            shapes.update(zip((len(self.parts) + index for index in riding), moved, strict=True))
+        return [shapes[len(self.parts) + index] * unit + centre for index in range(len(self.riders))]
 
 
 def single(piece: Piece) -> Body:

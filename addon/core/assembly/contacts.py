@@ -35,12 +35,15 @@ class Samples(NamedTuple):
         Positions.
     normals : (s, 3) ndarray of float
         Unit normals of the triangles; 0 where a triangle has no area.
+    area : float
+        Area of the surface.
     """
 
     corners: IntArray
     weights: FloatArray
     points: FloatArray
     normals: FloatArray
+    area: float
 
     def on(self, vertices: FloatArray) -> FloatArray:
         """Compute the positions of the samples after the vertices have moved.
@@ -123,7 +126,7 @@ def sampled(points: FloatArray, faces: IntArray, spacing: float = SPACING) -> Sa
     weights = np.column_stack([1 - u - v, u, v])
     corners = faces[face]
     unit = normals[face] / np.maximum(areas[face], np.finfo(float).tiny)[:, None]
-    return Samples(corners, weights, np.einsum("ij,ijk->ik", weights, points[corners]), unit)
+    return Samples(corners, weights, np.einsum("ij,ijk->ik", weights, points[corners]), unit, float(ends[-1]))
 
 
 def contacts_between(
@@ -203,6 +206,8 @@ def neighbourhoods(pieces: Sequence[Piece]) -> list[list[Piece]]:
     low = np.array([piece.points.min(axis=0) for piece in pieces])
     high = np.array([piece.points.max(axis=0) for piece in pieces])
     sizes = np.array([of_unit_area(piece.points, piece.faces)[2] for piece in pieces])
+    from scipy.spatial import KDTree
+
     clouds: dict[int, KDTree] = {}
     label = np.arange(len(pieces))
     for i in range(len(pieces) - 1):
@@ -212,7 +217,7 @@ def neighbourhoods(pieces: Sequence[Piece]) -> list[list[Piece]]:
             if label[i] == label[j]:
                 continue
             for piece in {i, j} - clouds.keys():
-                clouds[piece] = _cloud(pieces[piece], float(sizes.max()))
+                clouds[piece] = KDTree(cloud(pieces[piece], float(sizes.max())))
             if _come_near(clouds[i], clouds[j], FARTHEST * max(sizes[i], sizes[j]) / sizes.max()):
                 label[label == label[j]] = label[i]
     groups: dict[int, list[Piece]] = {}
@@ -221,12 +226,28 @@ def neighbourhoods(pieces: Sequence[Piece]) -> list[list[Piece]]:
     return list(groups.values())
 
 
-def _cloud(piece: Piece, unit: float) -> KDTree:
-    """Spread some samples over a piece, in a unit in which no distance underflows."""
-    from scipy.spatial import KDTree
+def cloud(piece: Piece, unit: float = 1.0) -> FloatArray:
+    """Spread some samples over a piece.
 
+    Parameters
+    ----------
+    piece : Piece
+        The piece.
+    unit : float
+        Unit of length of the result; one in which no distance underflows.
+
+    Returns
+    -------
+    (s, 3) ndarray of float
+        Positions.
+
+    Examples
+    --------
+    >>> cloud(Piece(np.arange(3), np.eye(3), np.array([[0, 1, 2]])), 2.0).sum(axis=1).round(6).max()
+    0.5
+    """
     points, centre, size = of_unit_area(piece.points, piece.faces)
-    return KDTree(sampled(points, piece.faces, _ROUGH).points * (size / unit) + centre / unit)
+    return sampled(points, piece.faces, _ROUGH).points * (size / unit) + centre / unit
 
 
 def _come_near(one: KDTree, two: KDTree, within: float) -> bool:

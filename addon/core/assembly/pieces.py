@@ -15,7 +15,9 @@ from ..run.errors import InvalidMeshError
 from ..run.messages import Message, message
 from ..run.monitor import Monitor
 
-_MOST = 500  # pieces; more are loose faces, or cards of hair and leaves, whose patches are of no use
+MEASURED = 100  # largest pieces, whose distances from each other are all measured; the others ride on what is nearest
+MOST_PIECES = 500  # more are loose faces, unless one is large enough to carry the others, like a head cards of hair
+_MOST_CARRIED, _CARRIES = 20_000, 0.05  # pieces then, and least share of the largest in the whole area
 _NO_AREA = 1e-12  # in squares of half the size; rounding errors are a thousandth of it
 _ALIKE = 1e-6  # share of the whole area within which two pieces count as equally large
 
@@ -120,8 +122,8 @@ def connected_pieces(
     if (label != label[:1]).any():
         order = np.argsort(label, kind="stable")
         corners, start = corners[order], np.concatenate([start, np.flatnonzero(np.diff(label[order])) + 1])
-    if len(start) > _MOST:
-        raise InvalidMeshError("too_many_pieces", count=len(start), most=_MOST)
+    if len(start) > _MOST_CARRIED:
+        raise InvalidMeshError("too_many_pieces", count=len(start), most=_MOST_CARRIED)
     area, size = component_areas(points, corners, start)
     monitor.check()
     order = _largest_first(area, size)
@@ -143,7 +145,10 @@ def _largest_first(area: FloatArray, size: FloatArray) -> IntArray:
     if len(usable) < 2:
         return usable
     areas = area[usable] * (size[usable] / size[usable].max()) ** 2
-    return usable[np.argsort(-np.round(areas / areas.sum() / _ALIKE), kind="stable")]
+    share = areas / areas.sum()
+    if len(usable) > MOST_PIECES and share.max() < _CARRIES:
+        raise InvalidMeshError("too_many_pieces", count=len(usable), most=MOST_PIECES)
+    return usable[np.argsort(-np.round(share / _ALIKE), kind="stable")]
 
 
 def _piece(points: FloatArray, faces: IntArray) -> Piece:

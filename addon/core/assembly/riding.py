@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..deformation.elastic_body import ElasticBody
 from ..deformation.rotations import nearest_rotations
-from ..measures.alignment import rigid_fit
 from ..measures.form_measures import edge_stretch
 from ..mesh.geometry import moved_by_frames, of_unit_area
 from ..numerics.arrays import FloatArray, IntArray
 from ..run.monitor import Monitor
 from ..surface.working_surface import working_surface
 from .contacts import SPACING, Samples
+from .pieces import Piece
+
+if TYPE_CHECKING:
+    from scipy.spatial import KDTree
 
 _REACH = 0.02  # distance up to which ground moves a rider, in sqrt(area) of the mesh, like the lengths below
 _UNDER = 0.03  # radius of the surface under a contact that determines its motion
@@ -24,6 +29,7 @@ _FEWEST = 24  # vertices of a rider that bends
 _STRETCHED = 0.3  # 95th percentile of the edge distortion above which a rider moves rigidly instead of bending
 _LOOSE = 0.3  # share of a rider on its carrier below which it is rigid
 _OFF, _ROUNDS = 0.005, 5  # deviation of ground of the same limb from its rigid motion; iterations of the robust fit
+_RIDERS_AT_ONCE = 256  # whose contacts are held in memory
 _NEIGHBOURS = 24  # samples from which the rotation of the surface at one of them is estimated
 _NEAREST = 6  # samples under a vertex of a rider that move it
 _WORKED_ON = 400  # working vertices of a rider
@@ -32,7 +38,8 @@ _FAR, _FAR_SHARE = 100, 1e-4  # factor on that time, and its weight: for parts f
 _PULL, _STEPS = 60.0, 8  # strength of the pull towards the motion of the ground, in 1/area; alternations
 
 
-class Ground(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Ground:
     """The surface that carries riders, before and after it moved.
 
     Attributes
@@ -43,6 +50,13 @@ class Ground(NamedTuple):
 
     before: FloatArray
     after: FloatArray
+
+    @cached_property
+    def tree(self) -> KDTree:
+        """The samples before the move, for searches."""
+        from scipy.spatial import KDTree
+
+        return KDTree(self.before)
 
 
 def ground_of(samples: Sequence[Samples], shapes: Sequence[FloatArray]) -> Ground:
@@ -101,29 +115,27 @@ def is_rigid(points: FloatArray, area: float, covered: float) -> bool:
 
 
 def ridden(
-    points: FloatArray, faces: IntArray, own: Samples, ground: Ground, *, rigid: bool, monitor: Monitor
-) -> FloatArray:
-    """Move a rider with the ground under it.
+    pieces: Sequence[Piece], samples: Sequence[Samples], ground: Ground, *, rigid: bool, monitor: Monitor
+) -> list[FloatArray]:
+    """Move riders with the ground under them.
 
     Parameters
     ----------
-    points : (n, 3) ndarray of float
-        Its vertices.
-    faces : (m, 3) ndarray of int
-        Its triangles, one connected surface.
-    own : Samples
-        Samples of it.
+    pieces : sequence of Piece
+        The riders.
+    samples : sequence of Samples
+        Samples of each.
     ground : Ground
-        What carries it.
+        What carries them.
     rigid : bool
-        Whether it moves rigidly; otherwise it follows what lies under each of its parts, as rigidly as possible.
+        Whether they move rigidly; otherwise they follow what lies under each of their parts, as rigidly as possible.
     monitor : Monitor
         Receives a warning where a rider cannot follow and moves rigidly; polled for cancellation.
 
     Returns
     -------
-    (n, 3) ndarray of float
-        Its vertices after the move.
+    list of (p, 3) ndarray of float
+        Their vertices after the move.
 
     Raises
     ------
@@ -135,10 +147,10 @@ def ridden(
     >>> from addon.core.assembly.contacts import sampled
     >>> points, faces = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]), np.array([[0, 1, 2]])
     >>> below, turn = sampled(points, faces, 0.02), np.array([[0.0, 1, 0], [-1, 0, 0], [0, 0, 1]])
-    >>> small = 0.1 * points + [0.2, 0.2, 0.01]
-    >>> rider = sampled(small, faces)
-    >>> ground = ground_of([below], [points @ turn + 3])
-    >>> np.allclose(ridden(small, faces, rider, ground, rigid=True, monitor=Monitor()), small @ turn + 3)
+    >>> rider = Piece(np.arange(3), 0.1 * points + [0.2, 0.2, 0.01], faces)
+    >>> own, ground = sampled(rider.points, faces), ground_of([below], [points @ turn + 3])
+    >>> (moved,) = ridden([rider], [own], ground, rigid=True, monitor=Monitor())
+    >>> np.allclose(moved, rider.points @ turn + 3)
     True
 
     References
@@ -147,36 +159,65 @@ def ridden(
     Sorkine and Alexa, "As-Rigid-As-Possible Surface Modeling", 2007, doi:10.2312/SGP/SGP07/109-116; Geman and
     McClure, "Statistical Methods for Tomographic Image Reconstruction", 1987 (the robust weights).
     """
-    monitor.check()
-    if not rigid:
-        draped = _draped(points, faces, ground, monitor)
-        if np.quantile(np.abs(edge_stretch(points, draped, faces) - 1), 0.95) < _STRETCHED:
-            return draped
-        monitor.warn("rider_stretched")
-    return _moved_as_one(points, own, ground)
+    if rigid:
+        return _moved_as_one(pieces, samples, ground, monitor)
+    moved = []
+    for piece, own in zip(pieces, samples, strict=True):
+        shape = _draped(piece.points, piece.faces, ground, monitor)
+        if np.quantile(np.abs(edge_stretch(piece.points, shape, piece.faces) - 1), 0.95) >= _STRETCHED:
+            monitor.warn("rider_stretched")
+            (shape,) = _moved_as_one([piece], [own], ground, monitor)
+        moved.append(shape)
+    return moved
 
 
-def _moved_as_one(points: FloatArray, own: Samples, ground: Ground) -> FloatArray:
-    """Fit one rigid motion to the ground around the contact, except for ground that moves away from it."""
-    from scipy.spatial import KDTree
+def _moved_as_one(
+    pieces: Sequence[Piece], samples: Sequence[Samples], ground: Ground, monitor: Monitor
+) -> list[FloatArray]:
+    """Move each rider as one rigid whole."""
+    moved: list[FloatArray] = []
+    for start in range(0, len(pieces), _RIDERS_AT_ONCE):
+        monitor.check()
+        some = slice(start, start + _RIDERS_AT_ONCE)
+        motions = zip(pieces[some], *_rigid_motions(samples[some], ground), strict=True)
+        moved += [piece.points @ rotation + shift for piece, rotation, shift in motions]
+    return moved
 
-    tree = KDTree(ground.before)
-    distance, at = tree.query(own.points)
-    gap = float(distance.min())
-    touching = distance <= max(_REACH, gap + _REACH / 2)
-    weight = np.exp(-(((distance[touching] - gap) / SPACING) ** 2))
-    under = tree.query_ball_point(ground.before[at[touching]], _UNDER)
+
+def _rigid_motions(riders: Sequence[Samples], ground: Ground) -> tuple[FloatArray, FloatArray]:
+    """Fit a rigid motion of each rider to the ground around its contact, except for ground that moves away from it."""
+    first = np.cumsum([0, *(len(each.points) for each in riders)])[:-1]
+    owner = np.repeat(np.arange(len(riders)), [len(each.points) for each in riders])
+    distance, at = ground.tree.query(np.concatenate([each.points for each in riders]))
+    gap = np.minimum.reduceat(distance, first)[owner]
+    touching = distance <= np.maximum(_REACH, gap + _REACH / 2)
+    owner, at = owner[touching], at[touching]
+    weight = np.exp(-(((distance - gap)[touching] / SPACING) ** 2))
+    under = ground.tree.query_ball_point(ground.before[at], _UNDER)
     count = [len(each) for each in under]
-    each, contact = np.concatenate([np.asarray(one, dtype=np.int64) for one in under]), np.repeat(at[touching], count)
+    each, contact = np.concatenate([np.asarray(one, dtype=np.int64) for one in under]), np.repeat(at, count)
     share = np.repeat(weight / np.maximum(count, 1), count) * _stays(ground, contact, each)
-    used, place = np.unique(each, return_inverse=True)
+    used, place = np.unique(np.repeat(owner, count) * len(ground.before) + each, return_inverse=True)
     summed = np.maximum(np.bincount(place.ravel(), share, minlength=len(used)), 1e-300)
+    owner, used = np.divmod(used, len(ground.before))
+    first = np.flatnonzero(np.diff(owner, prepend=-1))
     before, after, trust = ground.before[used], ground.after[used], np.ones(len(used))
     for _ in range(_ROUNDS):
-        rotation, shift = rigid_fit(before, after, summed * trust)
-        off = np.linalg.norm(before @ rotation + shift - after, axis=1)
-        trust = 1 / (1 + (off / _OFF) ** 2) ** 2 + 1e-9
-    return points @ rotation + shift
+        rotations, shifts = _rigid_fits(before, after, summed * trust, owner, first)
+        moved = moved_by_frames(before, rotations[owner], shifts[owner])
+        trust = 1 / (1 + (np.linalg.norm(moved - after, axis=1) / _OFF) ** 2) ** 2 + 1e-9
+    return rotations, shifts
+
+
+def _rigid_fits(
+    before: FloatArray, after: FloatArray, weight: FloatArray, owner: IntArray, first: IntArray
+) -> tuple[FloatArray, FloatArray]:
+    """Compute the rigid motion of every group of matching points, which start at `first`."""
+    share = (weight / np.add.reduceat(weight, first)[owner])[:, None]
+    here, there = np.add.reduceat(share * before, first), np.add.reduceat(share * after, first)  # the centroids
+    products = (share * (before - here[owner]))[:, :, None] * (after - there[owner])[:, None, :]
+    rotations = nearest_rotations(np.add.reduceat(products, first))
+    return rotations, there - np.einsum("ri,rij->rj", here, rotations)
 
 
 def _stays(ground: Ground, here: IntArray, there: IntArray) -> FloatArray:
@@ -188,16 +229,14 @@ def _stays(ground: Ground, here: IntArray, there: IntArray) -> FloatArray:
 
 def _draped(points: FloatArray, faces: IntArray, ground: Ground, monitor: Monitor) -> FloatArray:
     """Let every part follow the surface under it, and parts without contact follow their surroundings."""
-    from scipy.spatial import KDTree
-
+    monitor.check()
     scaled, _, unit = of_unit_area(points, faces)
     surface = working_surface(scaled, faces, _WORKED_ON, monitor=monitor)
     kept = points[surface.kept]
-    tree = KDTree(ground.before)
-    distance, at = tree.query(kept, k=min(_NEAREST, len(ground.before)))
+    distance, at = ground.tree.query(kept, k=min(_NEAREST, len(ground.before)))
     distance, at = distance.reshape(len(kept), -1), at.reshape(len(kept), -1)
     used, place = np.unique(at, return_inverse=True)
-    turn = _turns(tree, ground, used)[place.reshape(at.shape)]  # (c, k, 3, 3)
+    turn = _turns(ground, used)[place.reshape(at.shape)]  # (c, k, 3, 3)
     shift = ground.after[at] - np.einsum("cki,ckij->ckj", ground.before[at], turn)
     nearest = distance[:, :1]
     weight = np.exp(-(((distance - nearest) / SPACING) ** 2))
@@ -218,10 +257,10 @@ def _draped(points: FloatArray, faces: IntArray, ground: Ground, monitor: Monito
     return moved_by_frames(scaled, rotation, shift) * unit if surface.coarse else placed * unit
 
 
-def _turns(tree: object, ground: Ground, where: IntArray) -> FloatArray:
+def _turns(ground: Ground, where: IntArray) -> FloatArray:
     """Estimate the rotation of the ground at some of its samples, from neighbours of the same limb."""
     k = min(_NEIGHBOURS, len(ground.before))
-    around = tree.query(ground.before[where], k=k)[1].reshape(len(where), -1)  # type: ignore[attr-defined]
+    around = ground.tree.query(ground.before[where], k=k)[1].reshape(len(where), -1)
     same = _stays(ground, np.broadcast_to(where[:, None], around.shape), around)
     before = ground.before[around] - ground.before[where][:, None]
     after = ground.after[around] - ground.after[where][:, None]

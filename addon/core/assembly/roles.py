@@ -52,7 +52,7 @@ def roles_of(pieces: Sequence[Piece], samples: Sequence[Samples], contacts: Mapp
     pieces : sequence of Piece
         The pieces, largest area first, of unit area in total.
     samples : sequence of Samples
-        Samples of each, their numbers proportional to the areas.
+        Samples of each.
     contacts : mapping of (int, int) to Contact
         The distances between them.
 
@@ -94,18 +94,18 @@ class _Cast:
         return self.known_loops[piece]
 
     def area(self, piece: int) -> float:
-        return len(self.samples[piece].points) / self.sample_count
+        return self.samples[piece].area / self.whole_area
 
     @cached_property
-    def sample_count(self) -> int:
-        return sum(len(each.points) for each in self.samples)
+    def whole_area(self) -> float:
+        return sum(each.area for each in self.samples)
 
     def distance(self, piece: int, others: Iterable[int]) -> FloatArray:
         """Measure the distance of every sample of a piece from some other pieces."""
         each = [self.contacts[piece, other].distances for other in others if (piece, other) in self.contacts]
         return np.min(each, axis=0) if each else np.full(len(self.samples[piece].points), np.inf)
 
-    def gap(self, one: Iterable[int], others: Sequence[int]) -> float:
+    def gap(self, one: Sequence[int], others: Sequence[int]) -> float:
         """Measure the smallest distance between two groups of pieces."""
         return min(
             (self.contacts[i, j].gap for i in one for j in others if (i, j) in self.contacts), default=float("inf")
@@ -128,8 +128,9 @@ def _is_host(cast: _Cast, piece: int, hosts: list[int]) -> bool:
 
     area, distance = cast.area(piece), cast.distance(piece, hosts)
     gap = float(distance.min())
-    if gap > WIDEST_GAP:  # nothing near: a body of its own, unless it is small
-        return not np.isfinite(gap) or area > _SMALLER * max(cast.area(host) for host in hosts)
+    if gap > WIDEST_GAP:  # nothing near: a body of its own, unless it is small, or hangs on something that rides
+        far = not np.isfinite(gap) and cast.gap([piece], range(piece)) > WIDEST_GAP
+        return far or area > _SMALLER * max(cast.area(host) for host in hosts)
     if np.mean(distance < TOUCH) >= _COVERED:
         return False
     points = cast.samples[piece].points

@@ -10,13 +10,14 @@ from ..mesh.geometry import of_unit_area
 from ..numerics.arrays import FloatArray, IntArray
 from ..run.monitor import Monitor
 from .body import Body, Rider, single
-from .contacts import Contact, Samples, contacts_between, neighbourhoods, sampled
+from .contacts import Contact, Samples, contacts_between, sampled
+from .crowd import crowd_contacts, crowds
 from .pieces import Piece, Pieces
 from .riding import is_rigid
 from .roles import TOUCH, Roles, roles_of
 
 
-def bodies_together(pieces: Pieces, monitor: Monitor) -> list[Body]:
+def bodies_together(pieces: Pieces, monitor: Monitor) -> tuple[list[Body], int]:
     """Find the pieces that belong together, among neighbouring ones scaled to unit area.
 
     Parameters
@@ -28,8 +29,10 @@ def bodies_together(pieces: Pieces, monitor: Monitor) -> list[Body]:
 
     Returns
     -------
-    list of Body
+    bodies : list of Body
         The bodies: by neighbourhood, in each the largest area first.
+    crowd : int
+        Number of pieces too small or too many to be compared with all others: they ride on what lies nearest.
 
     Raises
     ------
@@ -41,24 +44,33 @@ def bodies_together(pieces: Pieces, monitor: Monitor) -> list[Body]:
     >>> from addon.core.assembly.pieces import connected_pieces
     >>> corner = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
     >>> pieces = connected_pieces([*corner, *([x, y, 9] for x, y, _ in corner)], [[0, 1, 2], [3, 4, 5]])
-    >>> len(bodies_together(pieces, Monitor()))
-    2
+    >>> bodies, crowd = bodies_together(pieces, Monitor())
+    >>> len(bodies), crowd
+    (2, 0)
     """
     bodies = []
-    for neighbours in neighbourhoods(pieces.pieces):
-        if len(neighbours) == 1:
+    groups = crowds(pieces.pieces)
+    for neighbours, crowd in groups:
+        if len(neighbours) + len(crowd) == 1:
             bodies.append(single(neighbours[0]))
             continue
         faces = np.concatenate([piece.vertices[piece.faces] for piece in neighbours])
         used, corners = np.unique(faces, return_inverse=True)
         _, centre, unit = of_unit_area(pieces.vertices[used], corners.reshape(-1, 3))
-        scaled = [Piece(piece.vertices, (piece.points - centre) / unit, piece.faces) for piece in neighbours]
+        scaled = [Piece(piece.vertices, (piece.points - centre) / unit, piece.faces) for piece in neighbours + crowd]
         samples = [sampled(piece.points, piece.faces) for piece in scaled]
-        contacts = contacts_between(scaled, samples, monitor)
-        roles = roles_of(scaled, samples, contacts)
-        monitor.check()
-        bodies += [body_of(neighbours, samples, contacts, roles, group, (centre, unit)) for group in roles.bodies]
-    return bodies
+        measured = slice(0, len(neighbours))
+        contacts = contacts_between(scaled[measured], samples[measured], monitor)
+        roles = roles_of(scaled[measured], samples[measured], contacts)
+        for index, (carrier, contact) in enumerate(
+            crowd_contacts(samples[len(neighbours) :], samples[measured], monitor), len(neighbours)
+        ):
+            roles.riders.append((index, carrier))
+            contacts[index, carrier] = contact
+        bodies += [
+            body_of(neighbours + crowd, samples, contacts, roles, group, (centre, unit)) for group in roles.bodies
+        ]
+    return bodies, sum(len(crowd) for _, crowd in groups)
 
 
 def body_of(
@@ -110,14 +122,14 @@ def body_of(
         carriers[index] = np.arange(own[0].start, own[0].stop)
         first, begun = own[0].stop, own[1].stop
     every = list(range(len(group)))
-    total = sum(len(each.points) for each in samples)
+    total = sum(each.area for each in samples)
     riders = []
     for index, carrier in roles.riders:
         if carrier not in numbers:
             continue
         piece, contact = pieces[index], contacts[index, carrier]
         covered = float(np.mean(contact.distances < TOUCH))
-        rigid = is_rigid(samples[index].points, len(samples[index].points) / total, covered)
+        rigid = is_rigid(samples[index].points, samples[index].area / total, covered)
         under = carriers[carrier][samples[carrier].nearest_corners[contact.nearest]]  # of every sample
         if rigid:
             carriers[index] = np.full(len(piece.vertices), under[np.argmin(contact.distances)])

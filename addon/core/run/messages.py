@@ -38,13 +38,14 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
     "rounded_positions": "The mesh lies so far from its origin that its positions are rounded to {share:.1%} of its "
     "size. Move it to the origin before modelling or scanning detail.",
     # its pieces
-    "too_many_pieces": "The mesh has {count:,} loose parts, more than {most}. Merge what belongs together, or "
+    "too_many_pieces": "The mesh has {count:,} loose parts, more than {most:,}. Merge what belongs together, or "
     "delete or separate the small parts, and run again.",
     "pieces_without_area": "Loose parts without area ({count}) were not moved.",
     "several_pieces": "The mesh has {count} loose parts. Each has its own feature points and form and stays in place; "
     "join parts that should move together first.",
     "several_bodies": "The mesh has {count} bodies that do not touch, or only touch. Each has its own feature "
     "points and form and stays in place.",
+    "small_pieces_ride": "Small loose parts ({count:,}) follow the larger part that lies nearest.",
     "rider_stretched": "Some loose parts lie on others that move apart. They were moved rigidly.",
     "loose_vertices": (
         "1 vertex that belongs to no face stays where it is.",

@@ -27,7 +27,7 @@ def test_two_sheets_on_each_other_stay_two():
 
 @pytest.mark.parametrize("together", [True, False])
 def test_pieces_come_largest_first_and_back_together(figure, sphere, together):
-    vertices = np.vstack([0.01 * sphere[0] + 9, figure[0], [[5.0, 5, 5]]])
+    vertices = np.vstack([0.1 * sphere[0] + 9, figure[0], [[5.0, 5, 5]]])
     faces = np.vstack([sphere[1], figure[1] + len(sphere[0])])
     pieces = connected_pieces(vertices, faces)
     assert [len(piece.vertices) for piece in pieces.pieces] == [len(figure[0]), len(sphere[0])]

@@ -6,6 +6,7 @@ from scipy.spatial.transform import Rotation
 
 from addon.core.assembly import riding as module
 from addon.core.assembly.contacts import sampled
+from addon.core.assembly.pieces import Piece
 from addon.core.assembly.riding import Ground, ground_of, is_rigid, ridden
 from addon.core.run.monitor import Monitor
 from tests.meshes import shapes
@@ -23,7 +24,8 @@ def moved(rider, ground, *, rigid):
     """Where a rider goes, and what was warned of."""
     monitor = Monitor()
     points, faces = rider
-    shape = ridden(points, faces, sampled(points, faces), ground, rigid=rigid, monitor=monitor)
+    piece = Piece(np.arange(len(points)), points, faces)
+    (shape,) = ridden([piece], [sampled(points, faces)], ground, rigid=rigid, monitor=monitor)
     return shape, [warning.kind for warning in monitor.warnings]
 
 
@@ -144,5 +146,6 @@ def test_a_cloth_hands_its_monitor_on(monkeypatch):
     monkeypatch.setattr(module, "working_surface", spy)
     points, faces = plate(0.4, 16, 0.0, 0.0, 0.008)
     monitor = Monitor()
-    ridden(points, faces, sampled(points, faces), ground_under(bent), rigid=False, monitor=monitor)
+    piece = Piece(np.arange(len(points)), points, faces)
+    ridden([piece], [sampled(points, faces)], ground_under(bent), rigid=False, monitor=monitor)
     assert handed == [monitor]

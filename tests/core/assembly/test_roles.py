@@ -109,3 +109,13 @@ def test_riders_come_after_what_carries_them():
     button = 0.1 * flat + np.array([0, 0, 1.04]), faces
     found, _ = roles(ball(1.0), pocket, button)
     assert found == ([[0]], [(1, 0), (2, 1)])
+
+
+def test_a_piece_far_from_the_body_that_hangs_on_a_rider_rides_there():
+    """A braid lies on the back of a head and hangs down; a bead at its end is near nothing but the braid."""
+    unit = np.sqrt(4 * np.pi)
+    braid = tube(0.02, 0, 0.16 * unit, 1.02)
+    braid = braid[0] - [0, 0, 0.01 * unit], braid[1]
+    bead = 0.03 * ball(1.0)[0] + [1.02, 0, 0.16 * unit], ball(1.0)[1]
+    found, _ = roles(ball(1.0), braid, bead)
+    assert found == ([[0]], [(1, 0), (2, 1)])
