@@ -6,19 +6,21 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..deformation.elastic_body import ElasticBody
 from ..measures.alignment import rigid_fit
 from ..mesh.closest_points import SurfacePoints, closest_points
 from ..mesh.geometry import area_vectors, vertex_areas, vertex_normals
 from ..numerics.arrays import FloatArray, IntArray
 from ..numerics.factoring import factored
 from ..run.monitor import Monitor
+from .elastic_fit import elastic_fit
 from .sides import Side
 from .spectral_map import first_map, on_triangles, refined
 from .unfolded import Unfolded
 
 _COUNTS = range(20, 121, 10)  # eigenfunctions, round by round
 _NEAR = 0.3  # weight of positions on the form
-_SMOOTH = 2e-4  # diffusion time of the displacement from form to form, as a share of the area
+_SMOOTH = 2e-4  # diffusion time of the confidence, as a share of the area
 _FACING = 0.015  # weight of normals in the search for the closest points
 _LOST = 0.08  # sqrt(area): round-trip error that counts as wrong
 _TURNED = 0.5  # cosine between normals below which a match counts as wrong
@@ -46,8 +48,9 @@ class PointMap(NamedTuple):
 def point_map(one: Unfolded, other: Unfolded, side: Side, monitor: Monitor) -> PointMap:
     """Match all vertices of a surface with points of another.
 
-    The map between the working vertices moves one form onto the other. Their displacements, smoothed over the surface,
-    are interpolated to all vertices; the point of the other form closest to each moved vertex is its match.
+    The map between the working vertices moves one form onto the other, as rigidly as possible; what results is refined
+    once more. The displacements are interpolated to all vertices; the point of the other form closest to each moved
+    vertex is its match.
 
     Parameters
     ----------
@@ -82,24 +85,27 @@ def point_map(one: Unfolded, other: Unfolded, side: Side, monitor: Monitor) -> P
     """
     from scipy.sparse import diags
 
+    surface = one.found.surface
+    body = ElasticBody(surface.triangulation, one.form, one.faces)
     partner = first_map(one, other, side.start, monitor)
-    partner = refined(one, other, partner, _COUNTS, _NEAR, monitor)
-    partner, there = on_triangles(one, other, partner, _COUNTS[-1], _NEAR, monitor)
+    for counts in (_COUNTS, _COUNTS[-1:]):
+        partner = refined(one, other, partner, counts, _NEAR, monitor)
+        partner, there = on_triangles(one, other, partner, _COUNTS[-1], _NEAR, monitor)
+        placed, there = elastic_fit(body, one, other, there, monitor)
+        partner = other.faces[there.faces, np.argmax(there.weights, axis=1)]
     rotation, shift = rigid_fit(one.form, other.form[partner], one.areas)
-    reached = np.einsum("ij,ijk->ik", there.weights, other.form[other.faces[there.faces]])
-    way = reached - (one.form @ rotation + shift)
-    time = _SMOOTH * one.found.mass.sum()
-    smooth = factored(diags(one.found.mass) + time * one.found.stiffness).solve
-    smoothed = smooth(one.found.mass[:, None] * way)
-    monitor.check()
+    way = placed - (one.form @ rotation + shift)
 
-    surface, normals = one.found.surface, vertex_normals(one.whole_form, one.found.whole_faces) @ rotation
-    wanted = one.whole_form @ rotation + shift + surface.prolong(smoothed)  # (n, 3)
+    normals = vertex_normals(one.whole_form, one.found.whole_faces) @ rotation
+    wanted = one.whole_form @ rotation + shift + surface.prolong(way)  # (n, 3)
     whole = other.found.whole_faces
     monitor.check()
     others = np.column_stack([other.whole_form, _FACING * vertex_normals(other.whole_form, whole)])
     points = closest_points(others, whole, np.column_stack([wanted, _FACING * normals]), monitor)
     monitor.check()
+    time = _SMOOTH * one.found.mass.sum()
+    smooth = factored(diags(one.found.mass) + time * one.found.stiffness).solve
+    reached = np.einsum("ij,ijk->ik", there.weights, other.form[other.faces[there.faces]])
     sure = np.clip(smooth(one.found.mass * _confidence(one, other, partner, reached, rotation, monitor)), 0.0, 1.0)
     return PointMap(points, np.clip(surface.prolong(sure), 0.0, 1.0), side.score)
 

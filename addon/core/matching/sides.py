@@ -15,7 +15,7 @@ from .unfolded import Unfolded
 
 _SAMPLES = 500  # vertices on which the matches are compared
 _COUNTS = (20, 35, 50)  # eigenfunctions, round by round
-_NEAR = 0.6  # weight of positions on the form
+_NEAR, _FACING = 0.6, 0.05  # weights of positions on the form and of normals
 _SIGNATURE, _CURVATURE = 2.0, 2.0  # weights relative to the logarithm of the remaining distance
 _SAME = 0.15  # sqrt(area): mean distance between two maps below which they are of one side
 
@@ -75,7 +75,7 @@ def sides(one: Unfolded, other: Unfolded, monitor: Monitor) -> list[Side]:
     ways = starts(one, other, rows, monitor)
     for number, start in enumerate(ways, start=1):
         first = first_map(one, other, start, monitor, rows=rows)
-        partner = refined(one, other, first, _COUNTS, _NEAR, monitor, rows=rows)
+        partner = refined(one, other, first, _COUNTS, _NEAR, monitor, facing=_FACING, rows=rows)
         tried.append((_score(one, other, rows, partner), start, other.form[partner]))
         monitor.tick(number / len(ways))
     found: list[tuple[Side, FloatArray]] = []

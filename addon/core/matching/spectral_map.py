@@ -16,7 +16,8 @@ from .starts import Start
 from .unfolded import Unfolded
 
 _NEAR, _FACING = 0.3, 0.08  # weights of position and normal relative to the distances from the feature points,
-_FACING_LAST, _SPECTRAL, _SIGNATURE = 0.05, 0.2, 0.3  # of normal, eigenfunctions and wave kernel signature
+_SPECTRAL, _SIGNATURE = 0.2, 0.3  # of eigenfunctions and wave kernel signature
+FACING = 0.02  # of normal when the map is refined
 _EVERY = slice(None)
 
 
@@ -73,6 +74,7 @@ def refined(
     near: float,
     monitor: Monitor,
     *,
+    facing: float = FACING,
     rows: IntArray | None = None,
 ) -> IntArray:
     """Refine a map between vertices through maps between eigenfunctions.
@@ -92,6 +94,8 @@ def refined(
         Weight of positions on the form.
     monitor : Monitor
         Polled for cancellation.
+    facing : float
+        Weight of normals.
     rows : (r,) ndarray of int, optional
         The vertices that are mapped; all if omitted.
 
@@ -123,7 +127,7 @@ def refined(
     2020, doi:10.1109/CVPR42600.2020.01228.
     """
     for count in counts:
-        here, there = _side_by_side(one, other, partner, count, near, rows)
+        here, there = _side_by_side(one, other, partner, count, near, facing, rows)
         partner = nearest_rows(here, there, monitor)
     return partner
 
@@ -163,13 +167,19 @@ def on_triangles(
     >>> on_triangles(body, body, np.arange(4), 3, 0.3, Monitor())[0].tolist()
     [0, 1, 2, 3]
     """
-    here, there = _side_by_side(one, other, partner, count, near, None)
+    here, there = _side_by_side(one, other, partner, count, near, FACING, None)
     partner = nearest_rows(here, there, monitor)
     return partner, closest_around(there, other.faces, here, partner)
 
 
 def _side_by_side(
-    one: Unfolded, other: Unfolded, partner: IntArray, count: int, near: float, rows: IntArray | None
+    one: Unfolded,
+    other: Unfolded,
+    partner: IntArray,
+    count: int,
+    near: float,
+    facing: float,
+    rows: IntArray | None,
 ) -> tuple[FloatArray, FloatArray]:
     """Stack eigenfunctions, positions and normals of both surfaces, made comparable by a map."""
     at: IntArray | slice = _EVERY if rows is None else rows
@@ -184,9 +194,9 @@ def _side_by_side(
     wide = slice(0, count // 2)
     way = weighted[wide] @ (other.form[partner] - placed)  # smooth: where the forms differ, one is moved to the other
     scale = _SPECTRAL / np.sqrt(max(waves.shape[1], others.shape[1]))
-    moved, normals = placed + waves[:, wide] @ way, _FACING_LAST * one.normals[at] @ rotation
-    spanned, facing = scale * product(others, between.T), _FACING_LAST * other.normals
+    moved, turned = placed + waves[:, wide] @ way, one.normals[at] @ rotation
+    spanned = scale * product(others, between.T)
     return (
-        np.column_stack([scale * waves, near * moved, normals, _SIGNATURE * one.signature[at]]),
-        np.column_stack([spanned, near * other.form, facing, _SIGNATURE * other.signature]),
+        np.column_stack([scale * waves, near * moved, facing * turned, _SIGNATURE * one.signature[at]]),
+        np.column_stack([spanned, near * other.form, facing * other.normals, _SIGNATURE * other.signature]),
     )

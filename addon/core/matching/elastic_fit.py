@@ -1,0 +1,76 @@
+"""A form moved onto another as rigidly as possible: the map between them keeps lengths, and slides no more."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..deformation.elastic_body import ElasticBody
+from ..mesh.closest_points import SurfacePoints, closest_points
+from ..mesh.geometry import vertex_normals
+from ..numerics.arrays import FloatArray
+from ..run.monitor import Monitor
+from .unfolded import Unfolded
+
+_PULL, _STEPS = 1000.0, 8  # strength of the pull towards the matched points, in 1/area; alternations a round
+_ROUNDS = 4  # closest points found anew
+_FACING = 0.015  # weight of normals in the search for the closest points
+
+
+def elastic_fit(
+    body: ElasticBody, one: Unfolded, other: Unfolded, points: SurfacePoints, monitor: Monitor
+) -> tuple[FloatArray, SurfacePoints]:
+    """Move a form onto another as rigidly as possible, from a map between them.
+
+    A map between a few eigenfunctions leaves waists and hips free to slide by some hundredths of sqrt(area). Here the
+    vertices are pulled to the matched points while the form keeps its shape; then the closest points are the new match.
+
+    Parameters
+    ----------
+    body : ElasticBody
+        The form of the first surface.
+    one, other : Unfolded
+        The surfaces.
+    points : SurfacePoints
+        The point on the other surface for each vertex.
+    monitor : Monitor
+        Polled for cancellation.
+
+    Returns
+    -------
+    placed : (c, 3) ndarray of float
+        The vertices of the form, moved onto the other form.
+    points : SurfacePoints
+        The point on the other surface closest to each.
+
+    Raises
+    ------
+    CancelledError
+        If the run is cancelled.
+
+    Examples
+    --------
+    >>> from addon.core.matching.unfolded import unfolded
+    >>> from addon.core.method_api.settings import Settings
+    >>> from addon.core.method_api.surface_features import detected
+    >>> points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 3]])
+    >>> found = detected(points, np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]), None, Settings(), Monitor())
+    >>> one = unfolded(found, found.whole_points, Monitor())
+    >>> body = ElasticBody(found.surface.triangulation, one.form, one.faces)
+    >>> same = closest_points(one.form, one.faces, one.form)
+    >>> placed, points = elastic_fit(body, one, one, same, Monitor())
+    >>> np.allclose(placed, one.form), points.weights.max(axis=1).round(6).tolist()
+    (True, [1.0, 1.0, 1.0, 1.0])
+
+    References
+    ----------
+    Sorkine and Alexa, "As-Rigid-As-Possible Surface Modeling", 2007, doi:10.2312/SGP/SGP07/109-116; Amberg, Romdhani and
+    Vetter, "Optimal Step Nonrigid ICP Algorithms for Surface Registration", 2007, doi:10.1109/CVPR.2007.383165.
+    """
+    others = np.column_stack([other.form, _FACING * other.normals])
+    own = Monitor(cancelled=monitor.is_cancelled)
+    for _ in range(_ROUNDS):
+        target = np.einsum("ij,ijk->ik", points.weights, other.form[other.faces[points.faces]])
+        placed = body.deformed_towards(target, pull=_PULL, steps=_STEPS, monitor=own)
+        wanted = np.column_stack([placed, _FACING * vertex_normals(placed, one.faces)])
+        points = closest_points(others, other.faces, wanted, monitor)
+    return placed, points
