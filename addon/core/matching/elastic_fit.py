@@ -63,8 +63,8 @@ def elastic_fit(
 
     References
     ----------
-    Sorkine and Alexa, "As-Rigid-As-Possible Surface Modeling", 2007, doi:10.2312/SGP/SGP07/109-116; Amberg, Romdhani and
-    Vetter, "Optimal Step Nonrigid ICP Algorithms for Surface Registration", 2007, doi:10.1109/CVPR.2007.383165.
+    Sorkine and Alexa, "As-Rigid-As-Possible Surface Modeling", 2007, doi:10.2312/SGP/SGP07/109-116; Amberg, Romdhani
+    and Vetter, "Optimal Step Nonrigid ICP Algorithms for Surface Registration", 2007, doi:10.1109/CVPR.2007.383165.
     """
     others = np.column_stack([other.form, _FACING * other.normals])
     own = Monitor(cancelled=monitor.is_cancelled)
