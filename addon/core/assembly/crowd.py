@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..mesh.geometry import surface_area
+from ..mesh.geometry import of_unit_area
 from ..numerics.arrays import FloatArray, IntArray
 from ..run.monitor import Monitor
 from .contacts import Contact, Samples, cloud, neighbourhoods
@@ -43,7 +43,9 @@ def crowds(pieces: Sequence[Piece]) -> list[tuple[list[Piece], list[Piece]]]:
     [(1, 1), (1, 0)]
     """
     groups = neighbourhoods(pieces[:MEASURED])
-    areas = [sum(surface_area(piece.points, piece.faces) for piece in group) for group in groups]
+    sizes = [np.array([of_unit_area(piece.points, piece.faces)[2] for piece in group]) for group in groups]
+    largest = max(each.max() for each in sizes)
+    areas = [float(((each / largest) ** 2).sum()) for each in sizes]
     stray = [area < _STRAY * max(areas) for area in areas]
     crowd = [piece for group, off in zip(groups, stray, strict=True) if off for piece in group]
     kept = [group for group, off in zip(groups, stray, strict=True) if not off]
@@ -110,10 +112,12 @@ def _of_nearest(groups: Sequence[Sequence[Piece]], crowd: Sequence[Piece]) -> li
         return [list(crowd) if number == 0 else [] for number in range(len(groups))]
     from scipy.spatial import KDTree
 
-    clouds = [np.concatenate([cloud(piece) for piece in group]) for group in groups]
+    points = np.concatenate([piece.points for piece in crowd])
+    unit = max(np.abs(each).max() for each in (points, *(piece.points for group in groups for piece in group)))
+    clouds = [np.concatenate([cloud(piece, unit) for piece in group]) for group in groups]
     number = np.repeat(np.arange(len(groups)), list(map(len, clouds)))
     first = np.cumsum([0, *(len(piece.points) for piece in crowd)])[:-1]
-    distance, at = KDTree(np.concatenate(clouds)).query(np.concatenate([piece.points for piece in crowd]))
+    distance, at = KDTree(np.concatenate(clouds)).query(points / unit)
     least = np.minimum.reduceat(distance, first)
     found: list[list[Piece]] = [[] for _ in groups]
     for index, piece in enumerate(crowd):

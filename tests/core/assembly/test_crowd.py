@@ -73,11 +73,12 @@ def test_the_specks_around_a_scan_have_no_form_of_their_own():
         )
 
 
-def test_a_piece_of_the_crowd_goes_with_the_nearest_group():
+@pytest.mark.parametrize("unit", [1e-140, 1.0, 1e150])
+def test_a_piece_of_the_crowd_goes_with_the_nearest_group(unit):
     ball, faces = shapes.sphere(2)
 
     def piece(radius, x):
-        return Piece(np.arange(len(ball)), radius * ball + [x, 0, 0], faces)
+        return Piece(np.arange(len(ball)), unit * (radius * ball + [x, 0, 0]), faces)
 
     found = crowds([piece(1, 0), piece(0.9, 9), piece(0.01, 3), piece(0.01, 7), piece(0.009, 8.05)])
     assert [(len(group), len(crowd)) for group, crowd in found] == [(1, 1), (2, 1)]
