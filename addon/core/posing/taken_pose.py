@@ -11,7 +11,7 @@ _EVEN = 1e-5  # diffusion time over which the positions are averaged by confiden
 _TURNS = 5e-4  # over which the rotations of edges are,
 _LENGTHS = 4e-3  # and their lengths
 _LEAST = 0.02  # minimum confidence of a position
-_PULL = 80.0  # 1/area, where lengths agree
+_PULL = 320.0  # 1/area, where lengths agree
 _ALIKE = 0.1  # difference of the logarithms of lengths above which a position is hardly followed
 _HARDLY = 1e-3  # share of the pull that is left there
 
