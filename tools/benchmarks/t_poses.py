@@ -14,7 +14,7 @@ import potpourri3d
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
-from addon.core import canonical_form, mannequin, pose_like  # noqa: E402
+from addon.core import canonical_form, mannequin, pose_like, transferred  # noqa: E402
 from addon.core.measures.alignment import rigid_fit  # noqa: E402
 from addon.core.mesh.geometry import surface_area  # noqa: E402
 from tests.meshes.shapes import poses_of  # noqa: E402
@@ -36,8 +36,7 @@ def main(folders: list[Path]) -> None:
         features = canonical_form(*bodies[0]).feature_points
         for body in bodies:
             posed = pose_like(*body, *model)
-            corners = model[0][posed.match.other_faces[posed.match.faces]]
-            places = np.einsum("ij,ijk->ik", posed.match.weights, corners)
+            places = transferred(posed.match, model[0])
             rotation, shift = rigid_fit(posed.vertices, places)
             nearest = {
                 name: features[np.linalg.norm(places[features] - model[0][tip], axis=1).argmin()]

@@ -22,7 +22,7 @@ import potpourri3d
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
-from addon.core import pose_like  # noqa: E402
+from addon.core import pose_like, transferred  # noqa: E402
 from addon.core.measures.alignment import rigid_fit  # noqa: E402
 from addon.core.mesh.closest_points import closest_points  # noqa: E402
 from addon.core.mesh.geometry import surface_area  # noqa: E402
@@ -50,9 +50,7 @@ def row(folder: Path, other: Path) -> str:
         began = perf_counter()
         found = pose_like(vertices, faces, *reduced[j])
         seconds.append(perf_counter() - began)
-        corners = reduced[j][0][found.match.other_faces[found.match.faces]]
-        places = np.einsum("ij,ijk->ik", found.match.weights, corners)
-        errors.append(geodesic_errors(places, whole, whole_faces))
+        errors.append(geodesic_errors(transferred(found.match, reduced[j][0]), whole, whole_faces))
         apart = distance(vertices, here[j][1])
         if apart > 0.1 * np.sqrt(surface_area(vertices, faces)):
             ratios.append(distance(found.vertices, here[j][1]) / apart)

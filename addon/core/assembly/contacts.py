@@ -203,11 +203,11 @@ def neighbourhoods(pieces: Sequence[Piece]) -> list[list[Piece]]:
     >>> [len(group) for group in neighbourhoods(pieces)]
     [2, 1]
     """
-    low = np.array([piece.points.min(axis=0) for piece in pieces])
-    high = np.array([piece.points.max(axis=0) for piece in pieces])
-    sizes = np.array([of_unit_area(piece.points, piece.faces)[2] for piece in pieces])
     from scipy.spatial import KDTree
 
+    low = np.array([piece.points.min(axis=0) for piece in pieces])
+    high = np.array([piece.points.max(axis=0) for piece in pieces])
+    sizes = np.array([piece.size for piece in pieces])
     clouds: dict[int, KDTree] = {}
     label = np.arange(len(pieces))
     for i in range(len(pieces) - 1):
@@ -226,7 +226,7 @@ def neighbourhoods(pieces: Sequence[Piece]) -> list[list[Piece]]:
     return list(groups.values())
 
 
-def cloud(piece: Piece, unit: float = 1.0) -> FloatArray:
+def cloud(piece: Piece, unit: float) -> FloatArray:
     """Spread some samples over a piece.
 
     Parameters

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..mesh.geometry import of_unit_area
 from ..numerics.arrays import FloatArray, IntArray
 from ..run.monitor import Monitor
 from .contacts import Contact, Samples, cloud, neighbourhoods
@@ -43,9 +42,8 @@ def crowds(pieces: Sequence[Piece]) -> list[tuple[list[Piece], list[Piece]]]:
     [(1, 1), (1, 0)]
     """
     groups = neighbourhoods(pieces[:MEASURED])
-    sizes = [np.array([of_unit_area(piece.points, piece.faces)[2] for piece in group]) for group in groups]
-    largest = max(each.max() for each in sizes)
-    areas = [float(((each / largest) ** 2).sum()) for each in sizes]
+    largest = max(piece.size for group in groups for piece in group)
+    areas = [sum((piece.size / largest) ** 2 for piece in group) for group in groups]
     stray = [area < _STRAY * max(areas) for area in areas]
     crowd = [piece for group, off in zip(groups, stray, strict=True) if off for piece in group]
     kept = [group for group, off in zip(groups, stray, strict=True) if not off]
@@ -83,6 +81,8 @@ def crowd_contacts(crowd: Sequence[Samples], others: Sequence[Samples], monitor:
     >>> carrier, round(contact.gap, 3)
     (1, 0.2)
     """
+    if not crowd:
+        return []
     from scipy.spatial import KDTree
 
     trees = [KDTree(each.points) for each in others]
@@ -116,11 +116,9 @@ def _of_nearest(groups: Sequence[Sequence[Piece]], crowd: Sequence[Piece]) -> li
     unit = max(np.abs(each).max() for each in (points, *(piece.points for group in groups for piece in group)))
     clouds = [np.concatenate([cloud(piece, unit) for piece in group]) for group in groups]
     number = np.repeat(np.arange(len(groups)), list(map(len, clouds)))
-    first = np.cumsum([0, *(len(piece.points) for piece in crowd)])[:-1]
     distance, at = KDTree(np.concatenate(clouds)).query(points / unit)
-    least = np.minimum.reduceat(distance, first)
+    ends = np.cumsum([len(piece.points) for piece in crowd])[:-1]
     found: list[list[Piece]] = [[] for _ in groups]
-    for index, piece in enumerate(crowd):
-        own = slice(first[index], first[index] + len(piece.points))
-        found[number[at[own][np.flatnonzero(distance[own] == least[index])[0]]]].append(piece)
+    for piece, far, on in zip(crowd, np.split(distance, ends), np.split(number[at], ends), strict=True):
+        found[on[far.argmin()]].append(piece)
     return found

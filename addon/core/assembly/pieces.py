@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..mesh.connectivity import component_labels
-from ..mesh.geometry import component_areas
+from ..mesh.geometry import component_areas, of_unit_area
 from ..mesh.repair import repaired
 from ..numerics.arrays import FloatArray, IntArray
 from ..run.errors import InvalidMeshError
@@ -39,6 +40,11 @@ class Piece:
     vertices: IntArray
     points: FloatArray
     faces: IntArray
+
+    @cached_property
+    def size(self) -> float:
+        """Square root of its area, in the unit of the points."""
+        return of_unit_area(self.points, self.faces)[2]
 
 
 @dataclass(frozen=True, eq=False)

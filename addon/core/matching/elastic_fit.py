@@ -66,11 +66,34 @@ def elastic_fit(
     Sorkine and Alexa, "As-Rigid-As-Possible Surface Modeling", 2007, doi:10.2312/SGP/SGP07/109-116; Amberg, Romdhani
     and Vetter, "Optimal Step Nonrigid ICP Algorithms for Surface Registration", 2007, doi:10.1109/CVPR.2007.383165.
     """
-    others = np.column_stack([other.form, _FACING * other.normals])
+    others = with_normals(other.form, other.normals)
     own = Monitor(cancelled=monitor.is_cancelled)
     for _ in range(_ROUNDS):
-        target = np.einsum("ij,ijk->ik", points.weights, other.form[other.faces[points.faces]])
+        target = points.on(other.form, other.faces)
         placed = body.deformed_towards(target, pull=_PULL, steps=_STEPS, monitor=own)
-        wanted = np.column_stack([placed, _FACING * vertex_normals(placed, one.faces)])
+        wanted = with_normals(placed, vertex_normals(placed, one.faces))
         points = closest_points(others, other.faces, wanted, monitor)
     return placed, points
+
+
+def with_normals(points: FloatArray, normals: FloatArray) -> FloatArray:
+    """Extend positions by normals, so that the closest point of a form is one that faces the same way.
+
+    Parameters
+    ----------
+    points : (n, 3) ndarray of float
+        Positions on a form of unit area.
+    normals : (n, 3) ndarray of float
+        Unit normals.
+
+    Returns
+    -------
+    (n, 6) ndarray of float
+        Both, the normals with little weight.
+
+    Examples
+    --------
+    >>> with_normals(np.zeros((1, 3)), np.array([[0.0, 0, 1]])).tolist()
+    [[0.0, 0.0, 0.0, 0.0, 0.0, 0.015]]
+    """
+    return np.column_stack([points, _FACING * normals])

@@ -13,7 +13,7 @@ from ..mesh.geometry import area_vectors, vertex_areas, vertex_normals
 from ..numerics.arrays import FloatArray, IntArray
 from ..numerics.factoring import factored
 from ..run.monitor import Monitor
-from .elastic_fit import elastic_fit
+from .elastic_fit import elastic_fit, with_normals
 from .sides import Side
 from .spectral_map import first_map, on_triangles, refined
 from .unfolded import Unfolded
@@ -21,7 +21,6 @@ from .unfolded import Unfolded
 _COUNTS = range(20, 121, 10)  # eigenfunctions, round by round
 _NEAR = 0.3  # weight of positions on the form
 _SMOOTH = 2e-4  # diffusion time of the confidence, as a share of the area
-_FACING = 0.015  # weight of normals in the search for the closest points
 _LOST = 0.08  # sqrt(area): round-trip error that counts as wrong
 _TURNED = 0.5  # cosine between normals below which a match counts as wrong
 _GROWN = np.log(3.0)  # change of the logarithm of the area that counts as wrong
@@ -90,9 +89,9 @@ def point_map(one: Unfolded, other: Unfolded, side: Side, monitor: Monitor) -> P
     partner = first_map(one, other, side.start, monitor)
     for counts in (_COUNTS, _COUNTS[-1:]):
         partner = refined(one, other, partner, counts, _NEAR, monitor)
-        partner, there = on_triangles(one, other, partner, _COUNTS[-1], _NEAR, monitor)
+        there = on_triangles(one, other, partner, _COUNTS[-1], _NEAR, monitor)
         placed, there = elastic_fit(body, one, other, there, monitor)
-        partner = other.faces[there.faces, np.argmax(there.weights, axis=1)]
+        partner = there.nearest_corners(other.faces)
     rotation, shift = rigid_fit(one.form, other.form[partner], one.areas)
     way = placed - (one.form @ rotation + shift)
 
@@ -100,12 +99,12 @@ def point_map(one: Unfolded, other: Unfolded, side: Side, monitor: Monitor) -> P
     wanted = one.whole_form @ rotation + shift + surface.prolong(way)  # (n, 3)
     whole = other.found.whole_faces
     monitor.check()
-    others = np.column_stack([other.whole_form, _FACING * vertex_normals(other.whole_form, whole)])
-    points = closest_points(others, whole, np.column_stack([wanted, _FACING * normals]), monitor)
+    others = with_normals(other.whole_form, vertex_normals(other.whole_form, whole))
+    points = closest_points(others, whole, with_normals(wanted, normals), monitor)
     monitor.check()
     time = _SMOOTH * one.found.mass.sum()
     smooth = factored(diags(one.found.mass) + time * one.found.stiffness).solve
-    reached = np.einsum("ij,ijk->ik", there.weights, other.form[other.faces[there.faces]])
+    reached = there.on(other.form, other.faces)
     sure = np.clip(smooth(one.found.mass * _confidence(one, other, partner, reached, rotation, monitor)), 0.0, 1.0)
     return PointMap(points, np.clip(surface.prolong(sure), 0.0, 1.0), side.score)
 

@@ -134,7 +134,7 @@ def refined(
 
 def on_triangles(
     one: Unfolded, other: Unfolded, partner: IntArray, count: int, near: float, monitor: Monitor
-) -> tuple[IntArray, SurfacePoints]:
+) -> SurfacePoints:
     """Refine a map once more, to points on the triangles of the other surface.
 
     Parameters
@@ -146,9 +146,7 @@ def on_triangles(
 
     Returns
     -------
-    partner : (c,) ndarray of int
-        The nearest vertex of the other surface for each.
-    points : SurfacePoints
+    SurfacePoints
         The point on the other surface for each.
 
     Raises
@@ -164,12 +162,12 @@ def on_triangles(
     >>> points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 3]])
     >>> found = detected(points, np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]), None, Settings(), Monitor())
     >>> body = unfolded(found, found.whole_points, Monitor())
-    >>> on_triangles(body, body, np.arange(4), 3, 0.3, Monitor())[0].tolist()
+    >>> points = on_triangles(body, body, np.arange(4), 3, 0.3, Monitor())
+    >>> points.nearest_corners(body.faces).tolist()
     [0, 1, 2, 3]
     """
     here, there = _side_by_side(one, other, partner, count, near, FACING, None)
-    partner = nearest_rows(here, there, monitor)
-    return partner, closest_around(there, other.faces, here, partner)
+    return closest_around(there, other.faces, here, nearest_rows(here, there, monitor))
 
 
 def _side_by_side(

@@ -33,6 +33,50 @@ class SurfacePoints(NamedTuple):
     weights: FloatArray
     distances: FloatArray
 
+    def on(self, values: FloatArray, faces: IntArray) -> FloatArray:
+        """Interpolate values on the vertices of the surface, or of another with the same triangles, at the points.
+
+        Parameters
+        ----------
+        values : (n, d) ndarray of float
+            Values on the vertices, such as positions.
+        faces : (m, 3) ndarray of int
+            Triangles.
+
+        Returns
+        -------
+        (q, d) ndarray of float
+            Values at the points.
+
+        Examples
+        --------
+        >>> points = SurfacePoints(np.array([0]), np.array([[0.5, 0.5, 0]]), np.zeros(1))
+        >>> points.on(np.array([[0.0], [2], [9]]), np.array([[0, 1, 2]])).tolist()
+        [[1.0]]
+        """
+        return np.einsum("ij,ijk->ik", self.weights, values[faces[self.faces]])
+
+    def nearest_corners(self, faces: IntArray) -> IntArray:
+        """Find the corner of its triangle that is nearest to each point.
+
+        Parameters
+        ----------
+        faces : (m, 3) ndarray of int
+            Triangles.
+
+        Returns
+        -------
+        (q,) ndarray of int
+            Vertices.
+
+        Examples
+        --------
+        >>> points = SurfacePoints(np.array([0]), np.array([[0.2, 0.7, 0.1]]), np.zeros(1))
+        >>> points.nearest_corners(np.array([[4, 5, 6]])).tolist()
+        [5]
+        """
+        return faces[self.faces, np.argmax(self.weights, axis=1)]
+
 
 def closest_points(
     points: FloatArray, faces: IntArray, wanted: FloatArray, monitor: Monitor | None = None

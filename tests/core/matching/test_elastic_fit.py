@@ -14,12 +14,8 @@ def form_of(one):
     return ElasticBody(one.found.surface.triangulation, one.form, one.faces)
 
 
-def reached(other, points):
-    return np.einsum("ij,ijk->ik", points.weights, other.form[other.faces[points.faces]])
-
-
 def errors(one, other, points, truth):
-    return np.linalg.norm(reached(other, points) - other.form[truth], axis=1)
+    return np.linalg.norm(points.on(other.form, other.faces) - other.form[truth], axis=1)
 
 
 def test_the_exact_map_stays(body, renumbered):
@@ -45,7 +41,7 @@ def test_a_map_that_slides_along_the_surface_is_drawn_back(body, renumbered):
     edges = body.faces[:, :2]
     lengths = [np.linalg.norm(np.diff(each[edges], axis=1)[:, 0], axis=1) for each in (body.form, placed)]
     kept = np.median(np.abs(lengths[1] / lengths[0] - 1))
-    torn = np.diff(reached(other, wrong)[edges], axis=1)[:, 0]
+    torn = np.diff(wrong.on(other.form, other.faces)[edges], axis=1)[:, 0]
     assert kept < np.median(np.abs(np.linalg.norm(torn, axis=1) / lengths[0] - 1)) / 2
 
 
