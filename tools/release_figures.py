@@ -68,6 +68,16 @@ BENCHMARKS: Mapping[str, Benchmark] = {
     "weights": Benchmark(
         "docs/measurements.md", (("tools/benchmarks/carried_weights.py", "{data}/creatures/human-*.glb"),)
     ),
+    "sets": Benchmark(
+        "docs/measurements.md",
+        (
+            (
+                "tools/benchmarks/sets_of_poses.py",
+                *(f"{{data}}/{name}" for name in ("man", "woman", "horse", "bear")),
+                "{data}/creatures/*.glb",
+            ),
+        ),
+    ),
     "matches": Benchmark(
         "docs/measurements.md",
         (CLASSES, ("tools/benchmarks/two_meshes.py", "{work}/classes/*", "{work}/classes/man:{work}/classes/woman")),

@@ -15,7 +15,7 @@ from .involutions import feature_involutions
 _SYMMETRIC = 0.1  # mismatch of a swap above which a surface counts as having no left and right
 _TOLD = 0.002  # minimum handedness, a cubed length, that distinguishes left from right,
 _TRUST_JOINED = 0.5  # weight of handedness in finding pairs, where bridges join parts
-_TOLD_JOINED = 0.022  # and where bridges join parts: a hand held by a sleeve is nearer in one pose than in another
+_TOLD_WEAKLY = 0.022  # and by a single pair, or where bridges join parts: a hand is nearer a sleeve in some poses
 _ALIKE = 0.1  # prominences that differ by less count as equal
 
 
@@ -112,7 +112,8 @@ def limbs_of(
     The head is the broadest of those in the middle, where the Auto Diffusion Function is lowest; the tail the thinnest,
     if there are two. Limbs of one side are closer to each other than to those of the other side. Which side is left
     follows from handedness: a body has its limbs on its front, or underneath, so the side where distances from them are
-    shorter is the front; front, head and outside determine left. If they do not, the order of the vertices does.
+    shorter is the front; front, head and outside determine left. If they do not, or hardly (arms without legs), the
+    order of the vertices does.
 
     Parameters
     ----------
@@ -165,7 +166,7 @@ def limbs_of(
         agree = np.where(np.linalg.eigh(same)[1][:, -1] >= 0, 1, -1)
         side[ones], side[others] = agree, -agree
         told = sided(handedness, side, along)
-        if abs(told) < (_TOLD_JOINED if joined else _TOLD):
+        if abs(told) < (_TOLD_WEAKLY if joined or len(ones) == 1 else _TOLD):
             told = float(places() @ -side)
         side = side if told >= 0 else -side
     return Limbs(distances, handedness, adf, partner, side, along)

@@ -11,6 +11,7 @@ from .mirror import mirror_plane
 _UNDERNEATH = 0.12  # least mean offset of the limbs' ends towards the front, in sqrt(area), of a body on all fours
 _TAIL = 0.25  # least distance from the middle to the tail's end, in sqrt(area): hair is no tail
 _UNTOLD = 1e-3  # vectors that are shorter give no direction
+_NEAR_AN_END = 0.4  # distance from the ends of the limbs, in sqrt(area), within which a surface counts as low
 # left, head and front of a body in axes with Z up and -Y towards the viewer of the front view
 _STANDING = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])
 _ON_ALL_FOURS = np.array([[1.0, 0, 0], [0, -1, 0], [0, 0, -1]])
@@ -30,7 +31,8 @@ def upright_rotation(
 
     Left and right come from the mirror plane of the form, the direction of the head from the whole surface: where the
     distance from the tail minus that from the head increases. A body with a tail, or with its limbs underneath, stands
-    on all fours, with its head towards -Y; any other on two legs, with its head up. A surface without left and right
+    on all fours, with its head towards -Y; any other on two legs, with its head up. Limbs underneath level the body:
+    head and tail lie as far along it, and the ends of the limbs as low, as possible. A surface without left and right
     stands along its longest axis, its broad side to the front; the first feature point and the order of the vertices
     determine the signs of its axes.
 
@@ -90,13 +92,32 @@ def upright_rotation(
         headward = axes[:, 2] * _sign(end if abs(end) > _UNTOLD else float(place @ centred @ axes[:, 2]))
         left = axes[:, 1] * _sign(float(place @ centred @ axes[:, 1]))
     front = np.cross(left, headward)
+    paired = limbs.side != 0
+    underneath = (centred[features[paired]] @ front).mean() if paired.any() else 0.0
+    tailed = (limbs.along > 0).any() and (centred[features[np.argmax(limbs.along)]] @ headward) < -_TAIL
+    if underneath > _UNDERNEATH and np.ptp(ahead) > _UNTOLD:
+        low = np.exp(-to_features[:, paired].min(axis=1) / _NEAR_AN_END)
+        headward, front = _levelled(centred, share, (headward, front), (ahead, low))
     if stance == "upright":
-        paired = limbs.side != 0
-        underneath = (centred[features[paired]] @ front).mean() if paired.any() else 0.0
-        tailed = (limbs.along > 0).any() and (centred[features[np.argmax(limbs.along)]] @ headward) < -_TAIL
         stance = "all_fours" if tailed or underneath > _UNDERNEATH else "two_legs"
     axes = np.column_stack([left, headward, front])
     return np.asarray(axes @ (_ON_ALL_FOURS if stance == "all_fours" else _STANDING))
+
+
+def _levelled(
+    centred: FloatArray, share: FloatArray, axes: tuple[FloatArray, FloatArray], wanted: tuple[FloatArray, FloatArray]
+) -> list[FloatArray]:
+    """Rotate two axes in their plane so that positions along both fit two functions best, each as wide as these."""
+    along = [centred @ axis for axis in axes]
+    target = [each - share @ each for each in wanted]
+    wide = [np.sqrt((share @ place**2) / (share @ each**2)) for each, place in zip(target, along, strict=True)]
+    target = [each * width for each, width in zip(target, wide, strict=True)]
+    across = share @ (target[0] * along[1] - target[1] * along[0])
+    angle = np.arctan2(across, share @ (target[0] * along[0] + target[1] * along[1]))
+    return [
+        np.cos(angle) * axes[0] + np.sin(angle) * axes[1],
+        np.cos(angle) * axes[1] - np.sin(angle) * axes[0],
+    ]
 
 
 def _poles(limbs: Limbs) -> FloatArray:

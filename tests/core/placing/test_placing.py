@@ -56,7 +56,7 @@ def test_bodies_stand_on_their_feet_and_face_the_viewer(name, up, ahead, real_me
 def test_poses_of_a_body_stand_alike(bear):
     forms = [form_of(mesh, UPRIGHT).vertices for mesh in bear.values()]
     weights = vertex_areas(*bear["bind"])
-    assert max(angle_between(forms[0], each, weights) for each in forms[1:]) < 12  # 6 at normal quality
+    assert max(angle_between(forms[0], each, weights) for each in forms[1:]) < 5
 
 
 def test_the_stance_can_be_chosen(real_mesh):

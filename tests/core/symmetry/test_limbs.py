@@ -115,6 +115,19 @@ def test_joined_parts_need_more_to_tell_left_from_right():
     assert limbs_of(distances, weak, adf, lambda: np.arange(5.0), joined=True).side.tolist() == [1, -1, 1, -1, 0]
 
 
+def test_a_single_pair_needs_more_to_tell_left_from_right():
+    arms = np.array([[1.0, 0, 0], [-1, 0, 0], [0, 1, 0]])
+    distances, adf = cdist(arms, arms), np.array([2.0, 2, 1])
+    for strength, left in ((0.01, 0), (0.03, 1)):  # a trunk with arms alone: poses change it by .01
+        volumes = np.zeros((3, 3, 3))
+        for turn in range(3):
+            i, j, k = np.roll((0, 2, 1), turn)
+            volumes[i, j, k], volumes[i, k, j] = strength, -strength
+        side = limbs_of(distances, volumes, adf, lambda: np.arange(3.0)).side
+        assert side[2] == 0
+        assert np.argmax(side) == left
+
+
 def test_a_swap_of_all_pairs_is_preferred_to_that_of_one():
     body = np.array([[1.0, 2, 0], [-1.1, 2, 0.1], [1.1, -2, 0.1], [-1.2, -2.1, 0], [0, 4, 0]]) / 3
     crossed = cdist(body, body)
