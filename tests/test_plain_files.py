@@ -11,6 +11,7 @@ import pytest
 from addon.batch import command, matching
 from addon.batch.lines import FileCount, stage_line
 from addon.batch.plain_files import fans, read_plain, write_plain
+from addon.blender.files.kinds_of_files import PLAIN
 from addon.core import InvalidMeshError, Settings, pose_like
 from tests.meshes import shapes
 
@@ -19,9 +20,9 @@ POINTS = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 2, 1]])
 POLYGONS = [[0, 1, 2, 3], [2, 4, 3]]
 
 
-@pytest.mark.parametrize("kind", ["off", "obj", "ply"])
+@pytest.mark.parametrize("kind", PLAIN)
 def test_what_is_written_is_read_again(kind, tmp_path):
-    path = tmp_path / f"mesh.{kind}"
+    path = tmp_path / f"mesh{kind}"
     write_plain(path, POINTS / 3, POLYGONS, "")
     points, polygons = read_plain(path)
     np.testing.assert_allclose(points, POINTS / 3, atol=1e-9)

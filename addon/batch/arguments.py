@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..blender.files.kinds_of_files import READ, WRITTEN
+from ..blender.files.kinds_of_files import PLAIN, READ, WRITTEN
 from ..core.method_api.catalogue import methods
 from ..core.method_api.options import Option, options_of
 from ..core.method_api.settings import Settings, current_options, former_options
@@ -17,6 +17,7 @@ from ..core.numerics.arrays import FloatArray
 from ..core.run.errors import CanonicalFormError
 from .plain_files import has_blender
 
+_PLAIN = tuple(kind[1:] for kind in PLAIN)
 _POSING = """\
 examples:
   pose-like scans --output posed --pose t             every scan of a folder in a T-pose
@@ -230,7 +231,7 @@ def _add_files(parser: argparse.ArgumentParser) -> None:
     )
     files.add_argument("--output", type=Path, required=True, metavar="DIR", help="folder for the results")
     files.add_argument(
-        "--format", choices=(*WRITTEN, "off"), default="blend" if has_blender() else "obj",
+        "--format", choices=tuple(dict.fromkeys((*WRITTEN, *_PLAIN))), default="blend" if has_blender() else "obj",
         help="what to write (default: blend, obj without Blender); off without Blender only",
     )  # fmt: skip
     files.add_argument("--skip-existing", action="store_true", help="skip files that already have their result")
@@ -348,7 +349,7 @@ def settings_of(options: argparse.Namespace) -> Settings:
 
 def _axes(text: str, kind: str) -> FloatArray:
     """Return the rotation to axes given as UP,FACING."""
-    if kind not in ("obj", "ply", "off"):
+    if kind not in _PLAIN:
         raise CanonicalFormError(f"--axes is for .obj, .ply and .off; .{kind} has axes of its own.")
     named = {
         sign + letter: direction * np.eye(3)[place]

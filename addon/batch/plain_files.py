@@ -61,7 +61,7 @@ def read_plain(path: Path) -> tuple[FloatArray, list[list[int]]]:
         raise InvalidMeshError(f"{path.name} can only be read by Blender. Without it, use {', '.join(PLAIN)}.")
     require_readable(path)
     try:
-        vertices, polygons = {".off": read_off, ".obj": _read_obj, ".ply": _read_ply}[kind](path)
+        vertices, polygons = _READERS[kind](path)
     except InvalidMeshError:
         raise
     except (ArithmeticError, LookupError, TypeError, ValueError) as error:
@@ -111,17 +111,40 @@ def write_plain(path: Path, vertices: FloatArray, polygons: list[list[int]], mar
         Distinguishes temporary files of one run from those of others.
     """
     points = [f"{x:.9g} {y:.9g} {z:.9g}" for x, y, z in vertices.tolist()]
-    if path.suffix == ".obj":
-        lines = [f"v {point}" for point in points]
-        lines += ["f " + " ".join(str(corner + 1) for corner in each) for each in polygons]
-    else:
-        head = ["OFF", f"{len(points)} {len(polygons)} 0"]
-        if path.suffix == ".ply":
-            head = ["ply", "format ascii 1.0", f"element vertex {len(points)}"]
-            head += [f"property double {axis}" for axis in "xyz"]
-            head += [f"element face {len(polygons)}", "property list uint int vertex_indices", "end_header"]
-        lines = [*head, *points, *(f"{len(each)} " + " ".join(map(str, each)) for each in polygons)]
+    lines = _LINES[path.suffix](points, polygons)
     replaced(path, lambda partial: partial.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="\n"), mark)
+
+
+def _obj_lines(points: list[str], polygons: list[list[int]]) -> list[str]:
+    """List the lines of an .obj file."""
+    return [
+        *(f"v {point}" for point in points),
+        *("f " + " ".join(str(corner + 1) for corner in each) for each in polygons),
+    ]
+
+
+def _off_lines(points: list[str], polygons: list[list[int]]) -> list[str]:
+    """List the lines of an .off file."""
+    return ["OFF", f"{len(points)} {len(polygons)} 0", *_with_counts(points, polygons)]
+
+
+def _ply_lines(points: list[str], polygons: list[list[int]]) -> list[str]:
+    """List the lines of a .ply file."""
+    return [
+        "ply",
+        "format ascii 1.0",
+        f"element vertex {len(points)}",
+        *(f"property double {axis}" for axis in "xyz"),
+        f"element face {len(polygons)}",
+        "property list uint int vertex_indices",
+        "end_header",
+        *_with_counts(points, polygons),
+    ]
+
+
+def _with_counts(points: list[str], polygons: list[list[int]]) -> list[str]:
+    """List points, and polygons after their numbers of corners."""
+    return [*points, *(f"{len(each)} " + " ".join(map(str, each)) for each in polygons)]
 
 
 def _read_obj(path: Path) -> tuple[FloatArray, list[list[int]]]:
@@ -213,3 +236,7 @@ class _Binary:
         if words[0] == "list":
             return self._read(words[2], _counted(self._read(words[1], 1)[0]))
         return self._read(words[0], 1)[0]
+
+
+_READERS = {".off": read_off, ".obj": _read_obj, ".ply": _read_ply}  # for each of PLAIN
+_LINES = {".off": _off_lines, ".obj": _obj_lines, ".ply": _ply_lines}

@@ -115,7 +115,7 @@ def test_joined_parts_need_more_to_tell_left_from_right():
     assert limbs_of(distances, weak, adf, lambda: np.arange(5.0), joined=True).side.tolist() == [1, -1, 1, -1, 0]
 
 
-def test_a_single_pair_needs_more_to_tell_left_from_right():
+def test_three_limbs_need_more_to_tell_left_from_right():
     arms = np.array([[1.0, 0, 0], [-1, 0, 0], [0, 1, 0]])
     distances, adf = cdist(arms, arms), np.array([2.0, 2, 1])
     for strength, left in ((0.01, 0), (0.03, 1)):  # a trunk with arms alone: poses change it by .01
