@@ -102,7 +102,7 @@ def test_there_is_a_wheel_for_every_platform_and_every_python():
     manifest = tomllib.loads((ROOT / "blender_manifest.toml").read_text(encoding="utf-8"))
     tags = {"windows-x64": "win_amd64", "linux-x64": "manylinux", "macos-arm64": "arm64", "macos-x64": "x86_64"}
     for platform in manifest["platforms"]:
-        for python in ("cp311", "cp313"):
+        for python in ("cp311", "cp313", *(["cp314"] if platform == "linux-x64" else [])):  # Linux distributions' own
             fitting = [wheel for wheel in manifest["wheels"] if f"-{python}-" in wheel and tags[platform] in wheel]
             fitting = [wheel for wheel in fitting if platform.startswith("macos") == ("macosx" in wheel)]
             assert len(fitting) == 1, (platform, python)

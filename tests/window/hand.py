@@ -62,6 +62,12 @@ class Hand:
         region = self.region("WINDOW")
         yield from self.move(region.x + region.width * 0.35, region.y + region.height * 0.5)
 
+    def close_message(self):
+        """Close a message: it goes when the mouse is elsewhere, in Blender 5.2 with Esc, which stops jobs, too."""
+        yield from self.over_view()
+        yield from self.key("ESC")
+        yield 0.5
+
     def below_top(self, pixels, share=0.5):
         """A place in the sidebar, measured from its top and across its width (without the tabs)."""
         region = self.region("UI")

@@ -11,15 +11,14 @@ DRAG = 60  # pixels
 
 def live(hand, figure, state):
     """Start it on a mesh without a form, drag an option, undo, stop; the mesh is as before at the end."""
-    chosen = bpy.context.scene.canonical_form
-    chosen.quality = "draft"
+    options().quality = "draft"
     before = state(figure())
     bpy.ops.ed.undo_push(message="Before Live")
     yield from hand.over_view()
     yield 0.5
     yield from hand.click_until(has_form(figure), range(ROWS["button"] - 4, ROWS["button"] + 14, 6), RIGHT, seconds=2)
     yield 1.0
-    first, detail = positions(figure()), chosen.preserve_detail
+    first, detail = positions(figure()), options().preserve_detail
     yield from hand.picture("16-live")
 
     x, y = hand.below_top(ROWS["detail"], LEFT)
@@ -36,11 +35,11 @@ def live(hand, figure, state):
     yield from hand.picture("17-live-dragged", at_once=True)
     hand.event("LEFTMOUSE", "RELEASE")
     yield 1.5
-    assert chosen.preserve_detail != detail, "the slider was not dragged"
+    assert options().preserve_detail != detail, "the slider was not dragged"
     assert len(changes) > 3, f"the form did not follow: it changed {len(changes) - 1} times"
     last = positions(figure())
     with bpy.context.temp_override(window=hand.window, area=hand.area(), region=hand.region("WINDOW")):
-        bpy.ops.object.canonical_form("INVOKE_DEFAULT", quality="draft", preserve_detail=chosen.preserve_detail)
+        bpy.ops.object.canonical_form("INVOKE_DEFAULT", quality="draft", preserve_detail=options().preserve_detail)
     yield 2.0
     assert positions(figure()) == last, "the live form is not that of the button"
 
@@ -48,23 +47,28 @@ def live(hand, figure, state):
     for _ in range(2):
         yield from hand.key("Z", ctrl=True)
         yield 1.2
-    assert chosen.preserve_detail == detail, "undo does not bring the option back"
+    assert options().preserve_detail == detail, "undo does not bring the option back"
     assert positions(figure()) == first, "the form does not follow undo"
     yield from hand.picture("18-live-undone")
 
     bpy.ops.object.canonical_form_live("INVOKE_DEFAULT")
     yield 0.5
-    chosen.preserve_detail = 0.2
+    options().preserve_detail = 0.2
     yield 1.0
     assert positions(figure()) == first, "it goes on after it was stopped"
-    chosen.property_unset("preserve_detail")
-    chosen.property_unset("quality")
+    options().property_unset("preserve_detail")
+    options().property_unset("quality")
     with bpy.context.temp_override(window=hand.window, area=hand.area(), region=hand.region("WINDOW")):
         bpy.ops.object.canonical_form_clear()
     bpy.ops.ed.undo_push(message="After Live")  # operators that a script calls add no step
     yield 0.5
     assert state(figure()) == before, "clear leaves something behind"
     return len(changes) - 1
+
+
+def options():
+    """The options of the scene, asked for anew: undo may free what was there before."""
+    return bpy.context.scene.canonical_form
 
 
 def has_form(figure):

@@ -1,8 +1,8 @@
 """Runs a session in a real Blender with a window: `make test-window`.
 
 Takes the Blender that ``BLENDER=`` names, or the one on the path. Without one, on a Debian-like machine as root, it
-makes a Debian with Blender in a folder of its own (90 seconds, 2 GB; ``CANONICAL_FORM_BLENDER_ROOT`` moves it). Where
-no Blender can be had it says so and exits with 77.
+makes a Debian with Blender in a folder of its own (90 seconds, 2 GB; ``CANONICAL_FORM_BLENDER_ROOT`` moves it, and
+``CANONICAL_FORM_DEBIAN=sid`` takes another Debian). Where no Blender can be had it says so and exits with 77.
 """
 
 import argparse
@@ -16,9 +16,10 @@ from typing import Any
 
 ROOT = Path(__file__).resolve().parents[2]
 CACHE = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "canonical-form"
-OWN_ROOT = Path(os.environ.get("CANONICAL_FORM_BLENDER_ROOT", CACHE / "blender-root"))
+SUITE = os.environ.get("CANONICAL_FORM_DEBIAN", "trixie")  # a Debian whose Blender is 4.2 or later
+NAME = "blender-root" if SUITE == "trixie" else f"blender-root-{SUITE}"
+OWN_ROOT = Path(os.environ.get("CANONICAL_FORM_BLENDER_ROOT", CACHE / NAME))
 PACKAGES = ("blender", "python3-numpy", "xvfb", "xauth", "imagemagick", "libgl1-mesa-dri", "libegl1")
-SUITE = "trixie"  # the Debian whose Blender is 4.2 or later
 NO_BLENDER = 77
 INSIDE = """
 set -e

@@ -236,8 +236,7 @@ def meanwhile(before):
     name = obj.name
 
     def start():
-        yield from hand.over_view()  # a message closes when the mouse leaves it
-        yield 0.5
+        yield from hand.close_message()
         yield from hand.click_until(running, range(ROWS["compute"] - 4, ROWS["compute"] + 20, 6))
 
     yield from start()
@@ -309,8 +308,8 @@ def gaps():
     obj.modifiers.new("Coarser", "DECIMATE").ratio = 160_000 / len(obj.data.vertices)
     bpy.ops.object.modifier_apply(modifier="Coarser")
     yield 1.0
-    yield from hand.over_view()
-    yield 1.0
+    yield from hand.close_message()
+    yield 0.5
     ticks.clear()
     yield from hand.click_until(running, range(ROWS["compute"] - 4, ROWS["compute"] + 20, 6))
     began = perf_counter()
