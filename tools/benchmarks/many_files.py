@@ -5,24 +5,19 @@ on the way, once. Expected: 198 files done, a sentence for each of the other two
 results are deleted, and a second run makes these three only, within the same sentences.
 """
 
-import json
 import shutil
-import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable
 from pathlib import Path
-
-import psutil
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
+from tests.blender.batch_processes import busy_worker, ended, started  # noqa: E402
 from tests.meshes import shapes  # noqa: E402
 
 COUNT = 198
-AT_WORK = 4.0  # seconds of processor time after which a worker is past Blender's start
 DELETED = ("007.obj", "070.obj", "170.obj")
 
 
@@ -34,34 +29,19 @@ def main(crashing: Path) -> None:
             shapes.write_off(meshes / f"{number:03}.off", *shapes.figure(12 + number % 5))
         (meshes / "broken.off").write_text("OFF\n3 1 0\n0 0 0\n")
         shutil.copy(crashing, meshes / "crashing.blend")
-        told("first run", *ran(meshes, out, kill_a_worker), out)
+        told("first run", *ran(meshes, out, killed=1), out)
         for name in DELETED:
             (out / name).unlink()
-        told("second run", *ran(meshes, out, lambda process: None), out)
+        told("second run", *ran(meshes, out, killed=0), out)
 
 
-def ran(
-    meshes: Path, out: Path, meanwhile: Callable[[subprocess.Popen[str]], None]
-) -> tuple[int, list[dict[str, object]], list[str], float]:
+def ran(meshes: Path, out: Path, *, killed: int) -> tuple[int, list[dict[str, object]], list[str], float]:
     began = time.perf_counter()
-    words = ["compute", meshes, "--output", out, "--format", "obj", "--skip-existing", "--jobs", "2"]
-    with (meshes.parent / "errors").open("w") as errors, (meshes.parent / "lines").open("w") as lines:
-        process = subprocess.Popen(
-            [sys.executable, "-m", "addon", *map(str, words)], stdout=lines, stderr=errors, text=True, cwd=ROOT
-        )
-        meanwhile(process)
-        code = process.wait()
-    found = [json.loads(line) for line in (meshes.parent / "lines").read_text().splitlines()]
-    return code, found, (meshes.parent / "errors").read_text().splitlines(), time.perf_counter() - began
-
-
-def kill_a_worker(process: subprocess.Popen[str]) -> None:
-    while process.poll() is None:
-        for child in psutil.Process(process.pid).children():
-            if child.cpu_times().user > AT_WORK:
-                child.kill()
-                return
-        time.sleep(0.02)
+    process = started([meshes, "--output", out, "--format", "obj", "--skip-existing", "--jobs", "2"])
+    for _ in range(killed):
+        busy_worker(process).kill()
+    code, lines, errors = ended(process)
+    return code, lines, errors.splitlines(), time.perf_counter() - began
 
 
 def told(name: str, code: int, lines: list[dict[str, object]], errors: list[str], seconds: float, out: Path) -> None:

@@ -1,8 +1,8 @@
 """Sets of poses, of the largest piece: ``sets_of_poses.py [--whole] FOLDER|FILE.glb…`` (.obj files, or a rigged file).
 
-For each set: pairs of poses in which a feature point has the number of another limb, alone and with the first form as
-reference; how far the forms on the reference are from it, over the same after the best rigid motion; the rotations
-between upright forms; pairs with another number of feature points.
+For each set: pairs of poses in which a feature point has the number of another limb, alone and with the form of the
+rest pose as reference; how far the forms on the reference are from it, over the same after the best rigid motion; the
+rotations between upright forms.
 """
 
 import sys
@@ -20,7 +20,7 @@ from addon.core import CanonicalForm, Settings, canonical_form  # noqa: E402
 from addon.core.assembly.pieces import connected_pieces  # noqa: E402
 from addon.core.measures.alignment import rigid_fit  # noqa: E402
 from addon.core.mesh.geometry import vertex_areas  # noqa: E402
-from tests.meshes.shapes import read_obj  # noqa: E402
+from tests.meshes.shapes import poses_of  # noqa: E402
 
 POSES = 10  # of a rigged file, at most: clips of which every middle is another pose
 
@@ -46,8 +46,8 @@ def main(arguments: list[str]) -> None:
 
 def poses_in(path: Path) -> tuple[list[np.ndarray], np.ndarray]:
     if path.is_dir():
-        meshes = [read_obj(file) for file in sorted(path.glob("*.obj"))]
-        return [vertices for vertices, _ in meshes], meshes[0][1]
+        poses = poses_of(path)
+        return [vertices for _, vertices, _ in poses], poses[0][2]
     from tools.benchmarks.characters import posed  # needs Blender's module
 
     return posed(path, POSES)
