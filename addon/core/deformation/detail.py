@@ -15,7 +15,9 @@ _FIRST_BENDING_WEIGHT = 0.6
 _RELAXING_PULL = 200.0  # 1/area: lengths are restored and no limb is moved
 
 
-def detailed(body: ElasticBody, form: FloatArray, preserve: float, monitor: Monitor) -> FloatArray:
+def detailed(
+    body: ElasticBody, form: FloatArray, preserve: float, monitor: Monitor, *, pull_share: float = 1.0
+) -> FloatArray:
     """Deform the input towards the form and keep the detail of its surface.
 
     Parameters
@@ -28,6 +30,8 @@ def detailed(body: ElasticBody, form: FloatArray, preserve: float, monitor: Moni
         Above 0, which would be the form itself, to 1, as rigid as possible.
     monitor : Monitor
         Receives progress; polled for cancellation.
+    pull_share : float
+        Share of that pull towards the form which is used.
 
     Returns
     -------
@@ -49,7 +53,7 @@ def detailed(body: ElasticBody, form: FloatArray, preserve: float, monitor: Moni
     >>> np.allclose(detailed(body, points, 0.5, Monitor()), points)
     True
     """
-    pull = max(_PULL * ((1 - preserve) / preserve) ** 2, _LEAST_PULL)
+    pull = pull_share * max(_PULL * ((1 - preserve) / preserve) ** 2, _LEAST_PULL)
     bending_weight = preserve**5
     smooth = body.deformed_towards(
         form,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..mesh.connectivity import component_labels
 from ..mesh.edges import is_closed, vertex_pairs
 from ..mesh.geometry import signed_volume, surface_area
 from ..numerics.arrays import FloatArray, IntArray
@@ -109,6 +110,41 @@ def edge_stretch(before: FloatArray, after: FloatArray, faces: IntArray) -> Floa
     old = np.linalg.norm(before[i] - before[j], axis=1)
     new = np.linalg.norm(after[i] - after[j], axis=1)
     return new[old > 0] / old[old > 0]
+
+
+def worst_part_distortion(before: FloatArray, after: FloatArray, faces: IntArray, *, least: float = 0.02) -> float:
+    """Compute the edge distortion of the connected part of a mesh where it is largest.
+
+    Parameters
+    ----------
+    before, after : (n, 3) ndarray of float
+        Vertex positions.
+    faces : (m, 3) ndarray of int
+        Triangles.
+    least : float
+        Share of all edges below which a part does not count.
+
+    Returns
+    -------
+    float
+        The 95th percentile of ``|stretch - 1|`` over the edges of that part; 0 if there are no edges.
+
+    Examples
+    --------
+    >>> points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
+    >>> two = np.concatenate([points, points + 5])
+    >>> round(worst_part_distortion(two, np.concatenate([points, 1.5 * points]), np.arange(6).reshape(2, 3)), 6)
+    0.5
+    """
+    pairs = vertex_pairs(faces)
+    apart = np.linalg.norm(before[pairs[:, 0]] - before[pairs[:, 1]], axis=1)
+    part = component_labels(len(before), pairs)[pairs[apart > 0, 0]]
+    distortion = np.abs(edge_stretch(before, after, faces) - 1)
+    count = np.bincount(part, minlength=1)
+    return max(
+        (float(np.quantile(distortion[part == p], 0.95)) for p in np.flatnonzero(count > least * len(part))),
+        default=0.0,
+    )
 
 
 def hausdorff(first: FloatArray, second: FloatArray, mirror: bool = False) -> float:
