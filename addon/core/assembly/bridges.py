@@ -65,9 +65,19 @@ def bridges_between(points: FloatArray, faces: IntArray, part: IntArray, surface
     """
     pairs = vertex_pairs(faces)
     normals = vertex_normals(points, faces)
-    contacts = _contacts(points, pairs, normals, border_labels(faces, edge_table(faces)), part, surfaces)
+    loop = _open_ends(points, border_labels(faces, edge_table(faces)))
+    contacts = _contacts(points, pairs, normals, loop, part, surfaces)
     links = _chosen(points, pairs, part, contacts)
     return _triangles(points, pairs, links)
+
+
+def _open_ends(points: FloatArray, loop: IntArray) -> IntArray:
+    """Leave out borders no wider than what counts as touching: holes, through which nothing can be held."""
+    kept = loop.copy()
+    for index in range(int(loop.max(initial=-1)) + 1):
+        if np.linalg.norm(np.ptp(points[loop == index], axis=0)) < TOUCH:
+            kept[loop == index] = -1
+    return kept
 
 
 def _contacts(
@@ -79,10 +89,10 @@ def _contacts(
     surfaces: Sequence[FloatArray],
 ) -> list[_Contact]:
     """Link the parts where they are close, and group the links into contacts, the best first."""
-    links, lengths = _links(points, part, surfaces)
+    near = _within_two_edges(len(points), pairs)
+    links, lengths = _links(points, near, part, surfaces)
     if not len(links):
         return []
-    near = _within_two_edges(len(points), pairs)
     label = component_labels(len(links), _side_by_side(links, near))
     whole = np.bincount(loop[loop >= 0], minlength=1)
     label = _rings_closed(links, label, loop, whole, part)
@@ -99,7 +109,9 @@ def _contacts(
     return sorted(found, key=lambda contact: -contact.score)
 
 
-def _links(points: FloatArray, part: IntArray, surfaces: Sequence[FloatArray]) -> tuple[IntArray, FloatArray]:
+def _links(
+    points: FloatArray, near: csr_matrix, part: IntArray, surfaces: Sequence[FloatArray]
+) -> tuple[IntArray, FloatArray]:
     """Link every vertex near another part to the nearest vertices there; return links and distances from the parts."""
     from scipy.spatial import KDTree
 
@@ -117,8 +129,10 @@ def _links(points: FloatArray, part: IntArray, surfaces: Sequence[FloatArray]) -
             here = np.flatnonzero(distance < max(TOUCH, distance.min() + TOUCH / 2))
             count = min(_LINKED, len(others))
             there = others[coarse[j].query(surfaces[j][at[here]], k=count)[1].reshape(len(here), -1)]
-            here = np.repeat(here, count)
-            ends = np.column_stack([own[here], there.ravel()])
+            here, first, there = np.repeat(here, count), np.repeat(there[:, 0], count), there.ravel()
+            beside = np.asarray(near[first, there]).ravel() > 0  # not on another limb that is as near
+            here = here[beside]
+            ends = np.column_stack([own[here], there[beside]])
             found.append(np.column_stack([ends if i < j else ends[:, ::-1], distance[here]]))
     if not found:
         return np.empty((0, 2), dtype=np.int64), np.empty(0)

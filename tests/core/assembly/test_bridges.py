@@ -6,7 +6,8 @@ import pytest
 from addon.core.assembly import bridges as module
 from addon.core.assembly.bridges import bridges_between
 from addon.core.assembly.contacts import sampled
-from addon.core.mesh.geometry import of_unit_area
+from addon.core.mesh.edges import vertex_pairs
+from addon.core.mesh.geometry import of_unit_area, vertex_normals
 from tests.meshes import shapes
 
 AROUND = 48
@@ -136,3 +137,20 @@ def test_every_link_has_a_triangle_at_either_end_and_none_twice():
     edges = {tuple(sorted(each)) for face in faces.tolist() for each in zip(face, face[1:] + face[:1], strict=True)}
     for start, end, beside in bridges.tolist():
         assert (min(start, beside), max(start, beside)) in edges or (min(end, beside), max(end, beside)) in edges
+
+
+def test_a_sheet_has_no_contact_with_what_lies_behind_the_one_it_touches():
+    sheet, own = shapes.grid(20, 20)
+    part = np.concatenate([sheet, sheet - [0, 0, 0.031]]), np.concatenate([own, own + len(sheet)])  # .018 of the unit
+    points, faces, numbers, surfaces = put_together(part, (sheet + np.array([0, 0, 0.009]), own))
+    borders = np.full(len(points), -1)
+    found = module._contacts(points, vertex_pairs(faces), vertex_normals(points, faces), borders, numbers, surfaces)
+    assert len(found) == 1
+    assert found[0].links[:, 0].max() < len(sheet)
+
+
+def test_a_hole_narrower_than_what_touches_is_no_open_end():
+    angles = np.linspace(0, 2 * np.pi, 6, endpoint=False)
+    ring = np.column_stack([np.cos(angles), np.sin(angles), 0 * angles])
+    points, loop = np.concatenate([0.005 * ring, 0.02 * ring + 1]), np.repeat([0, 1], 6)
+    assert module._open_ends(points, loop).tolist() == [-1] * 6 + [1] * 6
