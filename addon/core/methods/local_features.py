@@ -32,6 +32,7 @@ _STEPS, _FEW_STEPS = 18, 6  # that make the start round: a straight arrangement 
 _RELAXING_STEPS = 2  # after the form was held symmetric
 _MOST_DISTORTED = 0.195  # edge distortion, 95th percentile in any part, at preserve 1/2
 _TRIES, _EXPONENT, _LEAST_SHARE = 3, 3.5, 0.2  # of weaker pulls in the detail pass: distortion goes with pull^(1/3.5)
+_WORTHWHILE = 0.25  # of the gain hoped for: with less, edges of a sharp fold are distorted however limbs lie
 
 
 def local_feature_form(found: SurfaceFeatures, settings: Settings, monitor: Monitor) -> MethodResult:
@@ -191,17 +192,28 @@ def _with_detail(
     preserve: float,
     monitor: Monitor,
 ) -> FloatArray:
-    """Deform the input towards a form, less closely where its edges would be distorted too much."""
-    most, share = _MOST_DISTORTED * (1 - preserve) / preserve, 1.0
-    for _ in range(_TRIES):
+    """Deform the input towards a form, less closely if that keeps the edges of every part within bounds."""
+
+    def followed(share: float) -> FloatArray:
         shape = detailed(body, form, preserve, monitor, pull_share=share)
-        if mirror is not None:
-            shape = held_symmetric(body, shape, mirror._replace(sure=mirror.sure * min(1.0, 2 * (1 - preserve))))
-            shape = relaxed(body, shape, _RELAXING_STEPS, monitor, pressure=True)
-        distorted = _distortion(found, body, shape, most)
-        if distorted <= most:
+        if mirror is None:
+            return shape
+        shape = held_symmetric(body, shape, mirror._replace(sure=mirror.sure * min(1.0, 2 * (1 - preserve))))
+        return relaxed(body, shape, _RELAXING_STEPS, monitor, pressure=True)
+
+    most, share = _MOST_DISTORTED * (1 - preserve) / preserve, 1.0
+    shape = followed(share)
+    distorted = _distortion(found, body, shape, most)
+    for _ in range(_TRIES):
+        if distorted <= most or share <= _LEAST_SHARE:
             break
-        share = max(share * (most / distorted) ** _EXPONENT, _LEAST_SHARE)
+        hoped = most / distorted
+        weaker = max(share * hoped**_EXPONENT, _LEAST_SHARE)
+        tried = followed(weaker)
+        reached = _distortion(found, body, tried, most)
+        if reached > distorted * hoped**_WORTHWHILE:
+            break
+        shape, share, distorted = tried, weaker, reached
     return shape
 
 
