@@ -1,1 +1,1 @@
-"""Limbs identified and numbered, left and right; mirror images of vertices; forms made symmetric and upright."""
+"""Limbs numbered, left and right; mirror images of vertices; arms rolled, forms made symmetric and upright."""

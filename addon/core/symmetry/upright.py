@@ -72,6 +72,52 @@ def upright_rotation(
     share = weights / weights.sum()
     centred = form - share @ form
     ahead = to_features @ _poles(limbs)
+    left, headward, front = body_axes(form, weights, features, to_features, limbs, partner)
+    paired = limbs.side != 0
+    underneath = (centred[features[paired]] @ front).mean() if paired.any() else 0.0
+    tailed = (limbs.along > 0).any() and (centred[features[np.argmax(limbs.along)]] @ headward) < -_TAIL
+    if underneath > _UNDERNEATH and np.ptp(ahead) > _UNTOLD:
+        low = np.exp(-to_features[:, paired].min(axis=1) / _NEAR_AN_END)
+        headward, front = _levelled(centred, share, (headward, front), (ahead, low))
+    if stance == "upright":
+        stance = "all_fours" if tailed or underneath > _UNDERNEATH else "two_legs"
+    axes = np.column_stack([left, headward, front])
+    return np.asarray(axes @ (_ON_ALL_FOURS if stance == "all_fours" else _STANDING))
+
+
+def body_axes(
+    form: FloatArray,
+    weights: FloatArray,
+    features: IntArray,
+    to_features: FloatArray,
+    limbs: Limbs,
+    partner: IntArray | None,
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Find the directions of a form to its left, to its head and to its front.
+
+    Parameters
+    ----------
+    form, weights, features, to_features, limbs, partner
+        As in `upright_rotation`.
+
+    Returns
+    -------
+    left, headward, front : (3,) ndarray of float
+        Unit vectors, orthogonal and right-handed in this order.
+
+    Examples
+    --------
+    >>> from addon.core.symmetry.limbs import limbs_of
+    >>> body = np.array([[1.0, 0, 2], [-1, 0, 2], [1.1, 0, -2], [-1.1, 0, -2], [0, 0.1, 4]]) / 3
+    >>> far = np.linalg.norm(body[:, None] - body, axis=2)
+    >>> limbs = limbs_of(far, np.zeros((5, 5, 5)), np.array([2.0, 2, 2, 2, 1]), lambda: np.arange(5.0))
+    >>> left, headward, front = body_axes(body, np.ones(5), np.arange(5), far, limbs, None)
+    >>> bool(left[0] > 0.99), bool(headward[2] > 0.99), bool(front[1] < -0.99)
+    (True, True, True)
+    """
+    share = weights / weights.sum()
+    centred = form - share @ form
+    ahead = to_features @ _poles(limbs)
     headward = centred.T @ (share * (ahead - share @ ahead))
     covariance = (centred * share[:, None]).T @ centred
     place = share * (np.arange(len(form)) - share @ np.arange(len(form)))  # the order of the vertices
@@ -91,17 +137,7 @@ def upright_rotation(
         end = float(centred[features[0]] @ axes[:, 2])
         headward = axes[:, 2] * _sign(end if abs(end) > _UNTOLD else float(place @ centred @ axes[:, 2]))
         left = axes[:, 1] * _sign(float(place @ centred @ axes[:, 1]))
-    front = np.cross(left, headward)
-    paired = limbs.side != 0
-    underneath = (centred[features[paired]] @ front).mean() if paired.any() else 0.0
-    tailed = (limbs.along > 0).any() and (centred[features[np.argmax(limbs.along)]] @ headward) < -_TAIL
-    if underneath > _UNDERNEATH and np.ptp(ahead) > _UNTOLD:
-        low = np.exp(-to_features[:, paired].min(axis=1) / _NEAR_AN_END)
-        headward, front = _levelled(centred, share, (headward, front), (ahead, low))
-    if stance == "upright":
-        stance = "all_fours" if tailed or underneath > _UNDERNEATH else "two_legs"
-    axes = np.column_stack([left, headward, front])
-    return np.asarray(axes @ (_ON_ALL_FOURS if stance == "all_fours" else _STANDING))
+    return left, headward, np.cross(left, headward)
 
 
 def _levelled(
