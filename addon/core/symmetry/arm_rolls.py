@@ -13,6 +13,7 @@ from .limbs import Limbs
 from .upright import body_axes
 
 _HAND = 0.6  # length of a hand with its wrist, as a share of the arm
+_REACH = 1.2  # length over which an arm is rolled, from the hand to the shoulder, likewise
 _FLAT = (0.2, 0.3)  # flatness of a hand: below, it has no direction; above, it surely has
 _PALMAR = (0.04, 0.07)  # likewise skewness across its flat side, which tells palm from back
 _FEWEST = 12  # vertices of a hand
@@ -121,7 +122,7 @@ def _rolled(
     if sure == 0:
         return None
     angle = float(np.arctan2(forward @ thick, forward @ broad))
-    share = np.clip(2 * (1 - away / length), 0.0, 1.0)
+    share = np.clip(2 * (1 - away / (_REACH * length)), 0.0, 1.0)
     return _Arm(share * share * (3 - 2 * share), centre, axis, sure * angle)
 
 
