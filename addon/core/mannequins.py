@@ -8,6 +8,7 @@ from .modelling.body_plan import SHOULDER, human
 from .modelling.solids import smooth_union
 from .modelling.surface_nets import surface_net
 from .numerics.arrays import FloatArray, IntArray
+from .numerics.ramps import smooth_ramp
 from .run.errors import InvalidSettingsError
 
 T_POSE, A_POSE = 0.0, 45.0  # degrees
@@ -60,13 +61,7 @@ def mannequin(arms: float = T_POSE) -> tuple[FloatArray, IntArray]:
 def _with_arms_lowered(points: FloatArray, angle: float) -> FloatArray:
     """Rotate the arms about the shoulders, less towards the trunk."""
     x, y, z = points.T
-    share = _ramp(np.abs(x), _SHOULDER_WIDTH) * _ramp(z, _SHOULDER_HEIGHT)
+    share = smooth_ramp(np.abs(x), *_SHOULDER_WIDTH) * smooth_ramp(z, *_SHOULDER_HEIGHT)
     cos, sin = np.cos(share * angle), np.sin(share * angle)
     out, up = np.abs(x) - SHOULDER[0], z - SHOULDER[2]
     return np.column_stack([np.sign(x) * (SHOULDER[0] + cos * out + sin * up), y, SHOULDER[2] + cos * up - sin * out])
-
-
-def _ramp(values: FloatArray, between: tuple[float, float]) -> FloatArray:
-    """Compute a smooth step from 0 to 1."""
-    share = np.clip((values - between[0]) / (between[1] - between[0]), 0.0, 1.0)
-    return share * share * (3 - 2 * share)

@@ -12,6 +12,7 @@ from ..distances.heat import HeatMethod
 from ..distances.spectral import GreensFunction, biharmonic_squared
 from ..mesh.geometry import signed_volume
 from ..numerics.arrays import FloatArray, IntArray
+from ..numerics.ramps import ramp
 from ..run.monitor import Monitor
 from ..surface.spectrum import Spectrum
 from ..surface.triangulation import Triangulation
@@ -253,7 +254,7 @@ def laid_out(
     projected -= projected.mean(axis=0)
     layout = least_squares_scaling(distances, landmarks, projected)
     handed = handedness(layout, faces) * np.sign(signed_volume(points, faces))
-    sure = float(np.clip((abs(handed) - _TIE) / (_SURE - _TIE), 0.0, 1.0))
+    sure = float(ramp(abs(handed), _TIE, _SURE))
     if sure < 1:
         layout = least_squares_scaling(distances, landmarks, projected * [1.0, 1.0, sure], depth=sure)
     return layout * [1.0, 1.0, np.sign(handed)], sure

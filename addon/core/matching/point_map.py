@@ -12,6 +12,7 @@ from ..mesh.closest_points import SurfacePoints, closest_points
 from ..mesh.geometry import area_vectors, vertex_areas, vertex_normals
 from ..numerics.arrays import FloatArray, IntArray
 from ..numerics.factoring import factored
+from ..numerics.ramps import ramp
 from ..run.monitor import Monitor
 from .elastic_fit import elastic_fit, with_normals
 from .sides import Side
@@ -123,10 +124,7 @@ def _confidence(
     share = np.bincount(corners, np.repeat(kept, 3), count) / np.maximum(np.bincount(corners, minlength=count), 1)
     grown = np.abs(np.log((vertex_areas(places, one.faces) + tiny) / (vertex_areas(one.form, one.faces) + tiny)))
     return np.asarray(
-        np.exp(-((home / _LOST) ** 2))
-        * np.clip((facing - _TURNED) / (1 - _TURNED), 0.0, 1.0) ** 0.5
-        * share
-        * np.exp(-((grown / _GROWN) ** 2))
+        np.exp(-((home / _LOST) ** 2)) * ramp(facing, _TURNED, 1.0) ** 0.5 * share * np.exp(-((grown / _GROWN) ** 2))
     )
 
 

@@ -1,1 +1,1 @@
-"""Array types, sparse factorisation, matrix products in blocks."""
+"""Array types, ramps, sparse factorisation, matrix products in blocks."""

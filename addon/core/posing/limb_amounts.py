@@ -8,6 +8,7 @@ from ..mesh.connectivity import component_labels
 from ..mesh.edges import vertex_pairs
 from ..mesh.geometry import of_unit_area
 from ..numerics.arrays import FloatArray, IntArray
+from ..numerics.ramps import smooth_ramp
 
 _BAND = 0.15  # half the width of the band in which a limb's form blends into the pose, in sqrt(area)
 _DEEPEST = 0.5  # maximum of it, as a share of the distance from the border of a limb to its tip
@@ -61,5 +62,4 @@ def limb_amounts(points: FloatArray, faces: IntArray, chosen: np.ndarray) -> Flo
     np.maximum.at(deepest, part, distance)
     half = np.minimum(_BAND, _DEEPEST * deepest[part])
     signed = np.where(chosen, distance, -distance) / half
-    share = np.clip((1 + signed) / 2, 0.0, 1.0)
-    return share * share * (3 - 2 * share)
+    return smooth_ramp(signed, -1.0, 1.0)

@@ -9,6 +9,7 @@ import numpy as np
 from ..deformation.elastic_body import ElasticBody
 from ..deformation.rotations import nearest_rotations
 from ..numerics.arrays import FloatArray, IntArray
+from ..numerics.ramps import ramp, smooth_ramp
 from .limbs import Limbs
 from .upright import body_axes
 
@@ -44,12 +45,8 @@ def arms_rolled(
         The surface.
     form : (n, 3) ndarray of float
         The form, its arms straight.
-    features : (k,) ndarray of int
-        Feature points.
-    to_features : (n, k) ndarray of float
-        Geodesic distances from them.
-    limbs : Limbs
-        Head, tail and sides among them.
+    features, to_features, limbs
+        As in `upright_rotation`.
 
     Returns
     -------
@@ -71,7 +68,7 @@ def arms_rolled(
     arms = _arms(limbs)
     if arms is None:
         return form
-    _, headward, front = body_axes(form, body.mass, features, to_features, limbs, None)
+    _, headward, front = body_axes(form, body.mass, features, to_features, limbs)
     between = limbs.distances + np.diag(np.full(len(features), np.inf))
     rolled = form
     for index in arms:
@@ -84,13 +81,11 @@ def arms_rolled(
 
 def _arms(limbs: Limbs) -> tuple[int, int] | None:
     """Find the pair of limbs nearest to the head."""
-    count = len(limbs.partner)
-    middle = limbs.partner == np.arange(count)
-    if not middle.any() or middle.all() or not limbs.side.any():
+    head, paired = int(np.argmin(limbs.along)), limbs.side != 0
+    if paired[head] or not paired.any():
         return None
-    head = int(np.argmin(np.where(middle, limbs.adf, np.inf)))
     far = limbs.distances[head] + limbs.distances[head, limbs.partner]
-    first = int(np.argmin(np.where(middle, np.inf, far)))
+    first = int(np.argmin(np.where(paired, far, np.inf)))
     return first, int(limbs.partner[first])
 
 
@@ -118,12 +113,11 @@ def _rolled(
     palmar = float(skew @ turn @ thick)
     if palmar * (np.cross(axis, forward) @ headward) > 0:
         broad, thick = -broad, -thick
-    sure = told * _ramp(flatness * upright, _FLAT) * _ramp(abs(palmar), _PALMAR)
+    sure = told * float(ramp(flatness * upright, *_FLAT) * ramp(abs(palmar), *_PALMAR))
     if sure == 0:
         return None
     angle = float(np.arctan2(forward @ thick, forward @ broad))
-    share = np.clip(2 * (1 - away / (_REACH * length)), 0.0, 1.0)
-    return _Arm(share * share * (3 - 2 * share), centre, axis, sure * angle)
+    return _Arm(smooth_ramp(1 - away / (_REACH * length), 0.0, 0.5), centre, axis, sure * angle)
 
 
 def _shape(points: FloatArray, mass: FloatArray) -> tuple[FloatArray, FloatArray, float]:
@@ -146,13 +140,8 @@ def _long_axis(points: FloatArray, mass: FloatArray) -> tuple[FloatArray, FloatA
 
 
 def _turned(points: FloatArray, arm: _Arm) -> FloatArray:
-    """Turn points about the axis of an arm, each by its share (Rodrigues' formula)."""
-    angle = (arm.share * arm.angle)[:, None]
-    away = points - arm.centre
-    along = (away @ arm.axis)[:, None] * arm.axis
-    return arm.centre + along + np.cos(angle) * (away - along) + np.sin(angle) * np.cross(arm.axis, away)
+    """Turn points about the axis of an arm, each by its share."""
+    from scipy.spatial.transform import Rotation
 
-
-def _ramp(value: float, ends: tuple[float, float]) -> float:
-    """Rise from 0 at one value to 1 at another."""
-    return float(np.clip((value - ends[0]) / (ends[1] - ends[0]), 0.0, 1.0))
+    turn = Rotation.from_rotvec(np.outer(arm.share * arm.angle, arm.axis))
+    return np.asarray(arm.centre + turn.apply(points - arm.centre))

@@ -8,6 +8,7 @@ from ..mesh.geometry import vertex_normals
 from ..numerics.arrays import FloatArray, IntArray
 from ..numerics.nearest import nearest_rows
 from ..numerics.products import product
+from ..numerics.ramps import ramp
 from ..run.monitor import Monitor
 from .involutions import feature_involutions
 from .limbs import Limbs
@@ -115,7 +116,7 @@ def mirror_partners(
             np.column_stack([scale * waves, form, _FACING_LAST * normals]),
             monitor,
         )
-    return MirrorMap(partner, float(np.clip((_NONE - least) / (_NONE - _SURE), 0.0, 1.0)))
+    return MirrorMap(partner, float(ramp(least, _NONE, _SURE)))
 
 
 def _mirrored(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from ..numerics.arrays import FloatArray, IntArray
@@ -69,10 +71,8 @@ def upright_rotation(
     >>> bool(np.allclose(upright[:2, 0], [1 / 3, -1 / 3])), bool(upright[4, 2] > 1)
     (True, True)
     """
-    share = weights / weights.sum()
-    centred = form - share @ form
-    ahead = to_features @ _poles(limbs)
-    left, headward, front = body_axes(form, weights, features, to_features, limbs, partner)
+    centred, share, ahead = placed = _placed(form, weights, to_features, limbs)
+    left, headward, front = _axes(placed, features, limbs, partner)
     paired = limbs.side != 0
     underneath = (centred[features[paired]] @ front).mean() if paired.any() else 0.0
     tailed = (limbs.along > 0).any() and (centred[features[np.argmax(limbs.along)]] @ headward) < -_TAIL
@@ -86,18 +86,13 @@ def upright_rotation(
 
 
 def body_axes(
-    form: FloatArray,
-    weights: FloatArray,
-    features: IntArray,
-    to_features: FloatArray,
-    limbs: Limbs,
-    partner: IntArray | None,
+    form: FloatArray, weights: FloatArray, features: IntArray, to_features: FloatArray, limbs: Limbs
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Find the directions of a form to its left, to its head and to its front.
+    """Find the directions of a form to its left, to its head and to its front; feature points determine the plane.
 
     Parameters
     ----------
-    form, weights, features, to_features, limbs, partner
+    form, weights, features, to_features, limbs
         As in `upright_rotation`.
 
     Returns
@@ -111,21 +106,40 @@ def body_axes(
     >>> body = np.array([[1.0, 0, 2], [-1, 0, 2], [1.1, 0, -2], [-1.1, 0, -2], [0, 0.1, 4]]) / 3
     >>> far = np.linalg.norm(body[:, None] - body, axis=2)
     >>> limbs = limbs_of(far, np.zeros((5, 5, 5)), np.array([2.0, 2, 2, 2, 1]), lambda: np.arange(5.0))
-    >>> left, headward, front = body_axes(body, np.ones(5), np.arange(5), far, limbs, None)
+    >>> left, headward, front = body_axes(body, np.ones(5), np.arange(5), far, limbs)
     >>> bool(left[0] > 0.99), bool(headward[2] > 0.99), bool(front[1] < -0.99)
     (True, True, True)
     """
+    return _axes(_placed(form, weights, to_features, limbs), features, limbs, None)
+
+
+class _Placed(NamedTuple):
+    """A form about its centre, and which way its head is."""
+
+    points: FloatArray  # (n, 3)
+    share: FloatArray  # (n,) of the area, of each vertex
+    ahead: FloatArray  # (n,) increases from tail to head
+
+
+def _placed(form: FloatArray, weights: FloatArray, to_features: FloatArray, limbs: Limbs) -> _Placed:
+    """Centre a form, and weigh its distances from the feature points."""
     share = weights / weights.sum()
-    centred = form - share @ form
-    ahead = to_features @ _poles(limbs)
+    return _Placed(form - share @ form, share, to_features @ _poles(limbs))
+
+
+def _axes(
+    placed: _Placed, features: IntArray, limbs: Limbs, partner: IntArray | None
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Find left, head and front; the mirror partners of all vertices, or the feature points, determine the plane."""
+    centred, share, ahead = placed
     headward = centred.T @ (share * (ahead - share @ ahead))
     covariance = (centred * share[:, None]).T @ centred
-    place = share * (np.arange(len(form)) - share @ np.arange(len(form)))  # the order of the vertices
+    place = share * (np.arange(len(share)) - share @ np.arange(len(share)))  # the order of the vertices
     if limbs.side.any():
-        other = form[features[limbs.partner]] if partner is None else form[partner]
-        some, per = (form[features], np.ones(len(features))) if partner is None else (form, share)
+        other = centred[features[limbs.partner]] if partner is None else centred[partner]
+        some, per = (centred[features], np.ones(len(features))) if partner is None else (centred, share)
         left = mirror_plane(some, other, per).normal
-        left = left * _sign(float(limbs.side @ (form[features] @ left)))
+        left = left * _sign(float(limbs.side @ (centred[features] @ left)))
         headward = headward - (headward @ left) * left
         if np.linalg.norm(headward) < _UNTOLD:  # a tube with two similar ends
             within = np.eye(3) - np.outer(left, left)
