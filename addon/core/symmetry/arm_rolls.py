@@ -14,7 +14,7 @@ from .limbs import Limbs
 from .upright import body_axes
 
 _HAND = 0.6  # length of a hand with its wrist, as a share of the arm
-_REACH = 1.2  # length over which an arm is rolled, from the hand to the shoulder, likewise
+_REACH = 0.8  # where the roll begins, likewise; complete at half of it: the skin of the shoulder takes no part
 _FLAT = (0.2, 0.3)  # flatness of a hand: below, it has no direction; above, it surely has
 _PALMAR = (0.04, 0.07)  # likewise skewness across its flat side, which tells palm from back
 _FEWEST = 12  # vertices of a hand
