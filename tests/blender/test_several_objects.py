@@ -183,6 +183,18 @@ def test_a_flat_object_is_named(character):
     assert snapshot(character["trunk"]) == before
 
 
+def test_warnings_about_a_mesh_name_its_object(character):
+    mesh = character["hand"].data
+    corners = list(mesh.polygons[0].vertices)
+    doubled = bpy.data.meshes.new("doubled")
+    faces = [*(list(face.vertices) for face in mesh.polygons), corners[::-1]]
+    doubled.from_pydata([*(vertex.co for vertex in mesh.vertices), (0, 0, 0)], [], faces)
+    character["hand"].data = doubled
+    run()
+    told = [each for each in require_record(doubled).report.warnings if "left out" in each or "no face" in each]
+    assert [each.split(" ", 2)[:2] for each in told] == [["hand:", "1"], ["hand:", "1"]]
+
+
 def test_a_linked_object_is_named_and_left_out(character, tmp_path, capfd):
     path = str(tmp_path / "belt.blend")
     belt = add_object("belt", *shapes.sphere(2))

@@ -11,9 +11,9 @@ import numpy as np
 from ..mesh_items.palette import Colours, colours_of
 from ..objects.combining import Combined
 from ..objects.mesh_reading import Reading
+from ..objects.object_warnings import warnings_by_object
 from ..records.form_report import FormReport, StressReport
 from ..results.match_values import MatchValues
-from ..words.advice import all_advised
 from ..words.wording import told
 from .request import Request
 
@@ -81,7 +81,7 @@ def results_of(
     """
     if any(reading.mirrors for reading in readings):
         found = _folded(found, whole)
-    report = _report(whole, found, request)
+    report = _report(readings, whole, found, request)
     report.frame = readings[0].frame if report.measures else None
     colours = colours_of(found.adf, found.patches, whole.faces)
     if len(readings) == 1 and not readings[0].mirrors:
@@ -138,7 +138,7 @@ def _split(found: AnyResult, readings: Sequence[Reading], whole: Combined) -> Se
     ]
 
 
-def _report(whole: Combined, found: AnyResult, request: Request) -> FormReport:
+def _report(readings: Sequence[Reading], whole: Combined, found: AnyResult, request: Request) -> FormReport:
     """Create the report for a whole body."""
     from ...core import CanonicalForm, FeaturePatches
     from ...core.measures.form_measures import summary
@@ -149,7 +149,7 @@ def _report(whole: Combined, found: AnyResult, request: Request) -> FormReport:
         feature_points=found.feature_points.tolist(),
         patch_sizes=_sizes(found.patches, len(found.feature_points)),
         timings=found.timings,
-        warnings=all_advised(found.warnings),
+        warnings=warnings_by_object(found.warnings, readings),
     )
     if isinstance(found, FeaturePatches):
         return report

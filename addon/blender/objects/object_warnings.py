@@ -1,4 +1,4 @@
-"""Warnings about properties of an object that its form ignores."""
+"""Warnings about objects: which of them a warning concerns, and what the form ignores."""
 
 from __future__ import annotations
 
@@ -7,10 +7,14 @@ from collections.abc import Callable, Sequence
 import bpy
 import numpy as np
 
+from ...core.run.messages import Message
 from ..records.record import read_record
+from ..words.advice import advised
 from ..words.wording import told
+from .mesh_reading import Reading
 from .mirrors import is_followed
 
+_OF_A_MESH = ("repeated_corners", "coincident_borders", "duplicate_faces", "inconsistent_faces", "loose_vertices")
 _LEAST_VALUE = 1e-3  # of a shape key that visibly deforms the object
 _ADDING = (
     "ARRAY",
@@ -101,6 +105,35 @@ def object_warnings(objects: Sequence[bpy.types.Object], deformed: bool, *, scal
             )
         )
     return warnings
+
+
+def warnings_by_object(warnings: Sequence[Message], readings: Sequence[Reading]) -> list[str]:
+    """Advise on the warnings of a body, with the names of the objects whose own mesh causes them.
+
+    Parameters
+    ----------
+    warnings : sequence of Message
+        The warnings about the body.
+    readings : sequence of Reading
+        Its objects.
+
+    Returns
+    -------
+    list of str
+        Translated sentences with advice. If there are several objects, those about the repair of a mesh and about
+        loose vertices begin with the names of the objects.
+    """
+    from ...core.mesh.repair import repaired
+
+    names: dict[str, list[str]] = {}
+    if len(readings) > 1 and any(warning.kind in _OF_A_MESH for warning in warnings):
+        for reading in readings:
+            loose = len(reading.vertices) - len(np.unique(reading.faces))
+            found = {**repaired(reading.vertices, reading.faces).changes, "loose_vertices": loose}
+            for kind in (kind for kind, count in found.items() if count):
+                names.setdefault(kind, []).append(reading.name)
+    about = [", ".join(names.get(warning.kind, [])) for warning in warnings]
+    return [f"{of}: {advised(each)}" if of else advised(each) for of, each in zip(about, warnings, strict=True)]
 
 
 def bending_keys(obj: bpy.types.Object) -> list[str]:
