@@ -23,6 +23,7 @@ _REACH, _REACHING_AREA = 0.15, 0.02  # least values for a part of the body: exte
 _HELD_AREA, _LOOP, _HELD_LOOP = 0.01, 6, 0.7  # of one in an open end: its area, edges of the end, share of them near
 AROUND = 0.2  # least 1 - |mean normal| of a joint, which holds all around; contact on one side has less
 _HOLDING = 0.02  # least share of the smaller of two pieces that touches at a joint: interlaced fingers have less
+_SEAM = 0.1  # width of a cut over the size of the piece that was cut off
 _SMALLER = 0.5  # area of a piece over that of a body, below which it rides there even if it only touches
 
 
@@ -195,13 +196,13 @@ def _is_held(cast: _Cast, piece: int, hosts: Iterable[int]) -> bool:
 
 
 def _with_riders(cast: _Cast, bodies: list[list[int]], others: list[int]) -> Roles:
-    """Let each of the other pieces ride on the one that it lies on most; a piece on no body becomes a body."""
+    """Let each of the other pieces ride on what it lies on most or was cut from; a piece on no body becomes a body."""
     hosts = {piece for body in bodies for piece in body}
     hold: dict[int, dict[int, float]] = {piece: {} for piece in others}
     for (i, j), contact in cast.contacts.items():
         if i in hold:
             on_it = float(np.mean(np.exp(-((contact.distances / TOUCH) ** 2))))
-            hold[i][j] = on_it + 1e-9 / (contact.gap + 1e-3)
+            hold[i][j] = on_it + float(_is_cut_from(cast, i, j)) + 1e-9 / (contact.gap + 1e-3)
     carrier = carriers(hold, hosts)
     riders: list[tuple[int, int]] = []
     placed = set(hosts)
@@ -209,6 +210,17 @@ def _with_riders(cast: _Cast, bodies: list[list[int]], others: list[int]) -> Rol
         riders += sorted(ready, key=lambda rider: (-hold[rider[0]][rider[1]], rider))
         placed |= {i for i, _ in ready}
     return Roles(bodies + [[piece] for piece in others if piece not in placed], riders)
+
+
+def _is_cut_from(cast: _Cast, piece: int, other: int) -> bool:
+    """Check whether the whole border of a piece lies along the border of a larger one."""
+    from scipy.spatial import KDTree
+
+    reach = _SEAM * np.sqrt(cast.area(piece))
+    if other > piece or cast.contacts[piece, other].gap > TOUCH or not (cast.loops(piece) and cast.loops(other)):
+        return False
+    own, ends = (cast.pieces[each].points[np.concatenate(cast.loops(each))] for each in (piece, other))
+    return bool(np.isfinite(KDTree(ends).query(own, distance_upper_bound=reach)[0]).all())
 
 
 def _border_loops(faces: IntArray) -> list[IntArray]:

@@ -13,10 +13,10 @@ from ..numerics.ramps import ramp, smooth_ramp
 from .limbs import Limbs
 from .upright import body_axes
 
-_HAND = 0.6  # length of a hand with its wrist, as a share of the arm
+_HAND = 0.5  # length of a hand, as a share of the arm; longer ones bend at the wrist
 _REACH = 0.8  # where the roll begins, likewise; complete at half of it: the skin of the shoulder takes no part
-_FLAT = (0.2, 0.3)  # flatness of a hand: below, it has no direction; above, it surely has
-_PALMAR = (0.04, 0.07)  # likewise skewness across its flat side, which tells palm from back
+_FLAT = (0.25, 0.35)  # flatness of a hand: below, it has no direction; above, it surely has
+_PALMAR = (0.03, 0.05)  # likewise skewness across its flat side, which tells palm from back
 _FEWEST = 12  # vertices of a hand
 
 

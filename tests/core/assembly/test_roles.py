@@ -111,6 +111,20 @@ def test_riders_come_after_what_carries_them():
     assert found == ([[0]], [(1, 0), (2, 1)])
 
 
+@pytest.mark.parametrize(("cut", "carrier"), [(0.002, 1), (0.09, 0)])
+def test_what_was_cut_off_rides_where_it_was_cut(cut, carrier):
+    """The tip of a finger between a hand and a wall: it lies on the wall with its side, on the finger with its border."""
+    vertices, faces = shapes.grid(40, 40, 4.0, 4.0)
+    wall = np.column_stack([vertices[:, [0, 1]] - 2.0, np.zeros(len(vertices))])[:, [2, 0, 1]], faces
+    finger = tube(0.1, -1.5, 1.5, 0.115)
+    vertices, faces = shapes.sphere(3)
+    half = faces[(vertices[faces, 2] > -1e-9).all(axis=1)]
+    used, corners = np.unique(half, return_inverse=True)
+    tip = 0.1 * vertices[used] * [1, 1, 3] + [0.115, 0, cut], corners.reshape(-1, 3)
+    found, _ = roles(wall, finger, tip)
+    assert (2, carrier) in found.riders
+
+
 def test_a_piece_far_from_the_body_that_hangs_on_a_rider_rides_there():
     """A braid lies on the back of a head and hangs down; a bead at its end is near nothing but the braid."""
     unit = np.sqrt(4 * np.pi)
