@@ -116,7 +116,8 @@ class VIEW3D_PT_canonical_form_result(Tab, bpy.types.Panel):
             row.prop(mesh.shape_keys, f'["{PROPERTY}"]', text=_slider(record), slider=True)
             row.operator(OBJECT_OT_canonical_form_in_betweens.bl_idname, text="", icon="X").count = 0
             if renamed_keys(mesh):
-                layout.label(text=told("A key was renamed. Restore its name, or"), icon="ERROR")
+                said = told("A key was renamed. Restore its name, or")
+                _draw_sentence(layout.column(align=True), said, _line_length(context), "ERROR")
                 layout.operator(OBJECT_OT_canonical_form_remove_in_betweens.bl_idname, text=told("Remove Anyway"))
         elif key is not None:
             layout.prop(key, "value", text=_slider(record), slider=True)

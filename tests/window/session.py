@@ -20,6 +20,7 @@ CHARACTER = [path for path in FILES if path.suffix == ".glb"]
 sys.path[:0] = [str(Path(__file__).resolve().parent), str(Path(__file__).resolve().parents[2])]
 
 from tests.window.character import character, several_objects, state  # noqa: E402
+from tests.window.first_minute import first_minute  # noqa: E402
 from tests.window.hand import UNIT, Hand  # noqa: E402
 from tests.window.languages import languages  # noqa: E402
 from tests.window.live import live  # noqa: E402
@@ -226,6 +227,8 @@ def session():
     yield from character(hand, CHARACTER, compute)
     step("the same as several objects")
     yield from several_objects(hand, CHARACTER, compute)
+    step("the first minutes of an artist")
+    yield from first_minute(hand, compute)
     step("other languages")
     yield from languages(hand)
 

@@ -113,7 +113,7 @@ def test_riders_come_after_what_carries_them():
 
 @pytest.mark.parametrize(("cut", "carrier"), [(0.002, 1), (0.09, 0)])
 def test_what_was_cut_off_rides_where_it_was_cut(cut, carrier):
-    """The tip of a finger between a hand and a wall: it lies on the wall with its side, on the finger with its border."""
+    """A fingertip beside a wall: its side lies on the wall, its border on that of the finger."""
     vertices, faces = shapes.grid(40, 40, 4.0, 4.0)
     wall = np.column_stack([vertices[:, [0, 1]] - 2.0, np.zeros(len(vertices))])[:, [2, 0, 1]], faces
     finger = tube(0.1, -1.5, 1.5, 0.115)
