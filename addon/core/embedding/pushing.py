@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -102,6 +102,11 @@ class Pushing:
         How much of a push along the third axis counts, 0 to 1.
     stiffness : (e,) ndarray of float, optional
         Stiffness of each edge; 1 when left out.
+    tips : sequence of (t,) ndarray of int
+        Ends of limbs, each a group of vertices. The samples push them too, each group as strongly as any other, so that
+        a limb is under tension up to its end.
+    tip_share : float
+        Share of the push that the tips get, 0 to 1.
     normalised : bool
         Push each pair by as much more as it lies nearer to each other, so that near pairs, which a bent joint brings
         together, have as much say as far ones.
@@ -124,6 +129,8 @@ class Pushing:
         strength: float,
         depth: float = 1.0,
         stiffness: FloatArray | None = None,
+        tips: Sequence[IntArray] = (),
+        tip_share: float = 0.0,
         normalised: bool = False,
     ) -> None:
         count = len(points)
@@ -133,7 +140,12 @@ class Pushing:
         push = np.ones(len(pairs))
         if normalised:
             push /= np.maximum(np.linalg.norm(points[pairs[:, 0]] - points[pairs[:, 1]], axis=1), _LEAST)
-        push *= strength / (_FAR * push.sum())
+        push *= (1 - tip_share) * strength / (_FAR * push.sum())
+        for tip in tips:
+            others = np.setdiff1d(samples, tip)
+            pulled = np.column_stack([np.repeat(tip, len(others)), np.tile(others, len(tip))])
+            share = tip_share * strength / (_FAR * len(tips) * max(len(pulled), 1))
+            pairs, push = np.concatenate([pairs, pulled]), np.concatenate([push, np.full(len(pulled), share)])
         far = np.full(len(pairs), _FAR)
         stiffness = np.ones(len(edges)) if stiffness is None else stiffness
         self._kept = LinkStress(edges, lengths, stiffness, count)

@@ -12,6 +12,8 @@ from ..run.monitor import Monitor
 from .pushing import Pushing
 
 _STRENGTH = 40.0  # of the push: thin limbs grow by half and more, and no joint withstands it
+_TIP = 0.05  # of the distance to the next feature point: the end of a limb, which the landmarks push, too
+_TIP_SHARE = 0.4  # of the push that ends get: without it, there is no tension there, and they stay bent
 _BENDING = 2.0  # stiffness between vertices across an edge, which keeps the surface from crumpling
 _EVEN = 3**-0.5  # stiffness in the shell of an edge between equilateral triangles
 _STIFFEST = 50.0  # over that
@@ -25,6 +27,8 @@ def straightened(
     form: FloatArray,
     landmarks: IntArray,
     depth: float,
+    features: IntArray,
+    to_features: FloatArray,
     *,
     max_iterations: int = 300,
     tolerance: float = 1e-3,
@@ -33,8 +37,8 @@ def straightened(
 ) -> FloatArray:
     """Arrange the limbs as straight and as far apart as their lengths allow.
 
-    Landmarks push each other apart, so hard that limbs grow. Only the directions of what comes out count: the stretch,
-    averaged over an area as wide as a limb is long, is taken back.
+    Landmarks push each other and the ends of the limbs apart, so hard that limbs grow. Only the directions of what
+    comes out count: the stretch, averaged over an area as wide as a limb is long, is taken back.
 
     Parameters
     ----------
@@ -48,6 +52,10 @@ def straightened(
         Vertices that push each other.
     depth : float
         How much of a push along the third axis counts: 0 where mirror images are a tie, 1 where they are none.
+    features : (k,) ndarray of int
+        Feature points.
+    to_features : (n, k) ndarray of float
+        Distances of all vertices from them.
     max_iterations, tolerance, extrapolation
         As in `Pushing.lowered`.
     monitor : Monitor
@@ -69,7 +77,8 @@ def straightened(
     >>> points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
     >>> faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
     >>> body = ElasticBody(triangulated(points, faces), points, faces)
-    >>> form = straightened(body, faces, points, np.arange(4), 1.0, monitor=Monitor())
+    >>> far = np.linalg.norm(points[:, None] - points, axis=2)
+    >>> form = straightened(body, faces, points, np.arange(4), 1.0, np.arange(4), far, monitor=Monitor())
     >>> lengths = np.linalg.norm(form[faces[:, 0]] - form[faces[:, 1]], axis=1)
     >>> np.allclose(lengths, np.sqrt(8), rtol=1e-3)
     True
@@ -88,9 +97,17 @@ def straightened(
         strength=_STRENGTH,
         depth=depth,
         stiffness=np.concatenate([np.minimum(stiffness / _EVEN, _STIFFEST), np.full(len(across), _BENDING)]),
+        tips=_tips(features, to_features),
+        tip_share=_TIP_SHARE if len(features) > 1 else 0.0,
     )
     form, _ = pushing.lowered(
         form, max_iterations=max_iterations, tolerance=tolerance, extrapolation=extrapolation, monitor=monitor
     )
     form = relaxed(body, body.without_stretch(form, _AVERAGED), _RELAXING_STEPS, monitor)
     return body.without_stretch(form, _AVERAGED)
+
+
+def _tips(features: IntArray, to_features: FloatArray) -> list[IntArray]:
+    """List the vertices at the end of each limb."""
+    between = to_features[features] + np.diag(np.full(len(features), np.inf))
+    return [np.flatnonzero(to_features[:, limb] <= _TIP * between[limb].min()) for limb in range(len(features))]

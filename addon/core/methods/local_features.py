@@ -176,7 +176,15 @@ def _arranged(
         return form, None
     with monitor.stage("Straightening"):
         form = straightened(
-            body, found.surface.faces, form, start.landmarks, start.depth, **settings.minimisation, monitor=monitor
+            body,
+            found.surface.faces,
+            form,
+            start.landmarks,
+            start.depth,
+            found.features,
+            found.to_features,
+            **settings.minimisation,
+            monitor=monitor,
         )
         form = arms_rolled(body, form, found.features, found.to_features, found.limbs)
     if settings.symmetry != "hold":

@@ -43,3 +43,13 @@ def test_a_push_without_depth_leaves_the_third_axis_alone():
     pushing = Pushing(vertices, vertex_pairs(faces), np.arange(0, len(vertices), 20), strength=3.0, depth=0.0)
     flat = vertices * [1.0, 1.0, 0.0]
     assert np.abs(pushing.lowered(flat, max_iterations=20)[0][:, 2]).max() < 1e-12
+
+
+def test_tips_share_the_push_and_each_gets_as_much():
+    points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 2, 0], [3, 0, 0]])
+    samples, tips = np.array([0, 1]), [np.array([2, 3]), np.array([1, 4])]
+    pushing = Pushing(points, np.array([[0, 1]]), samples, strength=1.0, tips=tips, tip_share=0.5)
+    far, away = 10.0, lambda i, j: np.linalg.norm(points[i] - points[j])
+    half = [np.mean([(far - away(i, j)) ** 2 for i in tip for j in np.setdiff1d(samples, tip)]) for tip in tips]
+    wanted = (0.5 * (far - away(0, 1)) ** 2 + 0.5 * np.mean(half)) / far
+    assert pushing.value_and_descent(points)[0] == pytest.approx(wanted, rel=1e-12)
