@@ -187,17 +187,18 @@ def meshes_of_pieces(draw):
     vertices, faces = draw(meshes())
     rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
     points, corners, count = [vertices], [faces], len(vertices)
-    size = float(np.ptp(vertices, axis=0).max(initial=0.0)) if len(vertices) else 1.0
-    for _ in range(draw(st.integers(1, 8))):
-        own, its = sound()[rng.integers(0, 12)]
-        turn = np.linalg.qr(rng.normal(size=(3, 3)))[0] * 10.0 ** rng.uniform(-1.5, 0.3, (3, 1))
-        place = vertices[rng.integers(0, len(vertices))] if len(vertices) else np.zeros(3)
-        points.append((0.3 * own @ turn + 0.1 * rng.normal(size=3)) * (size or 1.0) + place)
-        corners.append(its + count)
-        count += len(own)
-    mesh = np.vstack(points), np.vstack([each.reshape(-1, 3) for each in corners])
-    for index in draw(st.lists(st.integers(0, len(DAMAGES) - 1), max_size=2)):
-        mesh = DAMAGES[index](*mesh, rng)
+    with np.errstate(all="ignore"):  # what is infinite becomes no number, and is to be refused
+        size = float(np.ptp(vertices, axis=0).max(initial=0.0)) if len(vertices) else 1.0
+        for _ in range(draw(st.integers(1, 8))):
+            own, its = sound()[rng.integers(0, 12)]
+            turn = np.linalg.qr(rng.normal(size=(3, 3)))[0] * 10.0 ** rng.uniform(-1.5, 0.3, (3, 1))
+            place = vertices[rng.integers(0, len(vertices))] if len(vertices) else np.zeros(3)
+            points.append((0.3 * own @ turn + 0.1 * rng.normal(size=3)) * (size or 1.0) + place)
+            corners.append(its + count)
+            count += len(own)
+        mesh = np.vstack(points), np.vstack([each.reshape(-1, 3) for each in corners])
+        for index in draw(st.lists(st.integers(0, len(DAMAGES) - 1), max_size=2)):
+            mesh = DAMAGES[index](*mesh, rng)
     return mesh
 
 

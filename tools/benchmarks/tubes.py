@@ -82,10 +82,10 @@ def tube(curve: Curve, around: int, along: int) -> tuple[np.ndarray, np.ndarray]
     tangent /= np.linalg.norm(tangent, axis=1)[:, None]
     across = np.zeros_like(tangent)
     side = np.array([0.3, 0.5, 0.8])
-    for ring, way in enumerate(tangent):
+    for number, way in enumerate(tangent):
         side = side - (side @ way) * way
         side /= np.linalg.norm(side)
-        across[ring] = side
+        across[number] = side
     angle = 2 * np.pi * np.arange(around) / around
     out = np.cos(angle)[:, None] * across[:, None] + np.sin(angle)[:, None] * np.cross(tangent, across)[:, None]
     ring = np.arange(around)
