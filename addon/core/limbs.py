@@ -81,6 +81,8 @@ def limb_shapes(
         raise InvalidSettingsError("limb_mask", count=count)
     if not all(0 <= way <= 1 for way in ways):
         raise InvalidSettingsError("limb_ways")
+    if chosen[np.asarray(faces)].all() and all(way == 1 for way in ways):
+        return [form.copy() for _ in ways]  # with its riders, which would ride anew
 
     def work(body: Body, own: Monitor) -> list[FloatArray]:
         here = body.vertices

@@ -16,16 +16,7 @@ from .conftest import QUICK, add_object, snapshot
 @pytest.fixture
 def seamed(blender):
     """A figure cut along seams, as a .glb stores it: quadrants with borders of their own."""
-    vertices, faces = shapes.figure(13)
-    middle = vertices[faces].mean(axis=1)
-    quadrant = 2 * (middle[:, 0] > 0) + (middle[:, 2] > 1)
-    points, corners, first = [], [], 0
-    for number in range(4):
-        used, own = np.unique(faces[quadrant == number], return_inverse=True)
-        points.append(vertices[used])
-        corners.append(first + own.reshape(-1, 3))
-        first += len(used)
-    return add_object("Seamed", np.concatenate(points), np.concatenate(corners))
+    return add_object("Seamed", *shapes.cut_along_seams(*shapes.figure(13)))
 
 
 def parts_and_open_edges(vertices, faces):

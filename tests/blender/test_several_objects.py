@@ -125,8 +125,7 @@ def test_limbs_and_in_betweens_are_of_the_whole_body(character):
     assert all(sum(require_record(obj.data).limbs) == 1 for obj in character.values())
     bpy.ops.object.canonical_form_limb(patch=0)
     for name, obj in character.items():
-        # riders ride anew on the form as the keys hold it, rounded: 1e-4 of the size
-        assert in_scene(obj, key_of(obj)) == pytest.approx(whole[name], abs=4e-4)
+        assert in_scene(obj, key_of(obj)) == pytest.approx(whole[name], abs=1e-4)
     assert bpy.ops.object.canonical_form_in_betweens(count=2) == {"FINISHED"}
     keys = character["trunk"].data.shape_keys
     keys[PROPERTY] = 1 / 3

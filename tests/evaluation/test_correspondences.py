@@ -21,7 +21,7 @@ from tests.meshes.shapes import write_off
 def poses():
     """A figure and the same bent."""
     vertices, faces = shapes.figure(11)
-    return Mesh(vertices, faces), Mesh(vertices + 0.4 * np.sin(vertices[:, 2:]) * [1.0, 0.5, 0.0], faces)
+    return Mesh(vertices, faces), Mesh(vertices + 0.2 * np.sin(vertices[:, 2:]) * [1.0, 0.5, 0.0], faces)
 
 
 @pytest.fixture(scope="module")
@@ -57,9 +57,7 @@ def test_every_pair_has_a_row_and_the_classes_without_pairs_a_reason(run):
         ("pose0", "pose1", "ours"), ("pose0", "pose1", "nearest"),
     ]  # fmt: skip
     for row in rows:
-        assert float(row["error"]) > 0
-        if row["method"] == "ours":  # the nearest point may be one of another limb: nothing keeps that rival from it
-            assert float(row["error"]) < 0.05
+        assert 0 < float(row["error"]) < (0.05 if row["method"] == "ours" else 0.3)
         assert bool(row["edges"]) == (row["method"] == "ours")
         assert row["crossings_true"] == ("0" if row["method"] == "ours" else "")
         assert row["failure"] == ""

@@ -90,6 +90,7 @@ def straightened(
     """
     edges, stiffness = body.shell()
     across = pairs_across_edges(faces)
+    tips = _tips(features, to_features) if len(features) > 1 else []
     pushing = Pushing(
         body.points,
         np.concatenate([edges, across]),
@@ -97,8 +98,8 @@ def straightened(
         strength=_STRENGTH,
         depth=depth,
         stiffness=np.concatenate([np.minimum(stiffness / _EVEN, _STIFFEST), np.full(len(across), _BENDING)]),
-        tips=_tips(features, to_features),
-        tip_share=_TIP_SHARE if len(features) > 1 else 0.0,
+        tips=tips,
+        tip_share=_TIP_SHARE if tips else 0.0,
     )
     form, _ = pushing.lowered(
         form, max_iterations=max_iterations, tolerance=tolerance, extrapolation=extrapolation, monitor=monitor

@@ -9,7 +9,7 @@ import pytest
 from addon.core import Settings, canonical_form
 from addon.core.measures.alignment import rigid_fit
 from addon.core.measures.form_measures import edge_stretch
-from tests.meshes import shapes
+from tests.meshes import shapes, tubes
 from tests.meshes.shapes import Mesh
 
 AROUND = 24
@@ -33,28 +33,11 @@ def test_a_bent_tube_comes_out_straight_and_as_long_and_wide_as_it_was(degrees: 
     assert np.median(girth / rings(vertices)[1]) == pytest.approx(1.0, abs=0.03)
 
 
-def arc(degrees: float, along: int = 160) -> Mesh:
-    """A closed tube of length 4 and radius .12, bent evenly by an angle."""
-    vertices, faces = shapes.cylinder(AROUND, along + 1, 0.12, 4.0)
-    radius, angle = 4.0 / np.radians(degrees), vertices[:, 2] / 4.0 * np.radians(degrees)
-    out = radius + vertices[:, 0]
-    bent = np.column_stack([out * np.cos(angle), vertices[:, 1], out * np.sin(angle)])
-    ends = [range(AROUND), range(along * AROUND, (along + 1) * AROUND)]
-    middles = [bent[list(end)].mean(axis=0) for end in ends]
-    caps = [
-        [len(bent) + number, *((end[k], end[k - 1]) if number else (end[k - 1], end[k]))]
-        for number, end in enumerate(ends)
-        for k in range(AROUND)
-    ]
-    return np.concatenate([bent, middles]), np.concatenate([faces, np.array(caps)])
-
-
 @pytest.mark.parametrize("degrees", [90, 180, 270])
 def test_a_thin_tube_is_straight_up_to_its_ends(degrees: int):
-    vertices, faces = arc(degrees)
-    form = canonical_form(vertices, faces).vertices
-    centre = form[:-2].reshape(-1, AROUND, 3).mean(axis=1)
-    length = np.linalg.norm(np.diff(centre, axis=0), axis=1).sum()
+    form = canonical_form(*tubes.tube(tubes.circle(degrees), AROUND, 160)).vertices
+    centre, _ = tubes.rings(form, AROUND)
+    length = tubes.length_of(centre)
     assert np.linalg.norm(centre[-1] - centre[0]) > 0.994 * length
     assert length == pytest.approx(4.0, rel=0.01)
 
