@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from addon.core.surface.triangulation import Triangulation
 
 Mesh = tuple[np.ndarray, np.ndarray]  # vertices and triangles
+Limb = tuple[Sequence[tuple[float, float, float]], float]  # points of its middle line, and its width
 
 
 def sphere(subdivisions: int) -> Mesh:
@@ -71,7 +72,7 @@ def cylinder(around: int, along: int, radius: float = 1.0, height: float = 4.0) 
     return np.column_stack([radius * np.cos(angle), radius * np.sin(angle), flat[:, 1]]), faces
 
 
-LIMBS = (  # bent limbs of different lengths and widths: (points of the middle line, width)
+LIMBS = (  # bent limbs of different lengths and widths
     (((0, 0, 0), (0.9, 0.1, 0.0), (1.5, 0.7, 0.2), (1.7, 1.5, 0.3)), 0.24),
     (((0, 0, 0), (-0.8, 0.3, 0.1), (-1.5, -0.2, 0.3), (-2.2, 0.1, 0.9)), 0.27),
     (((0, 0, 0), (0.2, -0.9, 0.0), (0.3, -1.7, 0.5), (0.1, -2.2, 0.1)), 0.30),
@@ -112,13 +113,17 @@ def joint(degrees: float, along: int = 60, around: int = 24, length: float = 4.0
 
 
 def figure(cells: int = 24) -> Mesh:
-    """A closed figure of five bent limbs: the level set of a sum of falling distances, on a grid of tetrahedra."""
-    low, high = np.array([-2.8, -2.8, -1.0]), np.array([2.3, 2.1, 2.8])
+    """A closed figure of five bent limbs."""
+    return limbed(LIMBS, np.array([-2.8, -2.8, -1.0]), np.array([2.3, 2.1, 2.8]), cells)
+
+
+def limbed(limbs: Sequence[Limb], low: np.ndarray, high: np.ndarray, cells: int) -> Mesh:
+    """A closed body of limbs in a box: the level set of a sum of falling distances, on a grid of tetrahedra."""
     count = np.ceil((high - low) / (high - low).max() * cells).astype(int)
     axes = [np.linspace(low[i], high[i], count[i] + 1) for i in range(3)]
     points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
     field = np.zeros(len(points))
-    for line, width in LIMBS:
+    for line, width in limbs:
         stops = np.array(line, dtype=float)
         nearest = np.full(len(points), np.inf)
         for start, end in pairwise(stops):

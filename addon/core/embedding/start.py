@@ -10,18 +10,15 @@ from ..deformation.elastic_body import ElasticBody
 from ..distances.farthest_points import farthest_points
 from ..distances.heat import HeatMethod
 from ..distances.spectral import GreensFunction, biharmonic_squared
-from ..mesh.geometry import signed_volume
 from ..numerics.arrays import FloatArray, IntArray
-from ..numerics.ramps import ramp
 from ..run.monitor import Monitor
 from ..surface.spectrum import Spectrum
 from ..surface.triangulation import Triangulation
-from .classical_scaling import landmark_scaling, least_squares_scaling
+from .layout import laid_out
 from .pairs import arrangement_pairs, feature_pairs
 from .stress import PairSet
 
 _BIHARMONIC_SHARE = 0.4  # of the squared distances; the rest is geodesic
-_TIE, _SURE = 0.8, 1.6  # handedness below which the third axis is dropped, and above which it is kept whole
 _PULL = 30.0  # 1/area: the layout shapes what is larger than a limb, the surface what is smaller
 _BENDING_WEIGHT = 0.1  # of the bends of the pose
 _LAYOUT_SMOOTHING = 0.02  # diffusion time of the landmarks' geodesics over that of the patches
@@ -60,6 +57,7 @@ def intrinsic_start(
     faces: IntArray,
     features: IntArray,
     to_features: FloatArray,
+    partner: IntArray,
     *,
     landmark_count: int = 100,
     smoothing: float = 0.1,
@@ -86,6 +84,8 @@ def intrinsic_start(
         Feature points.
     to_features : (n, k) ndarray of float
         Geodesic distances from them.
+    partner : (k,) ndarray of int
+        The mirror partner of each; itself for those in the middle, and for all if there is no left and right.
     landmark_count : int
         Number of landmarks.
     smoothing : float
@@ -115,7 +115,8 @@ def intrinsic_start(
     >>> faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
     >>> surface, spectrum = triangulated(points, faces), Spectrum(np.full(3, 9.2), points)
     >>> body, first = ElasticBody(surface, points, faces), np.array([0])
-    >>> start = intrinsic_start(surface, spectrum, body, faces, first, np.ones((4, 1)), steps=2, monitor=Monitor())
+    >>> start = intrinsic_start(
+    ...     surface, spectrum, body, faces, first, np.ones((4, 1)), np.arange(1), steps=2, monitor=Monitor())
     >>> sorted(start.landmarks.tolist())
     [0, 1, 2, 3]
 
@@ -131,7 +132,7 @@ def intrinsic_start(
         if smoothing > 0:
             distances = landmark_distances(distances, landmarks, spectrum)
     with monitor.stage("Start"):
-        layout, depth = laid_out(distances, landmarks, body.points, faces)
+        layout, depth = laid_out(distances, landmarks, body.points, faces, partner)
         monitor.check()
         points = inflated(body, layout, steps, monitor)
     return Start(points, arrangement_pairs(landmarks, points), share, landmarks, depth)
@@ -211,80 +212,6 @@ def landmark_distances(geodesic: FloatArray, landmarks: IntArray, spectrum: Spec
     biharmonic = biharmonic_squared(spectrum, np.arange(len(geodesic)), landmarks)
     scale = np.vdot(biharmonic, squared) / np.vdot(biharmonic, biharmonic)
     return np.sqrt((1 - _BIHARMONIC_SHARE) * squared + _BIHARMONIC_SHARE * scale * biharmonic)
-
-
-def laid_out(
-    distances: FloatArray, landmarks: IntArray, points: FloatArray, faces: IntArray
-) -> tuple[FloatArray, float]:
-    """Lay the surface out in space by classical scaling, outside out, without choosing between mirror images.
-
-    Distances don't know left from right. Where the layout encloses a volume, its sign tells the mirror images apart:
-    the volume of a surface that is outside out is positive. Where it encloses next to none the images are a tie,
-    which nothing but chance or the pose could break; there the third axis is dropped, and the flat layout is its own
-    mirror image. In between the third axis is shortened, so that the layout depends continuously on the surface.
-
-    Parameters
-    ----------
-    distances : (n, l) ndarray of float
-        Distance of every vertex from each landmark.
-    landmarks : (l,) ndarray of int
-        The landmarks.
-    points : (n, 3) ndarray of float
-        The input, which tells whether the triangles face outwards.
-    faces : (m, 3) ndarray of int
-        Triangles.
-
-    Returns
-    -------
-    layout : (n, 3) ndarray of float
-        The layout, along its principal axes.
-    depth : float
-        What the third axis is worth, from 0 where mirror images are a tie to 1 where they are none.
-
-    Examples
-    --------
-    >>> from scipy.spatial.distance import cdist
-    >>> points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
-    >>> faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
-    >>> layout, depth = laid_out(cdist(points, points), np.arange(4), points, faces)
-    >>> depth, np.allclose(cdist(layout, layout), cdist(points, points))
-    (1.0, True)
-    """
-    projected = landmark_scaling(distances, landmarks)
-    projected -= projected.mean(axis=0)
-    layout = least_squares_scaling(distances, landmarks, projected)
-    handed = handedness(layout, faces) * np.sign(signed_volume(points, faces))
-    sure = float(ramp(abs(handed), _TIE, _SURE))
-    if sure < 1:
-        layout = least_squares_scaling(distances, landmarks, projected * [1.0, 1.0, sure], depth=sure)
-    return layout * [1.0, 1.0, np.sign(handed)], sure
-
-
-def handedness(layout: FloatArray, faces: IntArray) -> float:
-    """Measure how clearly a layout differs from its mirror image, and which of the two it is.
-
-    Parameters
-    ----------
-    layout : (n, 3) ndarray of float
-        Positions.
-    faces : (m, 3) ndarray of int
-        Triangles, oriented outwards.
-
-    Returns
-    -------
-    float
-        Signed volume over the product of the deviations along the three axes; 0 for a flat layout. 4.2 for a solid
-        ball (4π/3), near 0 for a body with thin limbs whose arrangement is a tie.
-
-    Examples
-    --------
-    >>> points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
-    >>> faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
-    >>> round(handedness(points, faces), 6), round(handedness(points * [1, 1, -1], faces), 6)
-    (2.666667, -2.666667)
-    """
-    spread = float(np.prod(layout.std(axis=0)))
-    return signed_volume(layout, faces) / spread if spread > 0 else 0.0
 
 
 def inflated(body: ElasticBody, layout: FloatArray, steps: int, monitor: Monitor) -> FloatArray:

@@ -257,6 +257,7 @@ def _start(
         found.surface.faces,
         found.features,
         found.to_features,
+        found.limbs.partner,
         landmark_count=settings.landmark_count,
         smoothing=settings.smoothing,
         share=settings.arrangement_share,
