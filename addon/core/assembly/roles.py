@@ -20,6 +20,7 @@ TOUCH = 0.02  # distance below which pieces touch, in sqrt(area) of all pieces, 
 WIDEST_GAP = 0.04  # gap across which pieces still hold each other
 _COVERED = 0.75  # share of a piece on others above which it rides there, like a shirt on a body
 _REACH, _REACHING_AREA = 0.15, 0.02  # least values for a part of the body: extent beyond what it touches, and area
+_STICK = 0.09  # area over squared length of a stick; an arm has .2
 _HELD_AREA, _LOOP, _HELD_LOOP = 0.01, 6, 0.7  # of one in an open end: its area, edges of the end, share of them near
 AROUND = 0.2  # least 1 - |mean normal| of a joint, which holds all around; contact on one side has less
 _HOLDING = 0.02  # least share of the smaller of two pieces that touches at a joint: interlaced fingers have less
@@ -137,9 +138,17 @@ def _is_host(cast: _Cast, piece: int, hosts: list[int]) -> bool:
     points = cast.samples[piece].points
     if area > _REACHING_AREA:
         near = distance < max(TOUCH, gap + TOUCH / 2)
-        if KDTree(points[near]).query(points)[0].max() > _REACH:
+        if KDTree(points[near]).query(points)[0].max() > _REACH and not _is_stick(points, points[near], area):
             return True
     return area > _HELD_AREA and _is_held(cast, piece, hosts)
+
+
+def _is_stick(points: FloatArray, touching: FloatArray, area: float) -> bool:
+    """Check whether a piece is thin and touched in the middle, like a spear in a hand: it does not bend there."""
+    middle = points.mean(axis=0)
+    axis = np.linalg.svd(points - middle, full_matrices=False)[2][0]
+    along = (points - touching.mean(axis=0)) @ axis
+    return bool(min(along.max(), -along.min()) > _REACH and area < _STICK * np.ptp(along) ** 2)
 
 
 def _bodies(cast: _Cast, hosts: list[int]) -> tuple[list[list[int]], list[int]]:

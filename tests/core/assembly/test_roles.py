@@ -133,3 +133,17 @@ def test_a_piece_far_from_the_body_that_hangs_on_a_rider_rides_there():
     bead = 0.03 * ball(1.0)[0] + [1.02, 0, 0.16 * unit], ball(1.0)[1]
     found, _ = roles(ball(1.0), braid, bead)
     assert found == ([[0]], [(1, 0), (2, 1)])
+
+
+@pytest.mark.parametrize(
+    ("radius", "start", "role"),
+    [
+        (0.015, -0.7, "rides"),  # a spear in a fist
+        (0.015, 0.2, "part"),  # a tail
+        (0.060, -0.7, "part"),  # arms, one mesh, through a trunk
+    ],
+)
+def test_a_stick_held_in_the_middle_rides_and_what_is_thick_or_held_at_its_end_is_part(radius, start, role):
+    found, _ = roles(ball(0.25), tube(radius, start, 1.4))
+    assert found.bodies == ([[0]] if role == "rides" else [[0, 1]])
+    assert found.riders == ([(1, 0)] if role == "rides" else [])
