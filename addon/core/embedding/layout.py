@@ -12,11 +12,17 @@ from .classical_scaling import landmark_scaling, least_squares_scaling
 _VOLUME = (0.8, 1.6)  # handedness below which mirror images are a tie, and above which they are none;
 _VOLUME_OF_A_BOWL = (0.2, 0.4)  # likewise where a mirror exchanges left and right
 _BOWL = (0.25, 0.45)  # misfit of a half turn, over that of the mirror and the half turn, from twisted to bowl
+_LEAD = (0.005, 0.015)  # by how much the swap of left and right fits better than the next: below, it is none
 _TOLD = (0.04, 0.08)  # both misfits together: below, the ends lie in a plane, and either exchanges them
 
 
 def laid_out(
-    distances: FloatArray, landmarks: IntArray, points: FloatArray, faces: IntArray, partner: IntArray
+    distances: FloatArray,
+    landmarks: IntArray,
+    points: FloatArray,
+    faces: IntArray,
+    partner: IntArray,
+    lead: float = np.inf,
 ) -> tuple[FloatArray, float]:
     """Lay the surface out in space by classical scaling, outside out, without choosing between mirror images.
 
@@ -38,6 +44,8 @@ def laid_out(
     partner : (k,) ndarray of int
         The mirror partner of each feature point; itself for those in the middle, and for all if there is no left and
         right.
+    lead : float
+        By how much the swap with the partners fits better than the next best.
 
     Returns
     -------
@@ -60,7 +68,7 @@ def laid_out(
     layout = least_squares_scaling(distances, landmarks, projected)
     handed = handedness(layout, faces) * np.sign(signed_volume(points, faces))
     ends = layout[landmarks[: len(partner)]] - layout.mean(axis=0)
-    sure = certainty(abs(handed), ends, partner)
+    sure = certainty(abs(handed), ends, partner, lead)
     if sure < 1:
         layout = least_squares_scaling(distances, landmarks, projected * [1.0, 1.0, sure], depth=sure)
     return layout * [1.0, 1.0, np.sign(handed)], sure
@@ -93,14 +101,14 @@ def handedness(layout: FloatArray, faces: IntArray) -> float:
     return signed_volume(layout, faces) / spread if spread > 0 else 0.0
 
 
-def certainty(volume: float, ends: FloatArray, partner: IntArray) -> float:
+def certainty(volume: float, ends: FloatArray, partner: IntArray, lead: float = np.inf) -> float:
     """Judge how surely a layout is told from its mirror image.
 
     A surface with a left and a right is its own mirror image, and so must its layout be. Either a mirror exchanges
     left and right: the layout is a bowl, all limbs on one side of the trunk, and a volume tells its outside. Or a half
     turn does: the layout is twisted, arms against legs. Then it could as well be twisted the other way, whatever its
     volume, and the pose would choose: a tie. Without left and right, or with all ends in one plane, only the volume
-    tells.
+    tells; likewise where another swap of the ends fits nearly as well.
 
     Parameters
     ----------
@@ -110,6 +118,8 @@ def certainty(volume: float, ends: FloatArray, partner: IntArray) -> float:
         Feature points in the layout, from its centroid.
     partner : (k,) ndarray of int
         The mirror partner of each; itself for those in the middle, and for all if there is no left and right.
+    lead : float
+        By how much the swap with the partners fits better than the next best.
 
     Returns
     -------
@@ -126,7 +136,7 @@ def certainty(volume: float, ends: FloatArray, partner: IntArray) -> float:
     if np.array_equal(partner, np.arange(len(partner))):
         return by_volume
     mirror, half_turn = _misfits(ends, ends[partner])
-    told = float(ramp(mirror + half_turn, *_TOLD))
+    told = float(ramp(mirror + half_turn, *_TOLD) * ramp(lead, *_LEAD))
     if told == 0:
         return by_volume
     bowl = float(ramp(half_turn / (mirror + half_turn), *_BOWL))

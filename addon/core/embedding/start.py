@@ -59,6 +59,7 @@ def intrinsic_start(
     to_features: FloatArray,
     partner: IntArray,
     *,
+    lead: float = np.inf,
     landmark_count: int = 100,
     smoothing: float = 0.1,
     share: float = 10.0,
@@ -86,6 +87,8 @@ def intrinsic_start(
         Geodesic distances from them.
     partner : (k,) ndarray of int
         The mirror partner of each; itself for those in the middle, and for all if there is no left and right.
+    lead : float
+        By how much the swap with the partners fits better than the next best.
     landmark_count : int
         Number of landmarks.
     smoothing : float
@@ -132,7 +135,7 @@ def intrinsic_start(
         if smoothing > 0:
             distances = landmark_distances(distances, landmarks, spectrum)
     with monitor.stage("Start"):
-        layout, depth = laid_out(distances, landmarks, body.points, faces, partner)
+        layout, depth = laid_out(distances, landmarks, body.points, faces, partner, lead)
         monitor.check()
         points = inflated(body, layout, steps, monitor)
     return Start(points, arrangement_pairs(landmarks, points), share, landmarks, depth)

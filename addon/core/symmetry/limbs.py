@@ -36,6 +36,8 @@ class Limbs(NamedTuple):
         1 on the left, -1 on the right, 0 in the middle.
     along : (k,) ndarray of float
         Weights with which distances from the feature points add up to a function that increases towards the head.
+    lead : float
+        By how much the swap with the partners fits better than the next best, without unit; 0 without left and right.
     """
 
     distances: FloatArray
@@ -44,6 +46,7 @@ class Limbs(NamedTuple):
     partner: IntArray
     side: IntArray
     along: FloatArray
+    lead: float
 
     def sorted_by(self, order: IntArray) -> Limbs:
         """Reorder the feature points.
@@ -74,6 +77,7 @@ class Limbs(NamedTuple):
             place[self.partner[order]],
             self.side[order],
             self.along[order],
+            self.lead,
         )
 
 
@@ -152,8 +156,11 @@ def limbs_of(
     count = len(distances)
     partner = np.arange(count)
     trusted = handedness * (_TRUST_JOINED if joined else 1.0)
-    for image, mismatch in feature_involutions(distances, trusted, adf, most=1, monitor=monitor):
-        partner = image if mismatch < _SYMMETRIC else partner
+    swaps = feature_involutions(distances, trusted, adf, most=2, monitor=monitor)
+    mismatch = [each for _, each in swaps] + [np.inf] * 2
+    lead = 0.0
+    if mismatch[0] < _SYMMETRIC:
+        partner, lead = swaps[0][0], mismatch[1] - mismatch[0]
     along = _along(partner, adf)
     ones = np.flatnonzero(partner > np.arange(count))
     others = partner[ones]
@@ -169,7 +176,7 @@ def limbs_of(
         if abs(told) < (_TOLD_WEAKLY if joined or count == 3 else _TOLD):
             told = float(places() @ -side)
         side = side if told >= 0 else -side
-    return Limbs(distances, handedness, adf, partner, side, along)
+    return Limbs(distances, handedness, adf, partner, side, along, lead)
 
 
 def lasting_order(limbs: Limbs, prominence: FloatArray, vertices: IntArray) -> IntArray:

@@ -73,6 +73,12 @@ def test_without_sides_or_with_all_ends_in_a_plane_only_the_volume_tells(volume,
     assert certainty(volume, np.zeros((2, 3)), np.array([1, 0])) == pytest.approx(expected)
 
 
+@pytest.mark.parametrize(("lead", "expected"), [(0.0, 1), (0.01, 0.5), (0.05, 0)])
+def test_where_another_swap_fits_nearly_as_well_the_volume_tells(lead, expected):
+    twisted = TRUNK + np.outer([0.5, -0.5, -0.5, 0.5], [0, 0, 1])
+    assert certainty(5.0, twisted, ACROSS, lead) == pytest.approx(expected)
+
+
 @pytest.mark.parametrize("seed", range(20))
 def test_certainty_does_not_jump(seed):
     one, other = np.random.default_rng(seed).normal(size=(2, 5, 3))
