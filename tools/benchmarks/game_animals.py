@@ -5,7 +5,7 @@ Every animal is posed by the middles of up to six clips, welded, and subdivided 
 """
 
 import sys
-from itertools import combinations
+from itertools import combinations, pairwise
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
-from addon.core import CanonicalForm, canonical_form  # noqa: E402
+from addon.core import CanonicalForm, canonical_form, match  # noqa: E402
 from addon.core.measures.alignment import rigid_fit  # noqa: E402
 from addon.core.measures.form_measures import edge_stretch  # noqa: E402
 from addon.core.mesh.geometry import surface_area  # noqa: E402
@@ -58,7 +58,9 @@ PLACES = 1e5  # positions over the extent that count as different
 def main(art: Path, names: list[str]) -> None:
     print(
         "| animal | poses | vertices | feature points | numbers off | on a reference | asymmetry, worst |"
-        " edge distortion, median | 95th percentile | poses apart | pose ratio |\n" + "| --- " * 11 + "|"
+        " edge distortion, median | 95th percentile | poses apart | pose ratio | match, mean | match, worst |\n"
+        + "| --- " * 13
+        + "|"
     )
     for name in names or ANIMALS:
         poses, faces = posed(art, name, ANIMALS[name])
@@ -76,11 +78,20 @@ def row(name: str, poses: list[np.ndarray], faces: np.ndarray) -> str:
         [np.quantile(distortion(pose, form, faces), (0.5, 0.95)) for pose, form in zip(poses, alone, strict=True)], 0
     )
     apart = spread(poses) / unit
+    wrong = [mismatch(one, other, faces) / unit for one, other in pairwise([*poses, poses[0]])]
     ratio = spread([form.vertices for form in alone]) / unit / apart
     return (
         f"| {name} | {len(poses)} | {len(poses[0]):,} | {', '.join(map(str, counts))} | {numbers[0]} | {numbers[1]} |"
         f" {asymmetric:.3f} | {distorted[0]:.1%} | {distorted[1]:.1%} | {apart:.3f} | {ratio:.2f} |"
+        f" {100 * np.mean(wrong):.2f} | {100 * max(wrong):.2f} |"
     )
+
+
+def mismatch(one: np.ndarray, other: np.ndarray, faces: np.ndarray) -> float:
+    """Match a pose with another one, its vertices shuffled; return the mean distance from the truth."""
+    shuffled = np.random.default_rng(0).permutation(len(other))
+    found = match(one, faces, other[shuffled], np.argsort(shuffled)[faces])
+    return float(np.linalg.norm(other[shuffled[found.vertices]] - other, axis=1).mean())
 
 
 def distortion(pose: np.ndarray, form: CanonicalForm, faces: np.ndarray) -> np.ndarray:
