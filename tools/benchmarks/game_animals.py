@@ -5,7 +5,7 @@ Every animal is posed by the middles of up to six clips, welded, and subdivided 
 """
 
 import sys
-from itertools import combinations, pairwise
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -15,9 +15,9 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
 from addon.core import CanonicalForm, canonical_form, match  # noqa: E402
-from addon.core.measures.alignment import rigid_fit  # noqa: E402
 from addon.core.measures.form_measures import edge_stretch  # noqa: E402
 from addon.core.mesh.geometry import surface_area  # noqa: E402
+from addon.evaluation.tables import mean_apart  # noqa: E402
 from tests.meshes.shapes import midpoints  # noqa: E402
 from tools.benchmarks.sets_of_poses import pairs_off  # noqa: E402
 
@@ -77,9 +77,9 @@ def row(name: str, poses: list[np.ndarray], faces: np.ndarray) -> str:
     distorted = np.mean(
         [np.quantile(distortion(pose, form, faces), (0.5, 0.95)) for pose, form in zip(poses, alone, strict=True)], 0
     )
-    apart = spread(poses) / unit
+    apart = mean_apart(poses) / unit
     wrong = [mismatch(one, other, faces) / unit for one, other in pairwise([*poses, poses[0]])]
-    ratio = spread([form.vertices for form in alone]) / unit / apart
+    ratio = mean_apart([form.vertices for form in alone]) / unit / apart
     return (
         f"| {name} | {len(poses)} | {len(poses[0]):,} | {', '.join(map(str, counts))} | {numbers[0]} | {numbers[1]} |"
         f" {asymmetric:.3f} | {distorted[0]:.1%} | {distorted[1]:.1%} | {apart:.3f} | {ratio:.2f} |"
@@ -97,15 +97,6 @@ def mismatch(one: np.ndarray, other: np.ndarray, faces: np.ndarray) -> float:
 def distortion(pose: np.ndarray, form: CanonicalForm, faces: np.ndarray) -> np.ndarray:
     stretch = edge_stretch(pose, form.vertices, faces)
     return np.abs(stretch[np.isfinite(stretch)] - 1)
-
-
-def spread(shapes: list[np.ndarray]) -> float:
-    """Return the mean distance between shapes after rigid alignment, root mean square over the vertices."""
-    apart = []
-    for one, other in combinations(shapes, 2):
-        rotation, shift = rigid_fit(one, other)
-        apart.append(np.sqrt(((one @ rotation + shift - other) ** 2).sum(axis=1).mean()))
-    return float(np.mean(apart))
 
 
 def posed(art: Path, name: str, clips: str) -> tuple[list[np.ndarray], np.ndarray]:
