@@ -22,7 +22,7 @@ def laid_out(
     points: FloatArray,
     faces: IntArray,
     partner: IntArray,
-    lead: float = np.inf,
+    lead: float,
 ) -> tuple[FloatArray, float]:
     """Lay the surface out in space by classical scaling, outside out, without choosing between mirror images.
 
@@ -59,7 +59,7 @@ def laid_out(
     >>> from scipy.spatial.distance import cdist
     >>> points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
     >>> faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
-    >>> layout, depth = laid_out(cdist(points, points), np.arange(4), points, faces, np.arange(4))
+    >>> layout, depth = laid_out(cdist(points, points), np.arange(4), points, faces, np.arange(4), 0.0)
     >>> depth, np.allclose(cdist(layout, layout), cdist(points, points))
     (1.0, True)
     """
@@ -101,7 +101,7 @@ def handedness(layout: FloatArray, faces: IntArray) -> float:
     return signed_volume(layout, faces) / spread if spread > 0 else 0.0
 
 
-def certainty(volume: float, ends: FloatArray, partner: IntArray, lead: float = np.inf) -> float:
+def certainty(volume: float, ends: FloatArray, partner: IntArray, lead: float) -> float:
     """Judge how surely a layout is told from its mirror image.
 
     A surface with a left and a right is its own mirror image, and so must its layout be. Either a mirror exchanges
@@ -129,7 +129,7 @@ def certainty(volume: float, ends: FloatArray, partner: IntArray, lead: float = 
     Examples
     --------
     >>> ends = np.array([[1.0, 1, 1], [-1, -1, 1], [1, -1, -1], [-1, 1, -1]])
-    >>> certainty(2.7, ends, np.array([1, 0, 3, 2])), certainty(2.7, ends, np.array([1, 0, 2, 3]))
+    >>> certainty(2.7, ends, np.array([1, 0, 3, 2]), 0.1), certainty(2.7, ends, np.array([1, 0, 2, 3]), 0.1)
     (0.0, 1.0)
     """
     by_volume = float(ramp(volume, *_VOLUME))

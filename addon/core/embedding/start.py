@@ -58,8 +58,8 @@ def intrinsic_start(
     features: IntArray,
     to_features: FloatArray,
     partner: IntArray,
+    lead: float,
     *,
-    lead: float = np.inf,
     landmark_count: int = 100,
     smoothing: float = 0.1,
     share: float = 10.0,
@@ -119,7 +119,7 @@ def intrinsic_start(
     >>> surface, spectrum = triangulated(points, faces), Spectrum(np.full(3, 9.2), points)
     >>> body, first = ElasticBody(surface, points, faces), np.array([0])
     >>> start = intrinsic_start(
-    ...     surface, spectrum, body, faces, first, np.ones((4, 1)), np.arange(1), steps=2, monitor=Monitor())
+    ...     surface, spectrum, body, faces, first, np.ones((4, 1)), np.arange(1), 0.0, steps=2, monitor=Monitor())
     >>> sorted(start.landmarks.tolist())
     [0, 1, 2, 3]
 

@@ -258,7 +258,7 @@ def _start(
         found.features,
         found.to_features,
         found.limbs.partner,
-        lead=found.limbs.lead,
+        found.limbs.lead,
         landmark_count=settings.landmark_count,
         smoothing=settings.smoothing,
         share=settings.arrangement_share,

@@ -22,7 +22,7 @@ def layout_of(vertices, faces):
     spectrum = compute_spectrum(stiffness(surface), mass(surface), 60)
     heat = HeatMethod(surface, 0.005, refine=False)
     landmarks, distances = farthest_points(heat, np.array([0]), heat.distances([0]), 60, monitor=Monitor())
-    return laid_out(landmark_distances(distances, landmarks, spectrum), landmarks, points, faces, np.arange(1))[0]
+    return laid_out(landmark_distances(distances, landmarks, spectrum), landmarks, points, faces, np.arange(1), 0.0)[0]
 
 
 def test_handedness_tells_a_ball_from_a_tie():
@@ -56,21 +56,21 @@ ACROSS = np.array([1, 0, 3, 2])
 @pytest.mark.parametrize("volume", [0.3, 1.0, 5.0])
 def test_a_layout_that_a_half_turn_exchanges_is_a_tie_whatever_its_volume(volume):
     twisted = TRUNK + np.outer([0.5, -0.5, -0.5, 0.5], [0, 0, 1])
-    assert certainty(volume, twisted, ACROSS) == 0
-    assert certainty(volume, twisted * [1, 1, -1], ACROSS) == 0
+    assert certainty(volume, twisted, ACROSS, 0.1) == 0
+    assert certainty(volume, twisted * [1, 1, -1], ACROSS, 0.1) == 0
 
 
 @pytest.mark.parametrize(("volume", "expected"), [(0.1, 0), (0.3, 0.5), (0.5, 1), (5.0, 1)])
 def test_a_layout_that_a_mirror_exchanges_is_told_by_a_small_volume(volume, expected):
     bowl = np.vstack([TRUNK + np.array([0, 0, 0.5]), [0, 4, -2]])
-    assert certainty(volume, bowl, np.append(ACROSS, 4)) == pytest.approx(expected)
+    assert certainty(volume, bowl, np.append(ACROSS, 4), 0.1) == pytest.approx(expected)
 
 
 @pytest.mark.parametrize(("volume", "expected"), [(0.5, 0), (1.2, 0.5), (2.0, 1)])
 def test_without_sides_or_with_all_ends_in_a_plane_only_the_volume_tells(volume, expected):
-    assert certainty(volume, TRUNK, ACROSS) == pytest.approx(expected)
-    assert certainty(volume, np.random.default_rng(3).normal(size=(4, 3)), np.arange(4)) == pytest.approx(expected)
-    assert certainty(volume, np.zeros((2, 3)), np.array([1, 0])) == pytest.approx(expected)
+    assert certainty(volume, TRUNK, ACROSS, 0.1) == pytest.approx(expected)
+    assert certainty(volume, np.random.default_rng(3).normal(size=(4, 3)), np.arange(4), 0.0) == pytest.approx(expected)
+    assert certainty(volume, np.zeros((2, 3)), np.array([1, 0]), 0.1) == pytest.approx(expected)
 
 
 @pytest.mark.parametrize(("lead", "expected"), [(0.0, 1), (0.01, 0.5), (0.05, 0)])
@@ -83,7 +83,7 @@ def test_where_another_swap_fits_nearly_as_well_the_volume_tells(lead, expected)
 def test_certainty_does_not_jump(seed):
     one, other = np.random.default_rng(seed).normal(size=(2, 5, 3))
     way = np.linspace(0, 1, 3001)
-    along = [certainty(0.1 + 2 * t, one * (1 - t) + other * t, np.append(ACROSS, 4)) for t in way]
+    along = [certainty(0.1 + 2 * t, one * (1 - t) + other * t, np.append(ACROSS, 4), 0.1) for t in way]
     assert np.abs(np.diff(along)).max() < 0.05
     assert np.ptp(along) > 0.1
 
