@@ -198,16 +198,38 @@ class ElasticBody:
             The form without its stretch.
         """
         stretched = form[self._i] - form[self._j]
-        turn = nearest_rotations(self.covariances(form, _SMALL))
-        turned = np.einsum("ij,ijk->ik", self._vectors, turn[self._i] + turn[self._j])
-        tiny, length = np.finfo(float).tiny, np.linalg.norm(self._vectors, axis=1)
-        turned *= (length / np.maximum(np.linalg.norm(turned, axis=1), tiny))[:, None]
+        turned = self._turned(self._vectors, nearest_rotations(self.covariances(form, _SMALL)))
+        length = np.linalg.norm(self._vectors, axis=1)
         now = np.linalg.norm(stretched, axis=1)
         longer = np.divide(now, length, out=np.full_like(now, _BEYOND), where=length * _BEYOND > now)
         stretched_by = np.maximum(longer / _TORN, 1.0)[:, None]
         shrink = stretch_between(self._spreads(stretched / stretched_by, share), self._spreads(turned, share))
         edges = np.einsum("ij,ijk->ik", self._weight[:, None] * stretched, shrink[self._i] + shrink[self._j]) / 2
         return self._solver(_HARDLY)(self._to_ends @ edges)
+
+    def turned(self, form: FloatArray, rotation: FloatArray) -> FloatArray:
+        """Turn the edges of a form by the rotations at their ends, and reassemble them.
+
+        Parameters
+        ----------
+        form : (n, 3) ndarray of float
+            The form.
+        rotation : (n, 3, 3) ndarray of float
+            Rotations, ``x ↦ x R``, which vary little along an edge.
+
+        Returns
+        -------
+        (n, 3) ndarray of float
+            The form with its parts turned, and the lengths of its edges as far as possible.
+        """
+        edges = self._turned(form[self._i] - form[self._j], rotation)
+        return self._solver(_HARDLY)(self._to_ends @ (self._weight[:, None] * edges))
+
+    def _turned(self, edges: FloatArray, rotation: FloatArray) -> FloatArray:
+        """Turn edges by the mean of the rotations at their ends; their lengths stay."""
+        turned = np.einsum("ij,ijk->ik", edges, rotation[self._i] + rotation[self._j])
+        length, now = (np.linalg.norm(each, axis=1) for each in (edges, turned))
+        return turned * (length / np.maximum(now, np.finfo(float).tiny))[:, None]
 
     def _spreads(self, edges: FloatArray, share: float) -> FloatArray:
         """Compute the smoothed covariances of the edges of the shell with themselves."""

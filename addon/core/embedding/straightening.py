@@ -6,13 +6,14 @@ import numpy as np
 
 from ..deformation.detail import relaxed
 from ..deformation.elastic_body import ElasticBody
+from ..deformation.twists import untwisted
 from ..mesh.edges import pairs_across_edges
 from ..numerics.arrays import FloatArray, IntArray
 from ..run.monitor import Monitor
 from .pushing import Pushing
 
 _STRENGTH = 40.0  # of the push: thin limbs grow by half and more, and no joint withstands it
-_TIP = 0.05  # of the distance to the next feature point: the end of a limb, which the landmarks push, too
+_TIP = 0.02  # of the distance to the next feature point: the end of a limb, which the landmarks push, too
 _TIP_SHARE = 0.4  # of the push that ends get: without it, there is no tension there, and they stay bent
 _BENDING = 2.0  # stiffness between vertices across an edge, which keeps the surface from crumpling
 _EVEN = 3**-0.5  # stiffness in the shell of an edge between equilateral triangles
@@ -90,7 +91,9 @@ def straightened(
     """
     edges, stiffness = body.shell()
     across = pairs_across_edges(faces)
-    tips = _tips(features, to_features) if len(features) > 1 else []
+    tips = []
+    if len(features) > 1:
+        tips, form = _tips(features, to_features), untwisted(body, form, features, to_features)
     pushing = Pushing(
         body.points,
         np.concatenate([edges, across]),
