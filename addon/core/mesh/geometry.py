@@ -241,8 +241,8 @@ def signed_volume(vertices: FloatArray, faces: IntArray) -> float:
     >>> round(signed_volume(points, np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])), 6)
     1.0
     """
-    a, b, c = (vertices[faces] - vertices.mean(axis=0)).transpose(1, 0, 2)
-    return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
+    centred = vertices - vertices.mean(axis=0)
+    return sum(float(np.einsum("ij,ij->", a, np.cross(b, c))) for _, (a, b, c) in _triangles(centred, faces)) / 6
 
 
 def moved_by_frames(vertices: FloatArray, rotation: FloatArray, shift: FloatArray) -> FloatArray:
