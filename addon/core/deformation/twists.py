@@ -14,6 +14,7 @@ from .rotations import nearest_rotations
 _SECTIONS = 16  # of a limb at most
 _LONG = 2.0  # length of a section at least, in mean distances between vertices
 _FEWEST = 6  # vertices of a section
+_LEAST = 0.01  # of that distance: shorter limbs have no sections
 _MISFIT = (0.25, 0.4)  # of a section after its best rotation: below, the rotation is sure; above, it says nothing
 
 
@@ -63,7 +64,8 @@ def untwisted(body: ElasticBody, form: FloatArray, features: IntArray, to_featur
     length = between.min(axis=1) / 2  # (k,)
     spacing = np.sqrt(body.mass.sum() / len(form))
     count = np.clip((length / (_LONG * spacing)).astype(np.int64), 1, _SECTIONS)
-    place = to_features / length * count  # (n, k): in sections from the tip
+    place = np.full(to_features.shape, np.inf)  # (n, k): in sections from the tip
+    np.divide(to_features * count, length, out=place, where=length > spacing * _LEAST)
     sections = _sections(body, form, place, count)
     twist, axis = _twists(sections, count)
     return body.turned(form, _turns(place, np.argmin(to_features, axis=1), count, twist, axis))
@@ -82,16 +84,16 @@ def _sections(body: ElasticBody, form: FloatArray, place: FloatArray, count: Int
     moments = body.mass[:, None] * np.column_stack([np.ones(len(form)), before, after, squares, products])
     within = csr_matrix((np.ones(len(vertex)), (limb * halves + half, vertex)), shape=(limbs * halves, len(form)))
     sums = within @ np.column_stack([np.ones(len(form)), moments])
-    upto = np.cumsum(np.pad(sums.reshape(limbs, halves, -1), ((0, 0), (1, 0), (0, 0))), axis=1)
-    window = upto[:, 4::2] - upto[:, :-4:2]  # (k, s + 1, 19), of four half sections each
+    pair = sums.reshape(limbs, halves // 2, 2, -1).sum(axis=2)
+    window = pair[:, :-1] + pair[:, 1:]  # (k, s + 1, 19), of four half sections each
     number, mass = window[..., 0], np.maximum(window[..., 1], np.finfo(float).tiny)
     first, then = window[..., 2:5], window[..., 5:8]
     spread, spread_then = (window[..., 8 + at] - (each**2).sum(axis=-1) / mass for at, each in enumerate((first, then)))
     covariance = window[..., 10:].reshape(*mass.shape, 3, 3)
     covariance = covariance - first[..., :, None] * then[..., None, :] / mass[..., None, None]
     rotation = nearest_rotations(covariance.reshape(-1, 3, 3)).reshape(covariance.shape)
-    left = spread + spread_then - 2 * (rotation * covariance).sum(axis=(-2, -1))
-    misfit = np.sqrt(np.maximum(left, 0.0) / np.maximum(spread, np.finfo(float).tiny))
+    left = np.maximum(spread + spread_then - 2 * (rotation * covariance).sum(axis=(-2, -1)), 0.0)
+    misfit = np.sqrt(left / np.maximum(np.maximum(spread, left), np.finfo(float).tiny))
     sure = np.where(number < _FEWEST, 0.0, 1 - ramp(misfit, *_MISFIT))
     return _Sections(rotation, then / mass[..., None], sure)
 

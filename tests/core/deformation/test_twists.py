@@ -77,3 +77,9 @@ def test_limbs_shorter_than_a_section_stay():
     body = ElasticBody(triangulated(points, faces), points, faces)
     far = np.linalg.norm(points[:, None] - points, axis=2)[:, :6]
     assert off(untwisted(body, points * 1.1, np.arange(6), far), points * 1.1) < 1e-6
+
+
+def test_feature_points_in_the_same_place_stay():
+    body, features, away = tube(tubes.CURVES["S"])
+    form = twisted(tube(tubes.CURVES["straight"])[0].points, away[:, 0], 150, 0.3, 0.7)
+    assert off(untwisted(body, form, features[[0, 0]], away[:, [0, 0]]), form) < 1e-6
