@@ -25,7 +25,7 @@ from ..numerics.arrays import FloatArray, IntArray
 from ..patching.cells import patches_of
 from ..run.memory import require_pair_memory
 from ..run.monitor import Monitor
-from ..symmetry.arm_rolls import arms_rolled
+from ..symmetry.limb_rolls import limbs_rolled
 from ..symmetry.mirror import MirrorMap, asymmetry, held_symmetric
 from ..symmetry.partners import mirror_partners
 
@@ -186,7 +186,7 @@ def _arranged(
             **settings.minimisation,
             monitor=monitor,
         )
-        form = arms_rolled(body, form, found.features, found.to_features, found.limbs)
+        form = limbs_rolled(body, form, found.features, found.to_features, found.limbs, start.depth)
     if settings.symmetry != "hold":
         return form, None
     with monitor.stage("Symmetry"):

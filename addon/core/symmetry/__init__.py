@@ -1,1 +1,1 @@
-"""Limbs numbered, left and right; mirror images of vertices; arms rolled, forms made symmetric and upright."""
+"""Limbs numbered, left and right; mirror images of vertices; limbs rolled, forms made symmetric and upright."""
