@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..numerics.arrays import FloatArray, IntArray
+from ..numerics.nearest import nearest_others
 from ..numerics.ramps import ramp
 from .elastic_body import ElasticBody
 from .rotations import nearest_rotations
@@ -60,8 +61,7 @@ def untwisted(body: ElasticBody, form: FloatArray, features: IntArray, to_featur
     >>> np.allclose(untwisted(body, points, np.arange(4), far), points)
     True
     """
-    between = to_features[features] + np.diag(np.full(len(features), np.inf))
-    length = between.min(axis=1) / 2  # (k,)
+    length = nearest_others(to_features[features]) / 2  # (k,)
     spacing = np.sqrt(body.mass.sum() / len(form))
     count = np.clip((length / (_LONG * spacing)).astype(np.int64), 1, _SECTIONS)
     place = np.full(to_features.shape, np.inf)  # (n, k): in sections from the tip

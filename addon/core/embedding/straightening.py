@@ -9,6 +9,7 @@ from ..deformation.elastic_body import ElasticBody
 from ..deformation.twists import untwisted
 from ..mesh.edges import pairs_across_edges
 from ..numerics.arrays import FloatArray, IntArray
+from ..numerics.nearest import nearest_others
 from ..run.monitor import Monitor
 from .pushing import Pushing
 
@@ -113,5 +114,5 @@ def straightened(
 
 def _tips(features: IntArray, to_features: FloatArray) -> list[IntArray]:
     """List the vertices at the end of each limb."""
-    between = to_features[features] + np.diag(np.full(len(features), np.inf))
-    return [np.flatnonzero(to_features[:, limb] <= _TIP * between[limb].min()) for limb in range(len(features))]
+    reach = _TIP * nearest_others(to_features[features])
+    return [np.flatnonzero(away <= most) for away, most in zip(to_features.T, reach, strict=True)]

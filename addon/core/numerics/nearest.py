@@ -45,3 +45,24 @@ def nearest_rows(points: FloatArray, others: FloatArray, monitor: Monitor) -> In
         rows = slice(start, start + _ROWS)
         found[rows] = np.argmin(square - 2 * product(points[rows], others.T), axis=1)
     return found
+
+
+def nearest_others(distances: FloatArray) -> FloatArray:
+    """Find how far each of some points is from the nearest other.
+
+    Parameters
+    ----------
+    distances : (k, k) ndarray of float
+        Distances between the points; the diagonal is not read.
+
+    Returns
+    -------
+    (k,) ndarray of float
+        Distance of each from the nearest other; infinite if there is no other.
+
+    Examples
+    --------
+    >>> nearest_others(np.array([[0.0, 2, 5], [2, 0, 4], [5, 4, 0]])).tolist()
+    [2.0, 2.0, 4.0]
+    """
+    return np.asarray(np.where(np.eye(len(distances), dtype=bool), np.inf, distances).min(axis=1))

@@ -9,6 +9,7 @@ import numpy as np
 from ..deformation.elastic_body import ElasticBody
 from ..deformation.rotations import nearest_rotations
 from ..numerics.arrays import FloatArray, IntArray
+from ..numerics.nearest import nearest_others
 from ..numerics.ramps import ramp, smooth_ramp
 from .limbs import Limbs
 from .upright import body_axes
@@ -78,7 +79,7 @@ def limbs_rolled(
         return form
     arms, legs = pairs
     _, headward, front = body_axes(form, body.mass, features, to_features, limbs)
-    length = (limbs.distances + np.diag(np.full(len(features), np.inf))).min(axis=1) / 2
+    length = nearest_others(limbs.distances) / 2
     rolls = [_arm(body, form, to_features[:, index], length[index], headward, front) for index in arms]
     if depth < 1:
         both = [_leg(body, form, to_features[:, index], length[index], front) for index in legs]

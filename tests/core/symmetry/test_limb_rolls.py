@@ -56,16 +56,24 @@ def turns(form: np.ndarray, other: np.ndarray, hands: list[np.ndarray]) -> list[
     return [float(np.degrees(np.arccos(np.clip((np.trace(each) - 1) / 2, -1, 1)))) for each in found]
 
 
+def with_and_without(posed: np.ndarray, mesh: Mesh, ends: list[np.ndarray], monkeypatch) -> tuple[float, float]:
+    """The largest angle between the ends of limbs in the forms of two poses, with limbs rolled and without."""
+    vertices, faces = mesh
+    apart = []
+    for _ in range(2):
+        apart.append(max(turns(canonical_form(posed, faces).vertices, canonical_form(vertices, faces).vertices, ends)))
+        monkeypatch.setattr(local_features, "limbs_rolled", lambda body, form, *rest: form)
+    return apart[0], apart[1]
+
+
 @pytest.mark.parametrize("degrees", [(110, 0), (-100, 100), (80, 80)])
 def test_an_arm_rolled_in_the_pose_is_not_in_the_form(handed, degrees, monkeypatch):
-    vertices, faces = handed
+    vertices, _ = handed
     hands = [side * vertices[:, 0] > WRIST for side in (1, -1)]
     posed = rolled(rolled(vertices, degrees[0], 1), degrees[1], -1)
-    apart = turns(canonical_form(posed, faces).vertices, canonical_form(vertices, faces).vertices, hands)
-    monkeypatch.setattr(local_features, "limbs_rolled", lambda body, form, *rest: form)
-    before = turns(canonical_form(posed, faces).vertices, canonical_form(vertices, faces).vertices, hands)
-    assert max(apart) < 40
-    assert max(before) > 90
+    apart, before = with_and_without(posed, handed, hands, monkeypatch)
+    assert apart < 40
+    assert before > 90
 
 
 @pytest.mark.parametrize("degrees", [(70, 0), (-60, 60), (50, 50)])
@@ -73,11 +81,9 @@ def test_a_leg_rolled_in_the_pose_is_not_in_the_form(degrees, monkeypatch):
     vertices, faces = mannequin()
     feet = [(vertices[:, 2] < ANKLE) & (side * vertices[:, 0] > 0) for side in (1, -1)]
     posed = leg_rolled(leg_rolled(vertices, degrees[0], 1), degrees[1], -1)
-    apart = turns(canonical_form(posed, faces).vertices, canonical_form(vertices, faces).vertices, feet)
-    monkeypatch.setattr(local_features, "limbs_rolled", lambda body, form, *rest: form)
-    before = turns(canonical_form(posed, faces).vertices, canonical_form(vertices, faces).vertices, feet)
-    assert max(apart) < 25
-    assert max(before) > 40
+    apart, before = with_and_without(posed, (vertices, faces), feet, monkeypatch)
+    assert apart < 25
+    assert before > 40
 
 
 def test_legs_of_a_deep_form_stay(monkeypatch):
