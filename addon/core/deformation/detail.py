@@ -70,6 +70,7 @@ def detailed(
         bending_weight=bending_weight,
         monitor=monitor,
         pressure=True,
+        yielding=True,
         done=0.3,
         share=0.7,
     )

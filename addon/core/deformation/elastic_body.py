@@ -22,6 +22,7 @@ _MOST_PRESSURE = 0.05  # farthest a vertex may be pushed in one step, in units o
 _WIDE = 0.01  # diffusion time of the first rotations, as a share of the area: wide enough to cover a limb
 _SMALL = 0.0005  # diffusion time of the rotations between a stretched form and the body, as a share of the area
 _ROUNDING = 1e-9  # negative stiffness beyond which an edge has none: bridges that no flip made Delaunay would push
+_YIELD = 0.15  # strain from which the force of an edge grows no more: skin at a joint yields before the limb bends
 _TORN = 4.0  # stretch above which an edge is capped: bridges that open between parts say nothing about a limb
 _BEYOND = 1e200  # stretch assigned to edges of zero length
 _HARDLY = 1e-6  # a pull that only fixes the position of a form
@@ -79,7 +80,7 @@ class ElasticBody:
         cotangents = np.where(shell.data < _ROUNDING, -shell.data, 0.0)
         weight = np.concatenate([cotangents, _STRUT * np.minimum(area / thickness**2, 1.0)])
         self._vectors, self._weight = vectors, weight
-        self._weighted, self._stretch = weight[:, None] * vectors, weight * length
+        self._length, self._weighted = length, weight[:, None] * vectors
         count = len(weight)
         ends, start = np.column_stack([self._i, self._j]).ravel(), 2 * np.arange(count + 1)
         differences = csr_matrix((np.tile([1.0, -1.0], count), ends, start), shape=(count, len(points)))
@@ -199,9 +200,8 @@ class ElasticBody:
         """
         stretched = form[self._i] - form[self._j]
         turned = self._turned(self._vectors, nearest_rotations(self.covariances(form, _SMALL)))
-        length = np.linalg.norm(self._vectors, axis=1)
         now = np.linalg.norm(stretched, axis=1)
-        longer = np.divide(now, length, out=np.full_like(now, _BEYOND), where=length * _BEYOND > now)
+        longer = np.divide(now, self._length, out=np.full_like(now, _BEYOND), where=self._length * _BEYOND > now)
         stretched_by = np.maximum(longer / _TORN, 1.0)[:, None]
         shrink = stretch_between(self._spreads(stretched / stretched_by, share), self._spreads(turned, share))
         edges = np.einsum("ij,ijk->ik", self._weight[:, None] * stretched, shrink[self._i] + shrink[self._j]) / 2
@@ -251,10 +251,9 @@ class ElasticBody:
         (n,) ndarray of float
             Logarithm of the ratio of lengths.
         """
-        length = np.linalg.norm(self._vectors, axis=1)
         longer = np.linalg.norm(after[self._i] - after[self._j], axis=1)
-        shell = self._is_shell * self._weight * length
-        sums = self.smoothed(self._sums @ (shell[:, None] * np.column_stack([longer, length])), share)
+        shell = self._is_shell * self._weight * self._length
+        sums = self.smoothed(self._sums @ (shell[:, None] * np.column_stack([longer, self._length])), share)
         return np.asarray(np.diff(np.log(np.maximum(sums[:, ::-1], np.finfo(float).tiny)), axis=1)[:, 0])
 
     def turned_towards(self, target: FloatArray, pull: FloatArray, share: float) -> FloatArray:
@@ -290,6 +289,7 @@ class ElasticBody:
         bending_weight: float = 1.0,
         monitor: Monitor | None = None,
         pressure: bool = False,
+        yielding: bool = False,
         done: float = 0.0,
         share: float = 1.0,
     ) -> FloatArray:
@@ -310,6 +310,8 @@ class ElasticBody:
             Receives progress; polled for cancellation.
         pressure : bool
             Whether the compactness ``V² / A³`` of a closed mesh is kept, by an even pressure.
+        yielding : bool
+            Whether edges yield like skin: from a strain of .15, the force that keeps a length does not grow.
         done, share : float
             The fraction of the current stage that is done before, and the fraction that this call covers.
 
@@ -327,7 +329,8 @@ class ElasticBody:
         ----------
         Sorkine and Alexa, "As-Rigid-As-Possible Surface Modeling", 2007, doi:10.2312/SGP/SGP07/109-116. The first
         rotations come from covariances diffused over the surface, so that a limb that the target squashes or turns
-        inside out is restored.
+        inside out is restored. Edges that yield have the loss of Huber, "Robust estimation of a location parameter",
+        1964, doi:10.1214/aoms/1177703732.
         """
         monitor = monitor or Monitor()
         anchor = pull * self.mass
@@ -338,7 +341,7 @@ class ElasticBody:
         for step in range(steps):
             force = self._rotated(rotation, bending)
             if bending_weight < 1:
-                force += self._with_lengths_kept(positions, 1.0 - bending)
+                force += self._with_lengths_kept(positions, 1.0 - bending, yielding)
             positions = solve(force + anchor[:, None] * target)
             if pressure and self._closed:
                 positions = _under_pressure(positions, self.points, self._faces, solve)
@@ -363,11 +366,15 @@ class ElasticBody:
         turn = rotation[self._i] + rotation[self._j]
         return self._to_ends @ np.einsum("ij,ijk->ik", share[:, None] * self._weighted / 2, turn)
 
-    def _with_lengths_kept(self, positions: FloatArray, share: FloatArray) -> FloatArray:
+    def _with_lengths_kept(self, positions: FloatArray, share: FloatArray, yielding: bool) -> FloatArray:
         moved = positions[self._i] - positions[self._j]
-        length = np.linalg.norm(moved, axis=1)
-        length[length == 0] = 1.0
-        return self._to_ends @ ((share * self._stretch / length)[:, None] * moved)
+        now = np.linalg.norm(moved, axis=1)
+        wanted = self._length
+        if yielding:
+            most = _YIELD * self._length
+            wanted = now - np.clip(now - self._length, -most, most)
+        now[now == 0] = 1.0
+        return self._to_ends @ ((share * self._weight * wanted / now)[:, None] * moved)
 
 
 def _under_pressure(

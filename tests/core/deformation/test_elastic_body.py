@@ -81,6 +81,20 @@ def test_preserve_detail_goes_from_the_bare_form_to_the_rigid_one():
     assert stretch[-1] < 0.3 * stretch[0]
 
 
+@pytest.mark.parametrize(("strain", "resisted"), [(0.1, 0.1), (0.15, 0.15), (1.0, 0.15), (-0.1, -0.1), (-0.6, -0.15)])
+def test_edges_yield_like_skin(strain, resisted):
+    """A tetrahedron, pulled to a larger one: a pull of 1 per vertex stands against the force of its edges."""
+    points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
+    faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
+    body = ElasticBody(triangulated(points, faces), points, faces)
+    firmness = 4 / np.sqrt(3)  # eigenvalue of a Laplacian whose six edges weigh cot 60°
+    target = points * (1 + strain + firmness * resisted / body.mass[0])
+    moved = body.deformed_towards(target, pull=1.0, steps=200, bending_weight=0.0, yielding=True)
+    np.testing.assert_allclose(moved, points * (1 + strain), atol=1e-6)
+    stiff = body.deformed_towards(target, pull=1.0, steps=200, bending_weight=0.0)
+    assert np.allclose(stiff, moved, atol=1e-6) == (strain == resisted)
+
+
 def test_frames_carry_a_rigid_motion_exactly(figure, rotation):
     points, _ = prepared(*figure)
     surface = working_surface(points, figure[1], 500)
