@@ -30,7 +30,7 @@ from ..symmetry.mirror import MirrorMap, asymmetry, held_symmetric
 from ..symmetry.partners import mirror_partners
 
 _STEPS, _FEW_STEPS = 18, 6  # that make the start round: a straight arrangement hardly depends on it
-_RELAXING_STEPS = 2  # after the form was held symmetric
+_RELAXING_STEPS = 2  # after the detail pass
 _MOST_DISTORTED = 0.195  # edge distortion, 95th percentile in any part, at preserve 1/2
 _TRIES, _EXPONENT, _LEAST_SHARE = 3, 3.5, 0.2  # of weaker pulls in the detail pass: distortion goes with pull^(1/3.5)
 _WORTHWHILE = 0.25  # of the gain hoped for: with less, edges of a sharp fold are distorted however limbs lie
@@ -206,9 +206,8 @@ def _with_detail(
 
     def followed(share: float) -> FloatArray:
         shape = detailed(body, form, preserve, monitor, pull_share=share)
-        if mirror is None:
-            return shape
-        shape = held_symmetric(body, shape, mirror._replace(sure=mirror.sure * min(1.0, 2 * (1 - preserve))))
+        if mirror is not None:
+            shape = held_symmetric(body, shape, mirror._replace(sure=mirror.sure * min(1.0, 2 * (1 - preserve))))
         return relaxed(body, shape, _RELAXING_STEPS, monitor, pressure=True)
 
     most, share = _MOST_DISTORTED * (1 - preserve) / preserve, 1.0
