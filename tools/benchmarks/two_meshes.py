@@ -7,7 +7,7 @@ shuffled.
 *Error* is the geodesic distance of a match from the truth, in 1/100 sqrt(area), at 300 vertices; *near* the share below
 .05; *flips* the pairs with a tenth of the vertices beyond .3; *pose* the distance of a transferred pose from the true
 pose, relative to the distance between the two poses, for those more than .1 apart; *edges* the median change of edge
-lengths.
+lengths; *crossed* the pairs after which more triangles cross than in either of the two poses.
 """
 
 import sys
@@ -24,6 +24,7 @@ sys.path.insert(0, str(ROOT))
 
 from addon.core import pose_like, transferred  # noqa: E402
 from addon.core.measures.alignment import rigid_fit  # noqa: E402
+from addon.core.measures.crossings import crossings  # noqa: E402
 from addon.core.mesh.closest_points import closest_points  # noqa: E402
 from addon.core.mesh.geometry import surface_area  # noqa: E402
 from tests.meshes.shapes import permuted, poses_of  # noqa: E402
@@ -33,8 +34,8 @@ LEFT = 0.7  # share of the triangles
 
 
 def main(names: list[str]) -> None:
-    print("| meshes | pairs | error | most | near | flips | pose | most | edges | seconds |")
-    print("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |")
+    print("| meshes | pairs | error | most | near | flips | pose | most | edges | crossed | seconds |")
+    print("| --- " * 11 + "|")
     for name in names:
         print(row(*(Path(part) for part in (name.split(":") * 2)[:2])), flush=True)
 
@@ -42,7 +43,8 @@ def main(names: list[str]) -> None:
 def row(folder: Path, other: Path) -> str:
     here, there = poses_of(folder)[:POSES], poses_of(other)[:POSES]
     reduced = [reduced_mesh(vertices, faces) for _, vertices, faces in there]
-    errors, ratios, edges, seconds = [], [], [], []
+    before = [len(crossings(vertices, faces)) for _, vertices, faces in here]
+    errors, ratios, edges, seconds, crossed = [], [], [], [], 0
     for i, j in product(range(len(here)), range(len(there))):
         if i == j:
             continue
@@ -55,13 +57,14 @@ def row(folder: Path, other: Path) -> str:
         if apart > 0.1 * np.sqrt(surface_area(vertices, faces)):
             ratios.append(distance(found.vertices, here[j][1]) / apart)
         edges.append(found.edge_distortion)
+        crossed += len(crossings(found.vertices, faces)) > max(before[i], before[j])
     means = [each.mean() for each in errors]
     flips = sum(np.mean(each > 0.3) > 0.1 for each in errors)
     label = folder.name if folder == other else f"{folder.name} onto {other.name}"
     return (
         f"| {label} | {len(errors)} | {100 * np.mean(means):.2f} | {100 * max(means):.2f} |"
         f" {np.mean(np.array(errors) < 0.05):.0%} | {flips} | {np.mean(ratios or [np.nan]):.3f} |"
-        f" {max(ratios or [np.nan]):.3f} | {np.median(edges):.3f} | {np.median(seconds):.1f} |"
+        f" {max(ratios or [np.nan]):.3f} | {np.median(edges):.3f} | {crossed} | {np.median(seconds):.1f} |"
     )
 
 
