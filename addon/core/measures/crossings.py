@@ -1,6 +1,8 @@
-"""Self-intersections of a surface: pairs of triangles that cross."""
+"""Self-intersections of a surface: pairs of triangles that cross, and the edges that pass through triangles."""
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 
@@ -10,6 +12,39 @@ from ..run.monitor import Monitor
 _CELLS = 8  # of the grid per triangle at most, on average
 _AT_ONCE = 500_000  # pairs that are tested together
 _SIDES = ((0, 1), (1, 2), (2, 0))
+
+
+class Passes(NamedTuple):
+    """Edges that pass through the interior of triangles.
+
+    Attributes
+    ----------
+    pairs : (k,) ndarray of int
+        The pair of triangles that each belongs to.
+    edges : (k, 2) ndarray of int
+        The two vertices of the edge.
+    along : (k,) ndarray of float
+        Where on the edge it passes, from 0 at its first vertex to 1.
+    faces : (k,) ndarray of int
+        The triangle.
+    weights : (k, 3) ndarray of float
+        Barycentric coordinates of the point in the triangle.
+    """
+
+    pairs: IntArray
+    edges: IntArray
+    along: FloatArray
+    faces: IntArray
+    weights: FloatArray
+
+
+class _Grid(NamedTuple):
+    """The cells of a grid that overlap the boxes of triangles, sorted."""
+
+    cell: IntArray  # of each overlap
+    box: IntArray
+    first: IntArray  # (m, 3), cell of the lowest corner of each box
+    extent: IntArray  # cells along each axis
 
 
 def crossings(vertices: FloatArray, faces: IntArray, monitor: Monitor | None = None) -> IntArray:
@@ -49,11 +84,10 @@ def crossings(vertices: FloatArray, faces: IntArray, monitor: Monitor | None = N
     Möller and Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", 1997, doi:10.1080/10867651.1997.10487468.
     """
     monitor = monitor or Monitor()
-    corners = vertices[faces]  # (m, 3, 3)
-    low, high = corners.min(axis=1), corners.max(axis=1)
-    cell, inside = _in_cells(low, high)
-    order = np.lexsort((inside, cell))
-    cell, inside = cell[order], inside[order]
+    corners = vertices[faces].transpose(2, 0, 1)  # (3, m, 3), axis by axis
+    low, high = corners.min(axis=2), corners.max(axis=2)
+    grid = _grid(low.T, high.T)
+    cell = grid.cell
     last = np.searchsorted(cell, cell, side="right")
     after = last - np.arange(len(cell)) - 1  # in the same cell, after each
     found = []
@@ -65,19 +99,69 @@ def crossings(vertices: FloatArray, faces: IntArray, monitor: Monitor | None = N
         some = np.arange(begin, min(end, len(cell)))
         first = np.repeat(some, after[some])
         second = first + 1 + np.arange(len(first)) - np.repeat(np.cumsum(after[some]) - after[some], after[some])
-        pairs = np.column_stack([inside[first], inside[second]])
-        one, two = pairs.T
-        close = ((low[one] <= high[two]) & (low[two] <= high[one])).all(axis=1)
-        pairs = np.unique(pairs[close], axis=0)
+        one, two, here = grid.box[first], grid.box[second], cell[first]
+        for lowest, highest in zip(low, high, strict=True):
+            close = np.flatnonzero((lowest[one] <= highest[two]) & (lowest[two] <= highest[one]))
+            one, two, here = one[close], two[close], here[close]
+        counted = here == _cell(np.maximum(grid.first[one], grid.first[two]), grid.extent)  # in one of their cells
+        pairs = np.column_stack([one, two])[counted]
         apart = ~(faces[pairs[:, 0]][:, :, None] == faces[pairs[:, 1]][:, None]).any(axis=(1, 2))
         pairs = pairs[apart]
-        found.append(pairs[_cross(corners[pairs[:, 0]], corners[pairs[:, 1]])])
+        found.append(pairs[np.unique(passes(vertices, faces, pairs).pairs)])
         begin = int(some[-1]) + 1
     return np.unique(np.concatenate([np.zeros((0, 2), dtype=np.int64), *found]), axis=0)
 
 
-def _in_cells(low: FloatArray, high: FloatArray) -> tuple[IntArray, IntArray]:
-    """Sort boxes into the cells of a grid; return a cell and a box for each pair that overlaps."""
+def passes(vertices: FloatArray, faces: IntArray, pairs: IntArray) -> Passes:
+    """Find where the edges of triangles pass through other triangles.
+
+    Parameters
+    ----------
+    vertices : (n, 3) ndarray of float
+        Vertices.
+    faces : (m, 3) ndarray of int
+        Triangles.
+    pairs : (c, 2) ndarray of int
+        Pairs of triangles.
+
+    Returns
+    -------
+    Passes
+        Every edge of a triangle of a pair that passes through the other.
+
+    Examples
+    --------
+    >>> flat = [[0, 0, 0], [4, 0, 0], [0, 4, 0]]
+    >>> upright = [[1, 1, -1], [1, 1, 1], [3, 3, 1]]
+    >>> vertices, faces = np.array(flat + upright, dtype=float), np.array([[0, 1, 2], [3, 4, 5]])
+    >>> found = passes(vertices, faces, np.array([[0, 1]]))
+    >>> found.edges.tolist(), found.along.tolist(), found.faces.tolist(), found.weights.tolist()
+    ([[3, 4]], [0.5], [0], [[0.5, 0.25, 0.25]])
+
+    References
+    ----------
+    Möller and Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", 1997, doi:10.1080/10867651.1997.10487468.
+    """
+    found = []
+    for these, those in (pairs.T, pairs[:, ::-1].T):
+        a, b, c = vertices[faces[those]].transpose(1, 0, 2)
+        ends = vertices[faces[these]]
+        heights = np.column_stack([_volume(ends[:, corner], a, b, c) for corner in range(3)])
+        for start, end in _SIDES:
+            some = np.flatnonzero(heights[:, start] * heights[:, end] < 0)  # on both sides of the plane
+            p, q, u, v, w = ends[some, start], ends[some, end], a[some], b[some], c[some]
+            turns = np.column_stack([_volume(p, q, v, w), _volume(p, q, w, u), _volume(p, q, u, v)])
+            inside = (turns > 0).all(axis=1) | (turns < 0).all(axis=1)
+            some, turns = some[inside], turns[inside]
+            first, second = heights[some, start], heights[some, end]
+            along, weights = first / (first - second), turns / turns.sum(axis=1, keepdims=True)
+            edges = faces[these[some]][:, [start, end]]
+            found.append(Passes(some, edges, along, those[some], weights))
+    return Passes(*(np.concatenate(parts) for parts in zip(*found, strict=True)))
+
+
+def _grid(low: FloatArray, high: FloatArray) -> _Grid:
+    """Sort boxes into the cells of a grid."""
     size = float((high - low).max(axis=1).mean()) or 1.0
     while True:
         first = np.floor((low - low.min(axis=0)) / size).astype(np.int64)
@@ -92,25 +176,14 @@ def _in_cells(low: FloatArray, high: FloatArray) -> tuple[IntArray, IntArray]:
     _, height, depth = spans[box].T
     at = first[box] + np.column_stack([step // (height * depth), step // depth % height, step % depth])
     extent = last.max(axis=0) + 1
-    return (at[:, 0] * extent[1] + at[:, 1]) * extent[2] + at[:, 2], box
+    cell = _cell(at, extent)
+    order = np.lexsort((box, cell))
+    return _Grid(cell[order], box[order], first, extent)
 
 
-def _cross(ones: FloatArray, others: FloatArray) -> np.ndarray:
-    """Determine which pairs of triangles cross: an edge of either passes through the other."""
-    crossing = np.zeros(len(ones), dtype=bool)
-    for these, those in ((ones, others), (others, ones)):
-        a, b, c = those.transpose(1, 0, 2)
-        for start, end in _SIDES:
-            crossing |= _passes(these[:, start], these[:, end], a, b, c)
-    return crossing
-
-
-def _passes(p: FloatArray, q: FloatArray, a: FloatArray, b: FloatArray, c: FloatArray) -> np.ndarray:
-    """Determine which segments from p to q pass through the interior of their triangle."""
-    above, below = _volume(p, a, b, c), _volume(q, a, b, c)
-    turns = np.column_stack([_volume(p, q, a, b), _volume(p, q, b, c), _volume(p, q, c, a)])
-    inside = (turns > 0).all(axis=1) | (turns < 0).all(axis=1)
-    return np.asarray((above * below < 0) & inside)
+def _cell(at: IntArray, extent: IntArray) -> IntArray:
+    """Assign each cell of a grid one number."""
+    return (at[:, 0] * extent[1] + at[:, 1]) * extent[2] + at[:, 2]
 
 
 def _volume(a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray) -> FloatArray:
