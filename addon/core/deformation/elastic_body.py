@@ -23,6 +23,7 @@ _WIDE = 0.01  # diffusion time of the first rotations, as a share of the area: w
 _SMALL = 0.0005  # diffusion time of the rotations between a stretched form and the body, as a share of the area
 _ROUNDING = 1e-9  # negative stiffness beyond which an edge has none: bridges that no flip made Delaunay would push
 _YIELD = 0.15  # strain from which the force of an edge grows no more: skin at a joint yields before the limb bends
+_YIELDING_STEPS = 3  # of a body that takes a pose
 _TORN = 4.0  # stretch above which an edge is capped: bridges that open between parts say nothing about a limb
 _BEYOND = 1e200  # stretch assigned to edges of zero length
 _HARDLY = 1e-6  # a pull that only fixes the position of a form
@@ -257,7 +258,7 @@ class ElasticBody:
         return np.asarray(np.diff(np.log(np.maximum(sums[:, ::-1], np.finfo(float).tiny)), axis=1)[:, 0])
 
     def turned_towards(self, target: FloatArray, pull: FloatArray, share: float) -> FloatArray:
-        """Rotate the edges of the body as in a target, and reassemble them near it.
+        """Rotate the edges of the body as in a target, reassemble them near it, and let the skin yield there.
 
         Parameters
         ----------
@@ -276,9 +277,15 @@ class ElasticBody:
         from scipy.sparse import diags
 
         anchor = pull * self.mass
+        solve = factored(self._firmness + diags(anchor)).solve
+        pulled = anchor[:, None] * target
         rotation = nearest_rotations(self.covariances(target, share))
-        force = self._rotated(rotation, np.ones(len(self._weight)))
-        return factored(self._firmness + diags(anchor)).solve(force + anchor[:, None] * target)
+        positions = solve(self._rotated(rotation, np.ones(len(self._weight))) + pulled)
+        unbent = np.where(self._is_shell, 0.0, 1.0)
+        for _ in range(_YIELDING_STEPS):
+            rotation = nearest_rotations(self._covariances(positions))
+            positions = solve(self._force(positions, rotation, unbent, yielding=True) + pulled)
+        return positions
 
     def deformed_towards(
         self,
@@ -339,10 +346,7 @@ class ElasticBody:
         bending: FloatArray = np.where(self._is_shell, float(bending_weight), 1.0)
         positions, rotation = target, nearest_rotations(self.covariances(target))
         for step in range(steps):
-            force = self._rotated(rotation, bending)
-            if bending_weight < 1:
-                force += self._with_lengths_kept(positions, 1.0 - bending, yielding)
-            positions = solve(force + anchor[:, None] * target)
+            positions = solve(self._force(positions, rotation, bending, yielding) + anchor[:, None] * target)
             if pressure and self._closed:
                 positions = _under_pressure(positions, self.points, self._faces, solve)
             monitor.tick(done + share * (step + 1) / steps)
@@ -356,6 +360,13 @@ class ElasticBody:
         if pull not in self._solvers:
             self._solvers[pull] = factored(self._firmness + diags(pull * self.mass)).solve
         return self._solvers[pull]
+
+    def _force(self, positions: FloatArray, rotation: FloatArray, bending: FloatArray, yielding: bool) -> FloatArray:
+        """Sum the edges at each vertex: rotated by their share of bending, of the length kept by the rest."""
+        force = self._rotated(rotation, bending)
+        if (bending < 1).any():
+            force += self._with_lengths_kept(positions, 1.0 - bending, yielding)
+        return force
 
     def _covariances(self, after: FloatArray) -> FloatArray:
         moved = after[self._i] - after[self._j]

@@ -95,6 +95,20 @@ def test_edges_yield_like_skin(strain, resisted):
     assert np.allclose(stiff, moved, atol=1e-6) == (strain == resisted)
 
 
+@pytest.mark.parametrize("strain", [0.05, 0.4])
+def test_skin_yields_where_a_pose_stretches_it(strain):
+    """The tetrahedron again: three steps beyond the springs, each against a force that no longer grows."""
+    points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
+    faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
+    body = ElasticBody(triangulated(points, faces), points, faces)
+    firmness, anchor = 4 / np.sqrt(3), 3 * body.mass[0]
+    size = (firmness + anchor * (1 + strain)) / (firmness + anchor)
+    for _ in range(3):
+        size = (firmness * (size - np.clip(size - 1, -0.15, 0.15)) + anchor * (1 + strain)) / (firmness + anchor)
+    moved = body.turned_towards(points * (1 + strain), np.full(4, 3.0), 1e-3)
+    np.testing.assert_allclose(moved, points * size, atol=1e-9)
+
+
 def test_frames_carry_a_rigid_motion_exactly(figure, rotation):
     points, _ = prepared(*figure)
     surface = working_surface(points, figure[1], 500)
