@@ -16,6 +16,7 @@ from .mesh.geometry import moved_by_frames, vertex_areas
 from .method_api.settings import Settings
 from .numerics.arrays import FloatArray
 from .posing.taken_pose import taken_pose
+from .posing.untangling import untangled
 from .results import PosedLike
 from .run.errors import InvalidMeshError
 from .run.monitor import Cancelled, Monitor, Progress
@@ -131,6 +132,7 @@ def _posed(one: Unfolded, other: Unfolded, pose: FloatArray, found: PointMap, mo
     if surface.coarse:
         rotation, shift = surface.prolong_frames(*body.frames(posed))
         posed = moved_by_frames(own.whole_points, rotation, shift)
+    posed = untangled(own.whole_points, posed, own.whole_faces, monitor)
     areas = vertex_areas(own.whole_points, own.whole_faces)
     centred = posed + areas / areas.sum() @ (own.whole_points - posed)
     return centred * own.unit + own.centre
