@@ -7,18 +7,16 @@ from collections.abc import Callable
 import numpy as np
 
 from ..mesh.edges import is_closed
-from ..mesh.geometry import signed_volume, surface_area, vertex_area_vectors
 from ..numerics.arrays import FloatArray, IntArray
 from ..numerics.factoring import factored
 from ..run.monitor import Monitor
 from ..surface.laplacian import mass, stiffness
 from ..surface.triangulation import Triangulation
+from .pressure import under_pressure
 from .rotations import nearest_rotations
 from .stretches import stretch_between
 
 _STRUT = 3.0  # stiffness of a strut, in areas of its end over its length squared; also its maximum
-_PRESSURE_STEPS = 3  # Newton steps of the pressure in each deformation step
-_MOST_PRESSURE = 0.05  # farthest a vertex may be pushed in one step, in units of sqrt(area)
 _WIDE = 0.01  # diffusion time of the first rotations, as a share of the area: wide enough to cover a limb
 _SMALL = 0.0005  # diffusion time of the rotations between a stretched form and the body, as a share of the area
 _ROUNDING = 1e-9  # negative stiffness beyond which an edge has none: bridges that no flip made Delaunay would push
@@ -348,7 +346,7 @@ class ElasticBody:
         for step in range(steps):
             positions = solve(self._force(positions, rotation, bending, yielding) + anchor[:, None] * target)
             if pressure and self._closed:
-                positions = _under_pressure(positions, self.points, self._faces, solve)
+                positions = under_pressure(positions, self.points, self._faces, solve)
             monitor.tick(done + share * (step + 1) / steps)
             if step + 1 < steps:
                 rotation = nearest_rotations(self._covariances(positions))
@@ -386,26 +384,3 @@ class ElasticBody:
             wanted = now - np.clip(now - self._length, -most, most)
         now[now == 0] = 1.0
         return self._to_ends @ ((share * self._weight * wanted / now)[:, None] * moved)
-
-
-def _under_pressure(
-    positions: FloatArray, before: FloatArray, faces: IntArray, solve: Callable[[FloatArray], FloatArray]
-) -> FloatArray:
-    """Inflate or deflate a closed mesh until its compactness is that of the mesh before."""
-    wanted = _signed_compactness(before, faces)
-    way = solve(vertex_area_vectors(positions, faces))  # direction in which the volume grows
-    way *= np.sqrt(surface_area(before, faces) / (way**2).sum(axis=1).max())  # an amount of 1 moves by sqrt(area)
-    side = np.sign(wanted)  # -1 where the triangles face inwards
-    way, wanted, amount, step = side * way, abs(wanted), 0.0, 1e-4
-    for _ in range(_PRESSURE_STEPS):
-        here = side * _signed_compactness(positions + amount * way, faces) - wanted
-        slope = (side * _signed_compactness(positions + (amount + step) * way, faces) - wanted - here) / step
-        if not slope > 0:  # the mesh has hardly any interior
-            return positions
-        amount = float(np.clip(amount - here / slope, -_MOST_PRESSURE, _MOST_PRESSURE))
-    return positions + amount * way
-
-
-def _signed_compactness(positions: FloatArray, faces: IntArray) -> float:
-    """Divide the volume by the area to the power 3/2: the root of the compactness, with the volume's sign."""
-    return signed_volume(positions, faces) / surface_area(positions, faces) ** 1.5

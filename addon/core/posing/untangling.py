@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 _LARGE, _COARSE = 20_000, 10_000  # vertices of a mesh that is untangled coarsely first, and then
 _ROUNDS = 30
-_MOST = 0.2  # of pairs that cross per triangle, beyond which a body is not touched but folded
+_MOST = 1.0  # pairs that cross per triangle, beyond which a body is not touched but folded
 _IDLE = 10  # rounds without fewer crossings, after which it ends
 _STEP = 0.5  # of the length of the edges around a vertex, the farthest that it moves in a round
 _RINGS = 3  # of triangles around those that cross, which move

@@ -1,0 +1,63 @@
+"""An even pressure in a closed body that keeps its compactness."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from ..mesh.geometry import signed_volume, surface_area, vertex_area_vectors
+from ..numerics.arrays import FloatArray, IntArray
+
+_PRESSURE_STEPS = 3  # Newton steps in each deformation step
+_MOST_PRESSURE = 0.05  # farthest a vertex may be pushed in one step, in units of sqrt(area)
+
+
+def under_pressure(
+    positions: FloatArray, before: FloatArray, faces: IntArray, solve: Callable[[FloatArray], FloatArray]
+) -> FloatArray:
+    """Inflate or deflate a closed mesh until its compactness ``V² / A³`` is that of the mesh before.
+
+    Parameters
+    ----------
+    positions : (n, 3) ndarray of float
+        Vertices of the deformed mesh.
+    before : (n, 3) ndarray of float
+        Those of the mesh before.
+    faces : (m, 3) ndarray of int
+        Triangles, closed.
+    solve : callable
+        Maps forces on the vertices to their displacements.
+
+    Returns
+    -------
+    (n, 3) ndarray of float
+        The vertices; unchanged if the mesh hardly encloses anything.
+
+    Examples
+    --------
+    >>> from addon.core.measures.form_measures import compactness
+    >>> before = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
+    >>> faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
+    >>> squashed = before * [1, 1, 0.9]
+    >>> moved = under_pressure(squashed, before, faces, lambda forces: forces * [0.1, 0.1, 1])
+    >>> round(compactness(moved, faces) / compactness(before, faces), 3)
+    1.0
+    """
+    wanted = _signed_compactness(before, faces)
+    way = solve(vertex_area_vectors(positions, faces))  # direction in which the volume grows
+    way *= np.sqrt(surface_area(before, faces) / (way**2).sum(axis=1).max())  # an amount of 1 moves by sqrt(area)
+    side = np.sign(wanted)  # -1 where the triangles face inwards
+    way, wanted, amount, step = side * way, abs(wanted), 0.0, 1e-4
+    for _ in range(_PRESSURE_STEPS):
+        here = side * _signed_compactness(positions + amount * way, faces) - wanted
+        slope = (side * _signed_compactness(positions + (amount + step) * way, faces) - wanted - here) / step
+        if not slope > 0:  # the mesh has hardly any interior
+            return positions
+        amount = float(np.clip(amount - here / slope, -_MOST_PRESSURE, _MOST_PRESSURE))
+    return positions + amount * way
+
+
+def _signed_compactness(positions: FloatArray, faces: IntArray) -> float:
+    """Divide the volume by the area to the power 3/2: the root of the compactness, with the volume's sign."""
+    return signed_volume(positions, faces) / surface_area(positions, faces) ** 1.5
