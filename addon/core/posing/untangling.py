@@ -140,7 +140,7 @@ def _region(before: FloatArray, faces: IntArray, pairs: IntArray) -> _Region:
     count = len(vertices)
     ends, lengths = np.append(i, j), np.append(length, length)
     size = np.bincount(ends, lengths, count) / np.bincount(ends, minlength=count)
-    stiffness = 1 / np.maximum(length, _SHORT * length.mean()) ** 2
+    stiffness = 1 / np.maximum(length, _SHORT * length.mean() or 1.0) ** 2
     links = csr_matrix((np.append(stiffness, stiffness), (ends, np.append(j, i))), shape=(count, count))
     mean = (diags(np.ones(count)) + diags(1 / np.asarray(links.sum(axis=1)).ravel()) @ links).tocsr() / 2
     moving = np.searchsorted(vertices, inside)
