@@ -77,7 +77,7 @@ def _sections(body: ElasticBody, form: FloatArray, place: FloatArray, count: Int
 
     limbs, halves = len(count), 2 * _SECTIONS + 4  # half sections; the first lies before the tip
     vertex, limb = np.nonzero(place < count + 1.5)
-    half = (2 * place[vertex, limb]).astype(np.int64) + 1
+    half = np.maximum((2 * place[vertex, limb]).astype(np.int64) + 1, 0)  # on spikes, distances can be below 0
     before, after = body.points - body.points.mean(axis=0), form - form.mean(axis=0)
     squares = np.column_stack([(before**2).sum(axis=1), (after**2).sum(axis=1)])
     products = (before[:, :, None] * after[:, None, :]).reshape(-1, 9)

@@ -83,3 +83,12 @@ def test_feature_points_in_the_same_place_stay():
     body, features, away = tube(tubes.CURVES["S"])
     form = twisted(tube(tubes.CURVES["straight"])[0].points, away[:, 0], 150, 0.3, 0.7)
     assert off(untwisted(body, form, features[[0, 0]], away[:, [0, 0]]), form) < 1e-6
+
+
+def test_distances_below_zero_lie_before_the_tip():
+    """On a mesh with spikes heat distances can be negative, by several sections."""
+    body, features, away = tube(tubes.CURVES["straight"])
+    form = twisted(body.points, away[:, 0], 60, 0.3, 0.7)
+    away[away[:, 0].argsort()[1:30], 0] = -0.5
+    away[features] = np.maximum(away[features], 0)
+    assert off(untwisted(body, form, features, away), body.points) < 0.014
