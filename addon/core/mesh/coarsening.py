@@ -19,6 +19,7 @@ _EVENNESS = 0.05  # weight of evenly spread vertices against the fit to the surf
 _FAR = 20  # times the target: while more vertices are left, as many as can go at once do
 _SHARE = 0.6  # of the vertices, the cheapest, may go in one round
 _FEW = 0.05  # of the vertices that may go in a round; fewer do not thin the mesh out
+_COMPACT = 0.6  # share of the vertices left below which arrays are made smaller
 _TURN = 0.2  # least cosine between the normals of a triangle before and after
 _THINNEST = 0.02  # least area of a triangle that a removal makes, in squares of its longest edge
 _TIE = 1e-8  # costs as close as this count as equal, lower vertex first, so that rounding decides nothing
@@ -119,7 +120,8 @@ def coarsened(
     doi:10.1016/S0167-8396(03)00002-5 (the weights).
     """
     monitor = monitor or Monitor()
-    count = len(points)
+    total = count = len(points)
+    number = np.arange(total)  # of the vertices that are left, in the fine mesh
     quadrics = _quadrics(points, faces)  # (n, 10)
     areas = vertex_areas(points, faces)
     patience = np.zeros(count)  # how often a vertex could not go where it wanted to
@@ -130,7 +132,14 @@ def coarsened(
     rounds: list[tuple[IntArray, csr_matrix]] = []
     stuck = 0
     while left > target and stuck < 4:
-        monitor.tick(np.log(count / left) / np.log(count / target))
+        monitor.tick(np.log(total / left) / np.log(total / target))
+        if left < _COMPACT * count:
+            kept = np.flatnonzero(alive)
+            place = np.empty(count, dtype=np.int64)
+            place[kept] = np.arange(left)
+            faces, number = place[faces], number[kept]
+            points, quadrics, areas, patience = points[kept], quadrics[kept], areas[kept], patience[kept]
+            alive, count = np.ones(left, dtype=bool), left
         links = _Links(faces, count)
         monitor.check()
         far = left > _FAR * target
@@ -150,7 +159,7 @@ def coarsened(
         if not len(going):
             continue
         monitor.check()
-        rounds.append((leaving[going], _mean_value_weights(points, corners, leaving, count)[going]))
+        rounds.append((number[leaving[going]], _mean_value_weights(points, corners, leaving, number, total)[going]))
         leaving, onto = leaving[going], onto[going]
         terms = (onto[:, None] * quadrics.shape[1] + np.arange(quadrics.shape[1])).ravel()
         np.add.at(quadrics.reshape(-1), terms, quadrics[leaving].ravel())  # in one dimension it is faster
@@ -164,9 +173,9 @@ def coarsened(
         flat = (one == two) | (two == three) | (three == one)
         faces = faces[~flat]
     kept = np.flatnonzero(alive)
-    number = np.full(count, -1, dtype=np.int64)
-    number[kept] = np.arange(len(kept))
-    return Coarsening(count, kept, number[faces], rounds)
+    place = np.full(count, -1, dtype=np.int64)
+    place[kept] = np.arange(len(kept))
+    return Coarsening(total, number[kept], place[faces], rounds)
 
 
 class _Links:
@@ -365,7 +374,7 @@ def _strands(
 
 
 def _mean_value_weights(
-    points: FloatArray, corners: tuple[IntArray, IntArray, IntArray], leaving: IntArray, count: int
+    points: FloatArray, corners: tuple[IntArray, IntArray, IntArray], leaving: IntArray, number: IntArray, total: int
 ) -> csr_matrix:
     """Weigh the neighbours of each vertex so that it is their mean, seen along the surface."""
     from scipy.sparse import coo_matrix
@@ -384,4 +393,4 @@ def _mean_value_weights(
     row = np.tile(owner, 2)
     weight = pair.ravel() + np.finfo(float).tiny
     weight /= np.bincount(row, weight, minlength=len(leaving))[row]
-    return coo_matrix((weight, (row, np.concatenate([one, two]))), shape=(len(leaving), count)).tocsr()
+    return coo_matrix((weight, (row, number[np.concatenate([one, two])])), shape=(len(leaving), total)).tocsr()

@@ -5,6 +5,7 @@ import pytest
 
 from addon.core import CancelledError
 from addon.core.measures.form_measures import enclosed_volume
+from addon.core.mesh import coarsening
 from addon.core.mesh.coarsening import coarsened
 from addon.core.mesh.connectivity import component_labels
 from addon.core.mesh.edges import is_closed, vertex_pairs
@@ -123,3 +124,13 @@ def test_what_hangs_together_at_single_vertices_goes_on_hanging(seed):
         coarse = coarsened(points, corners, int(share * len(points)))
         assert component_labels(len(coarse.kept), vertex_pairs(coarse.faces)).max() == 0
         assert np.unique(coarse.faces).tolist() == list(range(len(coarse.kept)))
+
+
+def test_smaller_arrays_change_nothing(monkeypatch):
+    points, faces = shapes.figure(20)
+    compact = coarsened(points, faces, 100)
+    monkeypatch.setattr(coarsening, "_COMPACT", 0.0)
+    whole = coarsened(points, faces, 100)
+    np.testing.assert_array_equal(compact.kept, whole.kept)
+    np.testing.assert_array_equal(compact.faces, whole.faces)
+    np.testing.assert_array_equal(compact.prolong(points[compact.kept]), whole.prolong(points[whole.kept]))
