@@ -15,13 +15,17 @@ from .measures.form_measures import edge_stretch
 from .mesh.geometry import moved_by_frames, vertex_areas
 from .method_api.settings import Settings
 from .numerics.arrays import FloatArray
+from .posing.symmetric_pose import mirror_planes, symmetric_pose
 from .posing.taken_pose import taken_pose
 from .posing.untangling import untangled
 from .results import PosedLike
 from .run.errors import InvalidMeshError
 from .run.monitor import Cancelled, Monitor, Progress
+from .symmetry.mirror import MirrorMap
+from .symmetry.partners import mirror_partners
 
 _MATCHED = 0.9  # of the work
+_SAMPLED = 4  # one of so many working vertices decides which swap of left and right it is
 
 
 def pose_like(
@@ -127,7 +131,12 @@ def _posed(one: Unfolded, other: Unfolded, pose: FloatArray, found: PointMap, mo
     kept = surface.kept
     corners = pose[there.whole_faces[found.points.faces[kept]]]  # (c, 3, 3)
     places = np.einsum("ij,ijk->ik", found.points.weights[kept], corners)
-    posed = taken_pose(body, places, found.confidence[kept])
+    confidence = found.confidence[kept]
+    posed = taken_pose(body, places, confidence)
+    planes = mirror_planes(pose, there.whole_faces, monitor)
+    mirror = _mirror(one, monitor) if planes else None
+    if mirror is not None:
+        posed = symmetric_pose(body, posed, confidence, mirror, planes)
     monitor.check()
     if surface.coarse:
         rotation, shift = surface.prolong_frames(*body.frames(posed))
@@ -136,3 +145,19 @@ def _posed(one: Unfolded, other: Unfolded, pose: FloatArray, found: PointMap, mo
     areas = vertex_areas(own.whole_points, own.whole_faces)
     centred = posed + areas / areas.sum() @ (own.whole_points - posed)
     return centred * own.unit + own.centre
+
+
+def _mirror(one: Unfolded, monitor: Monitor) -> MirrorMap | None:
+    """Find left and right on a body."""
+    samples = np.arange(0, len(one.form), _SAMPLED)
+    return mirror_partners(
+        one.form,
+        one.faces,
+        one.areas,
+        one.eigenvectors,
+        one.features,
+        one.to_features,
+        one.limbs,
+        samples,
+        monitor,
+    )

@@ -255,17 +255,17 @@ class ElasticBody:
         sums = self.smoothed(self._sums @ (shell[:, None] * np.column_stack([longer, self._length])), share)
         return np.asarray(np.diff(np.log(np.maximum(sums[:, ::-1], np.finfo(float).tiny)), axis=1)[:, 0])
 
-    def turned_towards(self, target: FloatArray, pull: FloatArray, share: float) -> FloatArray:
-        """Rotate the edges of the body as in a target, reassemble them near it, and let the skin yield there.
+    def turned_towards(self, rotation: FloatArray, target: FloatArray, pull: FloatArray) -> FloatArray:
+        """Rotate the edges of the body, reassemble them near a target, and let the skin yield there.
 
         Parameters
         ----------
+        rotation : (n, 3, 3) ndarray of float
+            Rotations, ``x ↦ x R``.
         target : (n, 3) ndarray of float
             Positions to which the vertices are pulled.
         pull : (n,) ndarray of float
             Strength of the pull, in 1/area, above 0.
-        share : float
-            Diffusion time over which the rotations are averaged, as a share of the area.
 
         Returns
         -------
@@ -277,7 +277,6 @@ class ElasticBody:
         anchor = pull * self.mass
         solve = factored(self._firmness + diags(anchor)).solve
         pulled = anchor[:, None] * target
-        rotation = nearest_rotations(self.covariances(target, share))
         positions = solve(self._rotated(rotation, np.ones(len(self._weight))) + pulled)
         unbent = np.where(self._is_shell, 0.0, 1.0)
         for _ in range(_YIELDING_STEPS):

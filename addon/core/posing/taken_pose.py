@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..deformation.elastic_body import ElasticBody
+from ..deformation.rotations import nearest_rotations
 from ..numerics.arrays import FloatArray
 
 _EVEN = 1e-5  # diffusion time over which the positions are averaged by confidence, as a share of the area,
@@ -57,7 +58,9 @@ def taken_pose(body: ElasticBody, places: FloatArray, confidence: FloatArray) ->
     longer = body.stretch(target, _LENGTHS)
     factor = _median(longer, body.mass)
     alike = np.exp(-(((longer - factor) / _ALIKE) ** 2))
-    return body.turned_towards(target * np.exp(-factor), _PULL * np.maximum(alike, _HARDLY), _TURNS)
+    target *= np.exp(-factor)
+    rotation = nearest_rotations(body.covariances(target, _TURNS))
+    return body.turned_towards(rotation, target, _PULL * np.maximum(alike, _HARDLY))
 
 
 def _median(values: FloatArray, weights: FloatArray) -> float:

@@ -1,0 +1,118 @@
+"""A pose that is its own mirror image is taken over as one: both sides turn alike."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..deformation.elastic_body import ElasticBody
+from ..deformation.rotations import nearest_rotations
+from ..mesh.closest_points import closest_points
+from ..mesh.geometry import surface_area, vertex_areas
+from ..numerics.arrays import FloatArray, IntArray
+from ..run.monitor import Monitor
+from ..symmetry.mirror import MirrorMap, Plane
+
+_SAMPLES = 1000  # vertices whose mirror images are looked for on the surface
+_EXACT, _MOST = 0.002, 0.95  # sqrt(area): distance of an image up to which it lies on the surface, and how many must
+_FAR = 0.1  # sqrt(area): mean distance of a body from its mirror image above which the plane is not that of the pose
+_TURNS = 2e-3  # diffusion time over which rotations are averaged, as a share of the area
+_PULL, _HARDLY = 1000.0, 1e-3  # 1/area, towards the mean of both sides, and the share of it that is left where these
+_ALIKE = 0.03  # sqrt(area), are farther apart than this
+
+
+def mirror_planes(points: FloatArray, faces: IntArray, monitor: Monitor) -> list[Plane]:
+    """Find the planes in which a mesh is exactly its own mirror image, as a modelled character in a T-pose is.
+
+    Parameters
+    ----------
+    points : (n, 3) ndarray of float
+        Vertices.
+    faces : (m, 3) ndarray of int
+        Triangles.
+    monitor : Monitor
+        Polled for cancellation.
+
+    Returns
+    -------
+    list of Plane
+        At most three, through the centre: a mirror plane is perpendicular to a principal axis.
+
+    Raises
+    ------
+    CancelledError
+        If the run is cancelled.
+
+    Examples
+    --------
+    >>> from addon.core.mannequins import mannequin
+    >>> planes = mirror_planes(*mannequin(), Monitor())
+    >>> [np.abs(plane.normal).round(3).tolist() for plane in planes]
+    [[1.0, 0.0, 0.0]]
+    """
+    share = vertex_areas(points, faces)
+    share = share / share.sum()
+    centre = share @ points
+    axes = np.linalg.eigh((share[:, None] * (points - centre)).T @ (points - centre))[1].T
+    some = points[:: max(1, len(points) // _SAMPLES)]
+    near = _EXACT * np.sqrt(surface_area(points, faces))
+    found = []
+    for axis in axes:
+        plane = Plane(axis, centre)
+        apart = closest_points(points, faces, plane.mirrored(some), monitor).distances
+        if np.mean(apart <= near) >= _MOST:
+            found.append(plane)
+    return found
+
+
+def symmetric_pose(
+    body: ElasticBody, posed: FloatArray, confidence: FloatArray, mirror: MirrorMap, planes: Sequence[Plane]
+) -> FloatArray:
+    """Turn mirror partners as mirror images of each other, those of high confidence less than others.
+
+    Only rotations are averaged, so a head that the match turned aside looks ahead and keeps its shape.
+
+    Parameters
+    ----------
+    body : ElasticBody
+        The body, in its own pose.
+    posed : (n, 3) ndarray of float
+        The body in a pose that is its own mirror image, more or less.
+    confidence : (n,) ndarray of float
+        Confidence of the position of each vertex, 0 to 1.
+    mirror : MirrorMap
+        The mirror symmetry of the body.
+    planes : sequence of Plane
+        Mirror planes of the pose.
+
+    Returns
+    -------
+    (n, 3) ndarray of float
+        The body in the symmetric pose, as far as it is symmetric itself; unchanged if no plane takes left to right.
+
+    Examples
+    --------
+    >>> from addon.core.surface.triangulation import triangulated
+    >>> points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
+    >>> faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
+    >>> body = ElasticBody(triangulated(points, faces), points, faces)
+    >>> mirror, across = MirrorMap(np.array([2, 1, 0, 3]), 1.0), Plane(np.array([1.0, 0, 1]) / 2**0.5, np.zeros(3))
+    >>> aside = points @ np.array([[1, 0.05, 0], [-0.05, 1, 0], [0, 0, 1]])
+    >>> ahead = symmetric_pose(body, aside, np.ones(4), mirror, [across])
+    >>> np.allclose(across.mirrored(ahead[mirror.partner]), ahead, atol=1e-3)
+    True
+    """
+    middle = body.mass @ posed / body.mass.sum()
+    images = [Plane(plane.normal, middle).mirrored(posed[mirror.partner]) for plane in planes]
+    apart = [float(np.linalg.norm(image - posed, axis=1).mean()) for image in images]
+    if not apart or min(apart) > _FAR * np.sqrt(body.mass.sum()):
+        return posed
+    image = images[int(np.argmin(apart))]
+    share = mirror.sure * confidence[mirror.partner]
+    share /= np.maximum(confidence + confidence[mirror.partner], np.finfo(float).tiny)
+    own, other = (nearest_rotations(body.covariances(shape, _TURNS)) for shape in (posed, image))
+    between = nearest_rotations((1 - share)[:, None, None] * own + share[:, None, None] * other)
+    way = image - posed
+    alike = np.exp(-((np.linalg.norm(way, axis=1) / (_ALIKE * np.sqrt(body.mass.sum()))) ** 2))
+    return body.turned_towards(between, posed + share[:, None] * way, _PULL * np.maximum(alike, _HARDLY))
