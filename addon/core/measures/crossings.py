@@ -103,7 +103,8 @@ def crossings(vertices: FloatArray, faces: IntArray, monitor: Monitor | None = N
         for lowest, highest in zip(low, high, strict=True):
             close = np.flatnonzero((lowest[one] <= highest[two]) & (lowest[two] <= highest[one]))
             one, two, here = one[close], two[close], here[close]
-        counted = here == _cell(np.maximum(grid.first[one], grid.first[two]), grid.extent)  # in one of their cells
+        x, y, z = np.maximum(grid.first[one], grid.first[two]).T
+        counted = here == _cell(x, y, z, grid.extent)  # in one of their cells
         pairs = np.column_stack([one, two])[counted]
         apart = ~(faces[pairs[:, 0]][:, :, None] == faces[pairs[:, 1]][:, None]).any(axis=(1, 2))
         pairs = pairs[apart]
@@ -171,19 +172,19 @@ def _grid(low: FloatArray, high: FloatArray) -> _Grid:
         if counts.sum() <= _CELLS * len(counts):
             break
         size *= 1.5
-    box = np.repeat(np.arange(len(counts)), counts)
-    step = np.arange(len(box)) - np.repeat(np.cumsum(counts) - counts, counts)
-    _, height, depth = spans[box].T
-    at = first[box] + np.column_stack([step // (height * depth), step // depth % height, step % depth])
+    box = np.repeat(np.arange(len(counts), dtype=np.int32), counts)
+    step = np.arange(len(box), dtype=np.int32) - np.repeat((np.cumsum(counts) - counts).astype(np.int32), counts)
+    height, depth = (spans[:, axis].astype(np.int32)[box] for axis in (1, 2))
     extent = last.max(axis=0) + 1
-    cell = _cell(at, extent)
+    x, y, z = first.T
+    cell = _cell(x[box] + step // (height * depth), y[box] + step // depth % height, z[box] + step % depth, extent)
     order = np.lexsort((box, cell))
     return _Grid(cell[order], box[order], first, extent)
 
 
-def _cell(at: IntArray, extent: IntArray) -> IntArray:
+def _cell(x: IntArray, y: IntArray, z: IntArray, extent: IntArray) -> IntArray:
     """Assign each cell of a grid one number."""
-    return (at[:, 0] * extent[1] + at[:, 1]) * extent[2] + at[:, 2]
+    return (x * extent[1] + y) * extent[2] + z
 
 
 def _volume(a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray) -> FloatArray:

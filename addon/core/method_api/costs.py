@@ -10,7 +10,7 @@ from .settings import Settings
 
 _SMALL = (0.08, 0.4e-6)  # gigabytes, and per vertex: the work on the coarse mesh, measured
 _LARGE = (0.02, 0.77e-6)  # the rounds of coarsening, which take more from about 160,000 vertices on
-_MATCH = 0.15e-6  # gigabytes in addition to the larger form, per vertex of both, measured
+_MATCH = 0.5e-6  # gigabytes in addition to the larger form, per vertex of both, measured with a pose
 _MATCH_SECONDS = (1.0, 4e-5)  # in addition to the two forms, and per vertex
 _LANDMARK_BYTES = 40.0  # a distance of each vertex from each landmark, and the work to place the vertex by them
 _USUAL_PATCHES = 5
@@ -122,7 +122,7 @@ def match_memory_estimate(count: int, other_count: int, settings: Settings) -> f
     Examples
     --------
     >>> f"{match_memory_estimate(100_000, 100_000, Settings()):.2f} GB"
-    '0.15 GB'
+    '0.22 GB'
     """
     return memory_estimate(max(count, other_count), settings) + _MATCH * (count + other_count)
 
