@@ -72,7 +72,8 @@ def symmetric_pose(
 ) -> FloatArray:
     """Turn mirror partners as mirror images of each other, those of high confidence less than others.
 
-    Only rotations are averaged, so a head that the match turned aside looks ahead and keeps its shape.
+    Rotations are averaged and the body is reassembled; only where both sides are near each other is it also pulled to
+    their mean. So a head that the match turned aside looks ahead and keeps its shape.
 
     Parameters
     ----------
