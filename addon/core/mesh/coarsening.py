@@ -134,9 +134,7 @@ def coarsened(
     while left > target and stuck < 4:
         monitor.tick(np.log(total / left) / np.log(total / target))
         if left < _COMPACT * count:
-            kept = np.flatnonzero(alive)
-            place = np.empty(count, dtype=np.int64)
-            place[kept] = np.arange(left)
+            kept, place = _renumbered(alive)
             faces, number = place[faces], number[kept]
             points, quadrics, areas, patience = points[kept], quadrics[kept], areas[kept], patience[kept]
             alive, count = np.ones(left, dtype=bool), left
@@ -172,10 +170,14 @@ def coarsened(
         one, two, three = faces.T
         flat = (one == two) | (two == three) | (three == one)
         faces = faces[~flat]
-    kept = np.flatnonzero(alive)
-    place = np.full(count, -1, dtype=np.int64)
-    place[kept] = np.arange(len(kept))
+    kept, place = _renumbered(alive)
     return Coarsening(total, number[kept], place[faces], rounds)
+
+
+def _renumbered(alive: np.ndarray) -> tuple[IntArray, IntArray]:
+    """List the vertices that are left, and the new number of each vertex."""
+    kept = np.flatnonzero(alive)
+    return kept, np.cumsum(alive) - 1
 
 
 class _Links:

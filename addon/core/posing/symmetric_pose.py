@@ -58,13 +58,10 @@ def mirror_planes(points: FloatArray, faces: IntArray, monitor: Monitor) -> list
     axes = np.linalg.eigh((share[:, None] * (points - centre)).T @ (points - centre))[1].T
     some = points[:: max(1, len(points) // _SAMPLES)]
     near = _EXACT * np.sqrt(surface_area(points, faces))
-    found = []
-    for axis in axes:
-        plane = Plane(axis, centre)
-        apart = closest_points(points, faces, plane.mirrored(some), monitor).distances
-        if np.mean(apart <= near) >= _MOST:
-            found.append(plane)
-    return found
+    planes = [Plane(axis, centre) for axis in axes]
+    images = np.concatenate([plane.mirrored(some) for plane in planes])
+    on_it = closest_points(points, faces, images, monitor).distances <= near
+    return [plane for plane, each in zip(planes, np.split(on_it, len(planes)), strict=True) if each.mean() >= _MOST]
 
 
 def symmetric_pose(
