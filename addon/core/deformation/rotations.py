@@ -8,7 +8,8 @@ from ..numerics.arrays import FloatArray
 from ..numerics.blocks import AT_ONCE
 
 _CLEAR = 1e-3  # times the cube of a covariance's size: below, its nearest rotation is too ambiguous for this method
-_NEWTON_STEPS = 20  # towards the largest root of a quartic, from above
+_NEWTON_STEPS = 20  # at most, towards the largest root of a quartic, from above
+_ARRIVED = 1e-15  # a step as short
 
 
 def nearest_rotations(covariances: FloatArray) -> FloatArray:
@@ -45,28 +46,31 @@ def nearest_rotations(covariances: FloatArray) -> FloatArray:
 def _nearest_at_once(covariances: FloatArray) -> FloatArray:
     """Compute the rotations of a batch of covariances that stays in the cache."""
     tiny = np.finfo(float).tiny
-    scaled = covariances / np.maximum(np.abs(covariances).max(axis=(1, 2)), tiny)[:, None, None]
-    scaled /= np.maximum(np.sqrt(np.einsum("ijk,ijk->i", scaled, scaled)), tiny)[:, None, None]
-    b = [np.ascontiguousarray(scaled[:, i, j]) for i in range(3) for j in range(3)]  # row by row
-    c = [b[4] * b[8] - b[5] * b[7], b[5] * b[6] - b[3] * b[8], b[3] * b[7] - b[4] * b[6],
-         b[2] * b[7] - b[1] * b[8], b[0] * b[8] - b[2] * b[6], b[1] * b[6] - b[0] * b[7],
-         b[1] * b[5] - b[2] * b[4], b[2] * b[3] - b[0] * b[5], b[0] * b[4] - b[1] * b[3]]  # cofactors  # fmt: skip
+    b = covariances.reshape(-1, 9).T.copy()  # (9, n), row by row
+    b /= np.maximum(np.abs(b).max(axis=0), tiny)
+    b /= np.maximum(np.sqrt((b * b).sum(axis=0)), tiny)
+    scaled = np.ascontiguousarray(b.T).reshape(-1, 3, 3)
+    c = np.array([  # cofactors
+        b[4] * b[8] - b[5] * b[7], b[5] * b[6] - b[3] * b[8], b[3] * b[7] - b[4] * b[6],
+        b[2] * b[7] - b[1] * b[8], b[0] * b[8] - b[2] * b[6], b[1] * b[6] - b[0] * b[7],
+        b[1] * b[5] - b[2] * b[4], b[2] * b[3] - b[0] * b[5], b[0] * b[4] - b[1] * b[3],
+    ])  # fmt: skip
     determinant = b[0] * c[0] + b[1] * c[1] + b[2] * c[2]
-    minors = 4 * sum(each * each for each in c)
+    minors = 4 * (c * c).sum(axis=0)
     best = np.full(len(scaled), np.sqrt(3.0))  # the sum of the singular values, the last with the determinant's sign
     for _ in range(_NEWTON_STEPS):
         over = best * best - 1
-        best -= (over * over - 8 * best * determinant - minors) / (4 * best * over - 8 * determinant)
+        step = (over * over - 8 * best * determinant - minors) / (4 * best * over - 8 * determinant)
+        best -= step
+        if np.abs(step).max(initial=0.0) < _ARRIVED:
+            break
     kappa = (best * best - 1) / 2
     zeta = kappa * best - determinant
     clear = zeta > _CLEAR
     zeta[~clear] = 1.0
-    rotation = np.empty_like(covariances)
-    gram = np.einsum("nji,njk->nik", scaled, scaled)
-    cubic = np.einsum("nij,njk->nik", scaled, gram)
-    for at in range(9):
-        i, j = divmod(at, 3)
-        rotation[:, i, j] = ((kappa + 1) * b[at] + best * c[at] - cubic[:, i, j]) / zeta
+    cubic = scaled @ (scaled.transpose(0, 2, 1) @ scaled)
+    rotation = ((kappa + 1) * b + best * c - cubic.reshape(-1, 9).T) / zeta
+    rotation = np.ascontiguousarray(rotation.T).reshape(-1, 3, 3)
     if not clear.all():
         left, _, right = np.linalg.svd(covariances[~clear])
         left[:, :, -1] *= np.sign(np.linalg.det(left @ right))[:, None]

@@ -1,10 +1,10 @@
-"""Geodesic distances between all vertices of a patch (paper section 3.3)."""
+"""Geodesic distances between the vertices of a patch (paper section 3.3)."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from ..numerics.arrays import FloatArray
+from ..numerics.arrays import FloatArray, IntArray
 from ..numerics.blocks import columns_at_once, symmetrise
 from ..run.monitor import Monitor
 from ..surface.triangulation import Triangulation
@@ -50,14 +50,60 @@ def all_geodesics(
     >>> np.array_equal(distance, distance.T), np.allclose(distance[0, 3], np.sqrt(2), rtol=0.05)
     (True, True)
     """
-    monitor, count = monitor or Monitor(), surface.vertex_count
+    everything = np.arange(surface.vertex_count)
+    return geodesics(surface, everything, everything, smooth=smooth, monitor=monitor, done=done, share=share)
+
+
+def geodesics(
+    surface: Triangulation,
+    sources: IntArray,
+    vertices: IntArray,
+    *,
+    smooth: float | None = None,
+    monitor: Monitor | None = None,
+    done: float = 0.0,
+    share: float = 1.0,
+) -> FloatArray:
+    """Measure geodesic distances of some vertices of a patch from some of them.
+
+    Parameters
+    ----------
+    surface : Triangulation
+        As in `all_geodesics`.
+    sources : (s,) ndarray of int
+        Where distances are measured from.
+    vertices : (p,) ndarray of int
+        Where they are measured; the sources first.
+    smooth, monitor, done, share
+        As in `all_geodesics`.
+
+    Returns
+    -------
+    (s, p) ndarray of float
+        Distances; between sources the mean of both ways, 0 from a source to itself.
+
+    Raises
+    ------
+    CancelledError
+        If the run is cancelled.
+
+    Examples
+    --------
+    >>> from addon.core.surface.triangulation import triangulated
+    >>> square = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]])
+    >>> surface = triangulated(square, np.array([[0, 1, 2], [1, 3, 2]]))
+    >>> geodesics(surface, np.array([3]), np.array([3, 0, 1])).round(1).tolist()
+    [[0.0, 1.4, 1.0]]
+    """
+    monitor = monitor or Monitor()
     heat = HeatMethod(surface, smooth, refine=smooth is None, monitor=monitor)
-    distance = np.empty((count, count))
-    chunk = columns_at_once(count)
-    for start in range(0, count, chunk):
-        block = np.arange(start, min(start + chunk, count))
-        distance[block] = heat.distances(block).T  # by rows: a column of a large matrix touches every page of it
-        monitor.tick(done + share * (block[-1] + 1) / count)
-    symmetrise(distance, monitor.check)
+    distance = np.empty((len(sources), len(vertices)))
+    chunk = columns_at_once(surface.vertex_count)
+    for start in range(0, len(sources), chunk):
+        block = sources[start : start + chunk]
+        # by rows: a column of a large matrix touches every page of it
+        distance[start : start + chunk] = heat.distances(block)[vertices].T
+        monitor.tick(done + share * (start + len(block)) / len(sources))
+    symmetrise(distance[:, : len(sources)], monitor.check)
     np.fill_diagonal(distance, 0.0)
     return distance

@@ -9,6 +9,7 @@ from ..numerics.arrays import FloatArray, IntArray
 from ..numerics.products import product
 from ..run.errors import SolverError
 
+_ROWS = 256  # points against a hundred landmarks: they fit the cache
 _DENSE = 400  # points up to which all eigenvectors are computed
 
 
@@ -185,16 +186,22 @@ def placed_around(
     nearness = 1 / np.maximum(distances, 1e-3 * distances.max()) ** 2
     layout = start + product(nearness, fixed - start[landmarks]) / nearness.sum(axis=1)[:, None]
     layout[landmarks] = fixed
-    for _ in range(steps):
-        layout = _nearer(layout, fixed, distances) * np.array([1.0, 1.0, depth])
-        layout[landmarks] = fixed
+    distances = np.ascontiguousarray(distances)
+    for first in range(0, len(layout), _ROWS):  # each point on its own: a block stays in the cache through all steps
+        rows = slice(first, first + _ROWS)
+        for _ in range(steps):
+            layout[rows] = _nearer(layout[rows], fixed, distances[rows]) * np.array([1.0, 1.0, depth])
+    layout[landmarks] = fixed
     return layout
 
 
 def _nearer(points: FloatArray, fixed: FloatArray, distances: FloatArray) -> FloatArray:
     """Take one step of SMACOF of each point against points that are thought fixed, with unit weights."""
-    squared = (points**2).sum(axis=1)[:, None] + (fixed**2).sum(axis=1) - 2 * product(points, fixed.T)
-    ratio = distances / np.sqrt(np.maximum(squared, 1e-12 * squared.max()))
+    ratio = product(-2 * points, fixed.T)
+    ratio += (points**2).sum(axis=1)[:, None]
+    ratio += (fixed**2).sum(axis=1)  # squared distances
+    np.sqrt(np.maximum(ratio, 1e-12 * ratio.max(), out=ratio), out=ratio)
+    np.divide(distances, ratio, out=ratio)
     return np.asarray(fixed.mean(axis=0) + (ratio.sum(axis=1)[:, None] * points - product(ratio, fixed)) / len(fixed))
 
 

@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
-from ..distances.patch_geodesics import all_geodesics
+from ..distances.farthest_points import farthest_of
+from ..distances.patch_geodesics import geodesics
 from ..numerics.arrays import FloatArray, IntArray
 from ..patching.cells import Patch
 from ..run.monitor import Monitor
 from ..surface.triangulation import triangulated
-from .stress import PairSet, pair_set
+from .stress import PairList, PairSet, pair_set
 
 CommuteTimes = Callable[[IntArray], FloatArray]  # squared commute times between all pairs of some vertices
 
 _NO_DISTANCE = 1e-6  # share of the mean distance in a patch below which the heat method has failed for a pair,
 _SMALL_DISTANCE = 1e-3  # and the share that such a pair gets instead
+_FEWEST_SOURCES = 40  # in a patch
 _STRUT_SHARE = 0.5  # weight of the struts of a vertex in the stress, over all its other weight
 
 
@@ -26,9 +29,10 @@ def patch_pairs(
     commute_times: CommuteTimes,
     *,
     heat_time: float | None = None,
+    source_share: float = 1.0,
     monitor: Monitor,
 ) -> list[PairSet]:
-    """Measure every patch and weight all its pairs: ``w_ij = c_ij² / δ_ij²`` (first sum of equation 10).
+    """Measure every patch and weight its pairs: ``w_ij = c_ij² / δ_ij²`` (first sum of equation 10).
 
     Parameters
     ----------
@@ -40,6 +44,9 @@ def patch_pairs(
         Gives c² between all pairs of some vertices, (p, p).
     heat_time : float, optional
         Diffusion time of smoothed geodesics; without it they are as accurate as the heat method is.
+    source_share : float
+        Share of the vertices of a patch, far from each other, from which distances are measured, at least 40 vertices.
+        At 1 all pairs are, below it those that have a source.
     monitor : Monitor
         Receives progress and warnings; polled for cancellation.
 
@@ -63,7 +70,8 @@ def patch_pairs(
 
     References
     ----------
-    The paper, equation 10.
+    The paper, equation 10. Few sources fix the rest: De Silva and Tenenbaum, "Sparse multidimensional scaling using
+    landmark points", 2004.
     """
     sets = []
     effort = np.cumsum([0.0] + [float(len(patch.faces)) ** 2 for patch in patches])
@@ -72,28 +80,48 @@ def patch_pairs(
     for index, patch in enumerate(patches):
         measured, corners = np.unique(patch.faces, return_inverse=True)
         surface = triangulated(points[measured], corners.reshape(-1, 3))
-        distance = all_geodesics(
-            surface, smooth=heat_time, monitor=monitor, done=effort[index], share=effort[index + 1] - effort[index]
-        )
-        if len(patch.vertices) < len(measured):  # an open cell
-            own = np.searchsorted(measured, patch.vertices)
-            distance = distance[np.ix_(own, own)]
+        commute = commute_times(patch.vertices)  # (p, p)
+        count = min(max(round(source_share * len(commute)), _FEWEST_SOURCES), len(commute))
+        order = _sources_first(commute, count)
+        place = np.searchsorted(measured, patch.vertices[order])  # an open cell has fewer vertices than are measured
+        distance = geodesics(
+            surface,
+            place[:count],
+            place,
+            smooth=heat_time,
+            monitor=monitor,
+            done=effort[index],
+            share=effort[index + 1] - effort[index],
+        )  # (s, p)
         mean = float(distance.mean())
         missing = distance < _NO_DISTANCE * mean
         np.fill_diagonal(missing, False)
-        zero += np.count_nonzero(missing) // 2
-        distance[missing] = _SMALL_DISTANCE * mean
-        commute = commute_times(patch.vertices)
+        distance[missing] = 0.0  # near a source that is measured from one end only: no pair
+        both = missing[:, :count]
+        zero += np.count_nonzero(both) // 2
+        distance[:, :count][both] = _SMALL_DISTANCE * mean
 
-        def weights(rows: slice, columns: slice, target: FloatArray, commute: FloatArray = commute) -> FloatArray:
+        def weights(
+            rows: slice, columns: slice, target: FloatArray, commute: FloatArray = commute, order: IntArray = order
+        ) -> FloatArray:
             monitor.check()
-            return np.divide(commute[rows, columns], target**2, out=np.zeros_like(target), where=target > 0)
+            squared = commute[np.ix_(order[rows], order[columns])]
+            return np.divide(squared, target**2, out=np.zeros_like(target), where=target > 0)
 
-        sets.append(pair_set(patch.vertices, distance, weights))
+        sets.append(pair_set(patch.vertices[order], distance, weights))
         monitor.check()
     if zero:
         monitor.warn("zero_distances", count=zero)
     return sets
+
+
+def _sources_first(commute: FloatArray, count: int) -> IntArray:
+    """Order the vertices of a patch: first so many that lie far from each other, then the others as they are."""
+    everything = np.arange(len(commute))
+    if count == len(commute):
+        return everything
+    sources = farthest_of(commute, count)
+    return np.concatenate([sources, np.setdiff1d(everything, sources)])
 
 
 def feature_pairs(features: IntArray, biharmonic: FloatArray, adf: FloatArray) -> PairSet:
@@ -182,8 +210,8 @@ def balanced(pairs: PairSet, patches: list[PairSet], vertex_count: int, share: f
     return pairs.scaled(share * float(total[pairs.vertices].sum()) / own) if own > 0 else pairs
 
 
-def braced(patch: PairSet, points: FloatArray, struts: IntArray, monitor: Monitor | None = None) -> PairSet:
-    """Replace the wanted distances along the surface by the lengths of struts through it.
+def braced(patch: PairSet, points: FloatArray, struts: IntArray) -> PairSet:
+    """Add struts through the surface, which weigh more than the distances along it.
 
     Geodesics alone would rather have a mouth outside its head, where straight distances come nearer to the way over
     the lips.
@@ -196,28 +224,27 @@ def braced(patch: PairSet, points: FloatArray, struts: IntArray, monitor: Monito
         Vertices.
     struts : (s, 2) ndarray of int
         Pairs of vertices; those that leave the patch are left out.
-    monitor : Monitor, optional
-        Polled for cancellation.
 
     Returns
     -------
     PairSet
-        The pairs, those of the struts at their lengths. The struts of a vertex weigh half of all else there together;
-        a strut takes the mean of its ends.
+        The pairs, and the struts at their lengths. The struts of a vertex weigh half of all else there together; a
+        strut takes the mean of its ends.
 
     Examples
     --------
     >>> points = np.array([[0.0, 0, 0], [3, 4, 0], [0, 1, 0]])
     >>> around = arrangement_pairs(np.arange(3), 2 * points)
-    >>> braced(around, points, np.array([[0, 1]])).targets[0][0].tolist()
-    [0.0, 5.0, 2.0]
+    >>> found = braced(around, points, np.array([[0, 1]])).further
+    >>> found.pairs.tolist(), found.targets.tolist(), found.weights.tolist()
+    ([[0, 1]], [5.0], [1.0])
     """
     place = np.full(len(points), -1)
     place[patch.vertices] = np.arange(len(patch.vertices))
-    pairs = np.sort(place[struts], axis=1)
-    inside = pairs[:, 0] >= 0
+    pairs = place[struts]
+    inside = pairs.min(axis=1, initial=len(points)) >= 0
     length = np.linalg.norm(points[struts[inside, 0]] - points[struts[inside, 1]], axis=1)
     pairs = pairs[inside]
     many = np.bincount(pairs.ravel(), minlength=len(patch.vertices))
     share = _STRUT_SHARE * patch.total_weights() / np.maximum(many, 1)
-    return patch.replaced(pairs, length, share[pairs].mean(axis=1), monitor)
+    return replace(patch, further=PairList(pairs, length, share[pairs].mean(axis=1)))

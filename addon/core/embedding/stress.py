@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from ..numerics.arrays import FloatArray, IntArray
 from ..run.monitor import Monitor
+
+if TYPE_CHECKING:
+    from scipy.sparse import csc_matrix
 
 # Pairs in a tile, and rows at most: they fit the cache, a cancellation is noticed between them, and their products are
 # small enough that a linear algebra library runs them on one thread; more would wait for each other longer than this
@@ -17,26 +21,83 @@ _TILE = 64**3 // 5  # times 5 columns
 _ROWS = 128
 
 
+class PairList(NamedTuple):
+    """Some single pairs, each with a wanted distance and a weight.
+
+    Attributes
+    ----------
+    pairs : (k, 2) ndarray of int
+        Positions of both ends in the vertices of a `PairSet`.
+    targets : (k,) ndarray of float
+        Wanted distances.
+    weights : (k,) ndarray of float
+        Weights.
+    """
+
+    pairs: IntArray
+    targets: FloatArray
+    weights: FloatArray
+
+
+NO_PAIRS = PairList(np.empty((0, 2), dtype=np.int64), np.empty(0), np.empty(0))
+
+
 @dataclass(frozen=True, eq=False)
 class PairSet:
-    """All pairs among some vertices, each with a wanted distance and a weight, stored once, in tiles.
+    """All pairs of some vertices, the sources, with themselves and others: wanted distances and weights, in tiles.
 
-    A tile holds some rows and the columns from the first of them to the end; what lies on or below the diagonal has
-    weight 0.
+    A tile holds the rows of some sources and the columns from the first of them to the last vertex; what lies on or
+    below the diagonal has weight 0. Every pair is stored once.
 
     Attributes
     ----------
     vertices : (p,) ndarray of int
-        The vertices.
+        The vertices, sources first.
     targets : list of (r, c) ndarray of float
         Wanted distances, tile by tile.
     weights : list of (r, c) ndarray of float
         Weights, tile by tile.
+    further : PairList
+        Single pairs beside those of the tiles.
     """
 
     vertices: IntArray
     targets: list[FloatArray]
     weights: list[FloatArray]
+    further: PairList = NO_PAIRS
+
+    def tiles(self) -> Iterator[tuple[int, FloatArray, FloatArray]]:
+        """Iterate over the tiles.
+
+        Yields
+        ------
+        start : int
+            Position of the first row, and of the first column, in `vertices`.
+        targets : (r, c) ndarray of float
+            Wanted distances.
+        weights : (r, c) ndarray of float
+            Weights.
+        """
+        start = 0
+        for target, weight in zip(self.targets, self.weights, strict=True):
+            yield start, target, weight
+            start += len(target)
+
+    @property
+    def source_count(self) -> int:
+        """Number of sources s."""
+        return sum(map(len, self.targets))
+
+    def pair_count(self) -> int:
+        """Count the pairs, both ways, as the entries of a matrix are counted.
+
+        Returns
+        -------
+        int
+            p² if all vertices are sources.
+        """
+        count = len(self.vertices)
+        return count**2 - (count - self.source_count) ** 2 + 2 * len(self.further.pairs)
 
     def total_weights(self) -> FloatArray:
         """Sum the weights of the pairs that each vertex is in.
@@ -47,10 +108,11 @@ class PairSet:
             Total weight by vertex: the diagonal of V.
         """
         total = np.zeros(len(self.vertices))
-        for start, weight in zip(_tiles(len(total)), self.weights, strict=True):
+        for start, _, weight in self.tiles():
             total[start : start + len(weight)] += weight.sum(axis=1)
             total[start:] += weight.sum(axis=0)
-        return total
+        pairs, _, weights = self.further
+        return total + np.bincount(pairs.ravel(), np.repeat(weights, 2), minlength=len(total))
 
     def scaled(self, factor: float) -> PairSet:
         """Multiply all weights.
@@ -65,40 +127,12 @@ class PairSet:
         PairSet
             The same pairs and targets under the new weights.
         """
-        return PairSet(self.vertices, self.targets, [factor * weight for weight in self.weights])
-
-    def replaced(
-        self, pairs: IntArray, targets: FloatArray, weights: FloatArray, monitor: Monitor | None = None
-    ) -> PairSet:
-        """Replace the wanted distances and the weights of some pairs.
-
-        Parameters
-        ----------
-        pairs : (s, 2) ndarray of int
-            Pairs of positions in `vertices`, the smaller first.
-        targets : (s,) ndarray of float
-            Wanted distances.
-        weights : (s,) ndarray of float
-            Weights.
-        monitor : Monitor, optional
-            Polled for cancellation between tiles.
-
-        Returns
-        -------
-        PairSet
-            The pairs; tiles without a change are shared with this set.
-        """
-        tiles = _tiles(len(self.vertices))
-        all_targets, all_weights = list(self.targets), list(self.weights)
-        tile, row = np.divmod(pairs[:, 0], tiles.step)
-        for index in np.unique(tile):
-            if monitor is not None:
-                monitor.check()
-            here = tile == index
-            at = row[here], pairs[here, 1] - tiles[index]
-            all_targets[index], all_weights[index] = self.targets[index].copy(), self.weights[index].copy()
-            all_targets[index][at], all_weights[index][at] = targets[here], weights[here]
-        return PairSet(self.vertices, all_targets, all_weights)
+        return PairSet(
+            self.vertices,
+            self.targets,
+            [factor * weight for weight in self.weights],
+            self.further._replace(weights=factor * self.further.weights),
+        )
 
     def laplacian(self, monitor: Monitor | None = None) -> FloatArray:
         """Assemble V of these pairs: ``-w_ij`` off the diagonal, row sums 0.
@@ -113,30 +147,61 @@ class PairSet:
         (p, p) ndarray of float
             V, symmetric, positive semi-definite.
         """
-        count = len(self.vertices)
-        matrix = np.zeros((count, count))
-        for start, weight in zip(_tiles(count), self.weights, strict=True):
+        of_sources, among_others = self.laplacian_blocks(monitor)
+        return np.block([[of_sources], [of_sources[:, self.source_count :].T, among_others.toarray()]])
+
+    def laplacian_blocks(self, monitor: Monitor | None = None) -> tuple[FloatArray, csc_matrix]:
+        """Assemble V of these pairs in two parts, of which the second is nearly diagonal.
+
+        Parameters
+        ----------
+        monitor : Monitor, optional
+            Polled for cancellation between tiles.
+
+        Returns
+        -------
+        of_sources : (s, p) ndarray of float
+            The rows of the sources.
+        among_others : (p - s, p - s) scipy.sparse.csc_matrix
+            The rows and columns of the others.
+        """
+        from scipy.sparse import coo_matrix
+
+        total, sources = self.total_weights(), self.source_count
+        rows = np.zeros((sources, len(total)))
+        for start, _, weight in self.tiles():
             if monitor is not None:
                 monitor.check()
-            matrix[start : start + len(weight), start:] -= weight
-            matrix[start:, start : start + len(weight)] -= weight.T
-        np.fill_diagonal(matrix, self.total_weights())
-        return matrix
+            stop = start + len(weight)
+            rows[start:stop, start:] -= weight
+            rows[start:, start:stop] -= weight[:, : sources - start].T
+        pairs, _, heavy = self.further
+        one, two = np.concatenate([pairs, pairs[:, ::-1]]).T
+        weight = np.tile(heavy, 2)
+        of_source = one < sources
+        np.subtract.at(rows, (one[of_source], two[of_source]), weight[of_source])
+        np.fill_diagonal(rows, total[:sources])
+        among = ~of_source & (two >= sources)
+        diagonal = np.arange(len(total) - sources)
+        entries = np.concatenate([-weight[among], total[sources:]])
+        places = np.concatenate([one[among] - sources, diagonal]), np.concatenate([two[among] - sources, diagonal])
+        return rows, coo_matrix((entries, places), shape=(len(diagonal), len(diagonal))).tocsc()
 
 
 def pair_set(
     vertices: IntArray, distances: FloatArray, weights: Callable[[slice, slice, FloatArray], FloatArray]
 ) -> PairSet:
-    """Store all pairs among some vertices in tiles.
+    """Store all pairs of some sources with themselves and other vertices in tiles.
 
     Parameters
     ----------
     vertices : (p,) ndarray of int
-        The vertices.
-    distances : (p, p) ndarray of float
-        Wanted distances; the part above the diagonal is read.
+        The vertices, the s sources first.
+    distances : (s, p) ndarray of float
+        Wanted distances from the sources; the part above the diagonal is read.
     weights : callable
-        Gives the weights of a tile from its rows, its columns (slices of 0 to p) and its wanted distances.
+        Gives the weights of a tile from its rows (a slice of 0 to s), its columns (a slice of 0 to p) and its wanted
+        distances.
 
     Returns
     -------
@@ -150,9 +215,9 @@ def pair_set(
     [4.0, 4.0, 4.0]
     """
     targets, heavy = [], []
-    tiles = _tiles(len(vertices))
-    for start in tiles:
-        rows, columns = slice(start, min(start + tiles.step, len(vertices))), slice(start, len(vertices))
+    starts = _starts(len(distances), len(vertices))
+    for start in starts:
+        rows, columns = slice(start, min(start + starts.step, len(distances))), slice(start, len(vertices))
         target = np.ascontiguousarray(distances[rows, columns])
         targets.append(target)
         heavy.append(np.triu(weights(rows, columns, target), 1))
@@ -184,7 +249,7 @@ class Stress:
         self.vertex_count = vertex_count
         self.pair_sets = pair_sets
         self._monitor = monitor or Monitor()
-        largest = max((_tiles(count).step * count for count in (len(pairs.vertices) for pairs in pair_sets)), default=0)
+        largest = max((target.size for pairs in pair_sets for target in pairs.targets), default=0)
         # working memory of every tile in turn: fresh pages cost more than the sums
         self._room = np.empty((3, largest))
 
@@ -233,12 +298,14 @@ class Stress:
             right = np.column_stack([points, one, square])  # |x - y|² = (-2 x, |x|², 1) · (y, 1, |y|²)
             left = np.column_stack([-2 * points, square, one])
             local = np.zeros_like(points)
-            for start, target, weight in zip(_tiles(len(points)), pairs.targets, pairs.weights, strict=True):
+            for start, target, weight in pairs.tiles():
                 rows, columns = slice(start, start + len(target)), slice(start, None)
                 value, at_rows, at_columns = self._tile(left[rows], right[rows], right[columns], target, weight)
                 total += value
                 local[rows] += at_rows
                 local[columns] += at_columns
+            if len(pairs.further.pairs):
+                total += _add_list(pairs.further, points, local)
             descent[pairs.vertices] += local
         return total, descent
 
@@ -264,6 +331,20 @@ class Stress:
         return value, at_rows, at_columns
 
 
-def _tiles(count: int) -> range:
-    """List the first rows of the tiles of a set of so many vertices."""
-    return range(0, count, int(np.clip(_TILE // max(count, 1), 1, _ROWS)))
+def _add_list(listed: PairList, points: FloatArray, pull: FloatArray) -> float:
+    """Sum single pairs: add what they pull at the points, and return their stress."""
+    (one, two), target, weight = listed.pairs.T, listed.targets, listed.weights
+    way = points[one] - points[two]
+    distance = np.sqrt((way**2).sum(axis=1))
+    missing = target - distance
+    force = weight * missing
+    value = float(force @ missing)
+    force /= np.where(distance > 0, distance, np.inf)
+    for axis, along in enumerate((force[:, None] * way).T):
+        pull[:, axis] += np.bincount(one, along, minlength=len(pull)) - np.bincount(two, along, minlength=len(pull))
+    return value
+
+
+def _starts(sources: int, count: int) -> range:
+    """List the first rows of the tiles of so many sources and vertices."""
+    return range(0, sources, int(np.clip(_TILE // max(count, 1), 1, _ROWS)))

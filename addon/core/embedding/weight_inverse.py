@@ -5,18 +5,20 @@ from __future__ import annotations
 import numpy as np
 
 from ..numerics.arrays import FloatArray, IntArray
+from ..numerics.factoring import factored
 from ..numerics.products import inverse_of_lower, product
 from ..run.monitor import Monitor
 from .stress import PairSet
 
-_BLOCK = 64
+_BLOCK = 48
 
 
 class WeightInverse:
     """V⁺, the pseudo-inverse of the weight Laplacian, by block elimination.
 
-    V is dense inside each pair set and empty between them. Vertices of one set only are eliminated set by set; what
-    remains is a small system on the shared ones: feature points and the bands between closed patches.
+    V is dense inside each pair set and empty between them. Vertices of one set only are eliminated set by set, those
+    that are no sources first: among them V is nearly diagonal. What remains is a small system on the shared ones:
+    feature points, landmarks and the bands between closed patches.
 
     Parameters
     ----------
@@ -49,20 +51,19 @@ class WeightInverse:
         position[self._shared] = np.arange(len(self._shared))
         remaining = np.zeros((len(self._shared), len(self._shared)))
         scale = 0.0
-        self._blocks: list[tuple[IntArray, IntArray, _Cholesky, FloatArray]] = []
+        self._blocks: list[tuple[_Others, IntArray, IntArray, _Cholesky, FloatArray]] = []
         for done, pairs in enumerate(pair_sets):
-            matrix = pairs.laplacian(monitor)
-            border = np.flatnonzero(shared[pairs.vertices])
-            inner = np.flatnonzero(~shared[pairs.vertices])
-            place = position[pairs.vertices[border]]
-            remaining[np.ix_(place, place)] += matrix[np.ix_(border, border)]
+            others = _Others(pairs, shared, monitor)
+            matrix, vertices = others.remaining, others.kept
             scale = max(scale, float(np.diag(matrix).max()))
-            if len(inner):
-                coupling = matrix[np.ix_(inner, border)]
-                factor = _Cholesky(_submatrix(matrix, inner, monitor), monitor)
-                half = factor.forward(coupling, monitor)
-                remaining[np.ix_(place, place)] -= product(half.T, half)
-                self._blocks.append((pairs.vertices[inner], place, factor, half))
+            border = np.flatnonzero(shared[vertices])
+            inner = np.flatnonzero(~shared[vertices])
+            place = position[vertices[border]]
+            remaining[np.ix_(place, place)] += matrix[np.ix_(border, border)]
+            factor = _Cholesky(_submatrix(matrix, inner, monitor), monitor)
+            half = factor.forward(matrix[np.ix_(inner, border)], monitor)
+            remaining[np.ix_(place, place)] -= product(half.T, half)
+            self._blocks.append((others, vertices[inner], place, factor, half))
             monitor.tick((done + 1) / len(pair_sets))
         # what remains has constants as its null space; adding them makes it regular and leaves the rest alone
         remaining += scale / len(remaining)
@@ -81,17 +82,54 @@ class WeightInverse:
         (n, d) ndarray of float
             Y = V⁺ R, columns centred.
         """
+        right = right.copy()
+        for others, *_ in self._blocks:
+            others.pass_on(right)
         shared = right[self._shared]
         halves = []
-        for inner, place, factor, half in self._blocks:
+        for _, inner, place, factor, half in self._blocks:
             halves.append(factor.forward(right[inner]))
             shared[place] -= product(half.T, halves[-1])
         at_shared = self._remaining.backward(self._remaining.forward(shared))
         solved = np.empty_like(right)
         solved[self._shared] = at_shared
-        for (inner, place, factor, half), forward in zip(self._blocks, halves, strict=True):
+        for (others, inner, place, factor, half), forward in zip(self._blocks, halves, strict=True):
             solved[inner] = factor.backward(forward - product(half, at_shared[place]))
-        return solved - solved.mean(axis=0)
+            others.fill_in(solved, right)
+        return np.asarray(solved - solved.mean(axis=0))
+
+
+class _Others:
+    """The vertices of one pair set only that are no sources, and what is left of its V when they are eliminated."""
+
+    def __init__(self, pairs: PairSet, shared: np.ndarray, monitor: Monitor) -> None:
+        of_sources, among_others = pairs.laplacian_blocks(monitor)
+        count = len(of_sources)
+        stay = shared[pairs.vertices[count:]]
+        go, stay = np.flatnonzero(~stay), np.flatnonzero(stay)
+        self._vertices = pairs.vertices[count + go]
+        self.kept = np.concatenate([pairs.vertices[:count], pairs.vertices[count + stay]])
+        across, columns = of_sources[:, count + stay], among_others[:, stay]
+        self.remaining = np.block([[of_sources[:, :count], across], [across.T, columns[stay].toarray()]])
+        if not len(go):
+            return
+        coupling = np.hstack([of_sources[:, count + go].T, columns[go].toarray()])
+        monitor.check()
+        self._solve = factored(among_others[go][:, go]).solve
+        self._reached = self._solve(coupling)  # A⁻¹ C
+        self.remaining -= product(coupling.T, self._reached)
+
+    def pass_on(self, right: FloatArray) -> None:
+        """Bring their right-hand side to the rest."""
+        if not len(self._vertices):
+            return
+        right[self.kept] -= product(self._reached.T, right[self._vertices])
+
+    def fill_in(self, solved: FloatArray, right: FloatArray) -> None:
+        """Solve for them when the rest is known."""
+        if not len(self._vertices):
+            return
+        solved[self._vertices] = self._solve(right[self._vertices]) - product(self._reached, solved[self.kept])
 
 
 def _submatrix(matrix: FloatArray, chosen: IntArray, monitor: Monitor) -> FloatArray:

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..numerics.arrays import FloatArray, IntArray
 from ..numerics.blocks import AT_ONCE
+from ..numerics.vectors import cross, dot, gathered
 from ..run.monitor import Monitor
 from .edges import half_edges, pair_counts, undirected_keys
 from .geometry import area_vectors, vertex_areas
@@ -205,17 +206,17 @@ class _Links:
 
 def _quadrics(points: FloatArray, faces: IntArray) -> FloatArray:
     """Sum, over the triangles of each vertex, area times the squared distance from their planes."""
+    from scipy.sparse import csr_matrix
+
     normal = area_vectors(points, faces)
     area = np.linalg.norm(normal, axis=1)
     normal /= np.maximum(area, np.finfo(float).tiny)[:, None]
     plane = np.column_stack([normal, -np.einsum("ij,ij->i", normal, points[faces[:, 0]])])
-    corners = faces.ravel()
-    return np.column_stack(
-        [
-            np.bincount(corners, np.repeat(plane[:, row] * plane[:, column] * (area / 3), 3), minlength=len(points))
-            for row, column in zip(*np.triu_indices(4), strict=True)
-        ]
+    terms = np.column_stack([plane[:, i] * plane[:, j] * (area / 3) for i, j in zip(*np.triu_indices(4), strict=True)])
+    around = csr_matrix(
+        (np.ones(faces.size), faces.ravel(), np.arange(0, faces.size + 1, 3)), (len(faces), len(points))
     )
+    return np.asarray(around.T @ terms)
 
 
 def _wishes(
@@ -254,13 +255,12 @@ def _costs(points: FloatArray, links: _Links, quadrics: FloatArray, areas: Float
     for start in range(0, len(cost), AT_ONCE):
         some = slice(start, start + AT_ONCE)
         u, v = links.tail[some], links.head[some]
-        there, q = points.take(v, axis=0), quadrics.take(u, axis=0).T
-        x, y, z = there.T
+        there, q = gathered(points, v), quadrics.take(u, axis=0).T
+        x, y, z = there
         harm = q[0] * x * x + q[4] * y * y + q[7] * z * z + q[9]
         harm += 2 * (q[1] * x * y + q[2] * x * z + q[5] * y * z + q[3] * x + q[6] * y + q[8] * z)
-        way = points.take(u, axis=0) - there
-        way *= way
-        cost[some] = np.maximum(harm, 0.0) + _EVENNESS * (way[:, 0] + way[:, 1] + way[:, 2]) * areas.take(u)
+        way = gathered(points, u) - there
+        cost[some] = np.maximum(harm, 0.0) + _EVENNESS * dot(way, way) * areas.take(u)
     return cost
 
 
@@ -340,8 +340,8 @@ def _harmless(
     owner, one, two = owner[stays], one[stays], two[stays]
     for start in range(0, len(owner), AT_ONCE):
         some = slice(start, start + AT_ONCE)
-        from_one, from_two = points.take(one[some], axis=0), points.take(two[some], axis=0)
-        here, there = points.take(leaving[owner[some]], axis=0), points.take(onto[owner[some]], axis=0)
+        from_one, from_two = gathered(points, one[some]), gathered(points, two[some])
+        here, there = gathered(points, leaving[owner[some]]), gathered(points, onto[owner[some]])
         spoils = _spoils(from_one, from_two, here, there)
         good[owner[some][spoils]] = False
     return good
@@ -349,11 +349,11 @@ def _harmless(
 
 def _spoils(one: FloatArray, two: FloatArray, here: FloatArray, there: FloatArray) -> np.ndarray:
     """Tell which triangles of `one`, `two` and `here` turn over or get thin when that corner goes `there`."""
-    to_one, to_two = one - there, two - there
-    before, after = np.cross(one - here, two - here), np.cross(to_one, to_two)
-    size_before, size_after = np.linalg.norm(before, axis=1), np.linalg.norm(after, axis=1)
-    turned = np.einsum("ij,ij->i", before, after) < _TURN * size_before * size_after
-    longest = np.maximum.reduce([(each**2).sum(axis=1) for each in (one - two, to_one, to_two)])
+    to_one, to_two, between = one - there, two - there, one - two
+    before, after = cross(one - here, two - here), cross(to_one, to_two)
+    size_before, size_after = np.sqrt(dot(before, before)), np.sqrt(dot(after, after))
+    turned = dot(before, after) < _TURN * size_before * size_after
+    longest = np.maximum.reduce([dot(side, side) for side in (between, to_one, to_two)])
     return np.asarray(turned | ((size_after < _THINNEST * longest) & (size_after < size_before)))
 
 
@@ -385,11 +385,11 @@ def _mean_value_weights(
     pair = np.empty((2, len(owner)))
     for start in range(0, len(owner), AT_ONCE):
         some = slice(start, start + AT_ONCE)
-        here = points.take(leaving[owner[some]], axis=0)
-        to_one, to_two = points.take(one[some], axis=0) - here, points.take(two[some], axis=0) - here
-        length_one = np.maximum(np.linalg.norm(to_one, axis=1), 1e-12)
-        length_two = np.maximum(np.linalg.norm(to_two, axis=1), 1e-12)
-        cosine = np.einsum("ij,ij->i", to_one, to_two) / (length_one * length_two)
+        here = gathered(points, leaving[owner[some]])
+        to_one, to_two = gathered(points, one[some]) - here, gathered(points, two[some]) - here
+        length_one = np.maximum(np.sqrt(dot(to_one, to_one)), 1e-12)
+        length_two = np.maximum(np.sqrt(dot(to_two, to_two)), 1e-12)
+        cosine = dot(to_one, to_two) / (length_one * length_two)
         tangent = np.sqrt(np.maximum(1 - cosine, 0) / np.maximum(1 + cosine, 1e-6))  # of half the corner's angle
         pair[:, some] = tangent / length_one, tangent / length_two
     row = np.tile(owner, 2)

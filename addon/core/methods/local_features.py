@@ -29,6 +29,7 @@ from ..symmetry.limb_rolls import limbs_rolled
 from ..symmetry.mirror import MirrorMap, asymmetry, held_symmetric
 from ..symmetry.partners import mirror_partners
 
+_SOURCE_SHARE = 0.25  # of the working vertices of a patch, from which distances are measured: all give the same form
 _STEPS, _FEW_STEPS = 18, 6  # that make the start round: a straight arrangement hardly depends on it
 _RELAXING_STEPS = 2  # after the detail pass
 _MOST_DISTORTED = 0.195  # edge distortion, 95th percentile in any part, at preserve 1/2
@@ -146,10 +147,11 @@ def _inside(found: SurfaceFeatures, settings: Settings, monitor: Monitor) -> _In
             patches,
             lambda vertices: green.commute_time_squared(vertices, monitor),
             heat_time=settings.heat_time,
+            source_share=1.0 if settings.whole else _SOURCE_SHARE,
             monitor=monitor,
         )
         if struts is not None:
-            sets = [braced(pairs, surface.points, struts, monitor) for pairs in sets]
+            sets = [braced(pairs, surface.points, struts) for pairs in sets]
     return _Inside(body, green, sets)
 
 
@@ -165,7 +167,7 @@ def _embedded(found: SurfaceFeatures, inside: _Inside, start: Start, settings: S
         stress = Stress(count, sets, monitor)
         form, history = minimise_stress(stress, inverse, start.points, **settings.minimisation, monitor=monitor)
         warn_if_still_falling(history, settings, monitor)
-        return _Embedded(outside_out(body, form), history, sum(len(pairs.vertices) ** 2 for pairs in sets))
+        return _Embedded(outside_out(body, form), history, sum(pairs.pair_count() for pairs in sets))
 
 
 def _arranged(

@@ -9,6 +9,8 @@ from ..run.errors import SolverError
 if TYPE_CHECKING:
     from scipy.sparse.linalg import SuperLU
 
+_LARGE = 50_000  # rows from which on minimum degree takes longer than it saves
+
 
 def factored(matrix: object) -> SuperLU:
     """Factor a sparse symmetric positive definite matrix such as ``M + t L``.
@@ -21,8 +23,8 @@ def factored(matrix: object) -> SuperLU:
     Returns
     -------
     scipy.sparse.linalg.SuperLU
-        Its factors; `solve` takes one or many right-hand sides. Columns are ordered by COLAMD, which on surfaces is
-        many times faster than SuperLU's orderings for symmetric matrices.
+        Its factors; `solve` takes one or many right-hand sides. Columns are ordered by minimum degree, and by
+        COLAMD where there are many: on fine surfaces it takes a third of the time, though a third more is filled in.
 
     Raises
     ------
@@ -39,6 +41,8 @@ def factored(matrix: object) -> SuperLU:
     from scipy.sparse.linalg import splu
 
     try:
-        return splu(csc_matrix(matrix), permc_spec="COLAMD", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+        columns = csc_matrix(matrix)
+        order = "MMD_AT_PLUS_A" if len(columns.indptr) <= _LARGE else "COLAMD"
+        return splu(columns, permc_spec=order, diag_pivot_thresh=0.0, options={"SymmetricMode": True})
     except RuntimeError as error:  # raised by SuperLU
         raise SolverError("singular") from error

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from addon.core import CancelledError
-from addon.core.distances.patch_geodesics import all_geodesics
+from addon.core.distances.heat import HeatMethod
+from addon.core.distances.patch_geodesics import all_geodesics, geodesics
 from addon.core.run.monitor import Monitor
 from addon.core.surface.triangulation import triangulated
 from tests.meshes import shapes
@@ -71,3 +72,14 @@ def test_all_geodesics_tell_how_far_they_are(sphere):
     with monitor.stage("Distances"):
         all_geodesics(triangulated(*shapes.sphere(1)), monitor=monitor, done=0.25, share=0.5)
     assert told == pytest.approx([0.0, 0.25 + 0.5 * 32 / 42, 0.75, 1.0])
+
+
+def test_geodesics_from_some_vertices_are_rows_of_all(figure):
+    surface = triangulated(*figure)
+    every = all_geodesics(surface, smooth=0.1)
+    order = np.random.default_rng(0).permutation(surface.vertex_count)[:300]
+    some = geodesics(surface, order[:20], order, smooth=0.1)
+    np.testing.assert_allclose(some[:, :20], every[np.ix_(order[:20], order[:20])], atol=1e-9)
+    one_way = HeatMethod(surface, 0.1, refine=False).distances(order[:20])[order[20:]].T
+    np.testing.assert_allclose(some[:, 20:], one_way, atol=1e-9)
+    assert np.abs(some - every[np.ix_(order[:20], order)]).mean() < 0.02 * every.mean()

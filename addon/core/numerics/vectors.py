@@ -1,0 +1,73 @@
+"""Vectors of space as columns, one coordinate after the other: arithmetic on them is several times faster so."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .arrays import FloatArray, IntArray
+
+
+def gathered(vectors: FloatArray, chosen: IntArray) -> FloatArray:
+    """Gather some vectors as columns.
+
+    Parameters
+    ----------
+    vectors : (n, 3) ndarray of float
+        Vectors.
+    chosen : (k,) ndarray of int
+        Which.
+
+    Returns
+    -------
+    (3, k) ndarray of float
+        Those, one a column.
+
+    Examples
+    --------
+    >>> gathered(np.array([[1.0, 2, 3], [4, 5, 6]]), np.array([1])).tolist()
+    [[4.0], [5.0], [6.0]]
+    """
+    return np.ascontiguousarray(vectors.take(chosen, axis=0).T)
+
+
+def cross(one: FloatArray, two: FloatArray) -> FloatArray:
+    """Compute vector products.
+
+    Parameters
+    ----------
+    one, two : (3, k) ndarray of float
+        Vectors, one a column.
+
+    Returns
+    -------
+    (3, k) ndarray of float
+        Their products.
+
+    Examples
+    --------
+    >>> cross(np.array([[1.0], [0], [0]]), np.array([[0.0], [1], [0]])).ravel().tolist()
+    [0.0, 0.0, 1.0]
+    """
+    (a, b, c), (x, y, z) = one, two
+    return np.stack([b * z - c * y, c * x - a * z, a * y - b * x])
+
+
+def dot(one: FloatArray, two: FloatArray) -> FloatArray:
+    """Compute scalar products.
+
+    Parameters
+    ----------
+    one, two : (3, k) ndarray of float
+        Vectors, one a column.
+
+    Returns
+    -------
+    (k,) ndarray of float
+        Their products.
+
+    Examples
+    --------
+    >>> dot(np.array([[1.0], [2], [3]]), np.array([[4.0], [5], [6]])).tolist()
+    [32.0]
+    """
+    return np.asarray(one[0] * two[0] + one[1] * two[1] + one[2] * two[2])
