@@ -17,7 +17,8 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
 
 _EVENNESS = 0.05  # weight of evenly spread vertices against the fit to the surface: fingers keep a few more
-_FAR = 20  # times the target: while more vertices are left, as many as can go at once do
+_FAR = 20  # times the target: while more vertices are left, as many as can go at once do,
+_MANY, _NEAR = 32_000, 2  # and while more than so many and this times the target are: fine meshes are even anyway
 _SHARE = 0.6  # of the vertices, the cheapest, may go in one round
 _FEW = 0.05  # of the vertices that may go in a round; fewer do not thin the mesh out
 _COMPACT = 0.6  # share of the vertices left below which arrays are made smaller
@@ -141,7 +142,7 @@ def coarsened(
             alive, count = np.ones(left, dtype=bool), left
         links = _Links(faces, count)
         monitor.check()
-        far = left > _FAR * target
+        far = left > min(_FAR * target, max(_NEAR * target, _MANY))
         leaving, onto, rank = _wishes(points, links, quadrics, areas, patience)
         monitor.check()
         chosen = _independent(leaving, rank, links, count, most=far)
