@@ -74,7 +74,7 @@ class CanonicalForm(_Summarised):
         over the pieces.
     pair_count : int
         Entries of the distance matrices that the stress uses, counted as the paper does: Σ p² over the patches and
-        the feature points. Each pair of points is kept once.
+        the feature points, less (p - s)² where only s of the p are sources. Each pair of points is kept once.
     pair_reduction : float
         ``1 - pair_count / n²``.
     timings : dict of str to float

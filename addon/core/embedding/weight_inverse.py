@@ -105,6 +105,9 @@ class _Others:
     def __init__(self, pairs: PairSet, shared: np.ndarray, monitor: Monitor) -> None:
         of_sources, among_others = pairs.laplacian_blocks(monitor)
         count = len(of_sources)
+        self._vertices, self.kept, self.remaining = pairs.vertices[count:], pairs.vertices, of_sources
+        if not len(self._vertices):
+            return
         stay = shared[pairs.vertices[count:]]
         go, stay = np.flatnonzero(~stay), np.flatnonzero(stay)
         self._vertices = pairs.vertices[count + go]
