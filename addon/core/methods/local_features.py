@@ -147,7 +147,7 @@ def _inside(found: SurfaceFeatures, settings: Settings, monitor: Monitor) -> _In
             patches,
             lambda vertices: green.commute_time_squared(vertices, monitor),
             heat_time=settings.heat_time,
-            source_share=1.0 if settings.whole else _SOURCE_SHARE,
+            source_share=_SOURCE_SHARE if surface.coarse else 1.0,
             monitor=monitor,
         )
         if struts is not None:
