@@ -45,9 +45,10 @@ def under_pressure(
     >>> round(compactness(moved, faces) / compactness(before, faces), 3)
     1.0
     """
-    wanted = signed_volume(before, faces) / surface_area(before, faces) ** 1.5
+    area = surface_area(before, faces)
+    wanted = signed_volume(before, faces) / area**1.5
     way = solve(vertex_area_vectors(positions, faces))  # direction in which the volume grows
-    way *= np.sqrt(surface_area(before, faces) / (way**2).sum(axis=1).max())  # an amount of 1 moves by sqrt(area)
+    way *= np.sqrt(area / (way**2).sum(axis=1).max())  # an amount of 1 moves by sqrt(area)
     side = np.sign(wanted)  # -1 where the triangles face inwards
     way, wanted, amount, step = side * way, abs(wanted), 0.0, 1e-4
     compactness = _signed_compactness_along(positions, way, faces)

@@ -88,14 +88,9 @@ class PairSet:
         """Number of sources s."""
         return sum(map(len, self.targets))
 
+    @property
     def pair_count(self) -> int:
-        """Count the pairs, both ways, as the entries of a matrix are counted.
-
-        Returns
-        -------
-        int
-            p² if all vertices are sources.
-        """
+        """Number of pairs, counted both ways like the entries of a matrix: p² if all vertices are sources."""
         count = len(self.vertices)
         return count**2 - (count - self.source_count) ** 2 + 2 * len(self.further.pairs)
 
@@ -134,24 +129,8 @@ class PairSet:
             self.further._replace(weights=factor * self.further.weights),
         )
 
-    def laplacian(self, monitor: Monitor | None = None) -> FloatArray:
-        """Assemble V of these pairs: ``-w_ij`` off the diagonal, row sums 0.
-
-        Parameters
-        ----------
-        monitor : Monitor, optional
-            Polled for cancellation between tiles.
-
-        Returns
-        -------
-        (p, p) ndarray of float
-            V, symmetric, positive semi-definite.
-        """
-        of_sources, among_others = self.laplacian_blocks(monitor)
-        return np.block([[of_sources], [of_sources[:, self.source_count :].T, among_others.toarray()]])
-
-    def laplacian_blocks(self, monitor: Monitor | None = None) -> tuple[FloatArray, csc_matrix]:
-        """Assemble V of these pairs in two parts, of which the second is nearly diagonal.
+    def laplacian(self, monitor: Monitor | None = None) -> tuple[FloatArray, csc_matrix]:
+        """Assemble V of these pairs, ``-w_ij`` off the diagonal, row sums 0, in two parts.
 
         Parameters
         ----------
@@ -163,7 +142,7 @@ class PairSet:
         of_sources : (s, p) ndarray of float
             The rows of the sources.
         among_others : (p - s, p - s) scipy.sparse.csc_matrix
-            The rows and columns of the others.
+            The rows and columns of the others, nearly diagonal.
         """
         from scipy.sparse import coo_matrix
 

@@ -34,7 +34,7 @@ class WeightInverse:
     >>> from addon.core.embedding.stress import pair_set
     >>> pairs = pair_set(np.arange(3), np.ones((3, 3)), lambda rows, columns, target: np.ones_like(target))
     >>> right = np.array([[1.0], [1.0], [-2.0]])
-    >>> np.allclose(pairs.laplacian() @ WeightInverse(3, [pairs])(right), right)
+    >>> np.allclose(pairs.laplacian()[0] @ WeightInverse(3, [pairs])(right), right)
     True
     """
 
@@ -103,7 +103,7 @@ class _Others:
     """The vertices of one pair set only that are no sources, and what is left of its V when they are eliminated."""
 
     def __init__(self, pairs: PairSet, shared: np.ndarray, monitor: Monitor) -> None:
-        of_sources, among_others = pairs.laplacian_blocks(monitor)
+        of_sources, among_others = pairs.laplacian(monitor)
         count = len(of_sources)
         self._vertices, self.kept, self.remaining = pairs.vertices[count:], pairs.vertices, of_sources
         if not len(self._vertices):

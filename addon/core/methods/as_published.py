@@ -47,7 +47,7 @@ def _form(found: SurfaceFeatures, settings: Settings, monitor: Monitor, *, close
         stress = Stress(count, sets, monitor)  # [10]
         form, history = minimise_stress(stress, inverse, surface.points, **settings.minimisation, monitor=monitor)
         warn_if_still_falling(history, settings, monitor)
-    return MethodResult(form, history, sum(len(pairs.vertices) ** 2 for pairs in sets))
+    return MethodResult(form, history, sum(pairs.pair_count for pairs in sets))
 
 
 def _method(name: str, label: str, help: str, source: str, closed: bool, rank: int) -> Method:  # noqa: A002

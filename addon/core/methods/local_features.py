@@ -167,7 +167,7 @@ def _embedded(found: SurfaceFeatures, inside: _Inside, start: Start, settings: S
         stress = Stress(count, sets, monitor)
         form, history = minimise_stress(stress, inverse, start.points, **settings.minimisation, monitor=monitor)
         warn_if_still_falling(history, settings, monitor)
-        return _Embedded(outside_out(body, form), history, sum(pairs.pair_count() for pairs in sets))
+        return _Embedded(outside_out(body, form), history, sum(pairs.pair_count for pairs in sets))
 
 
 def _arranged(

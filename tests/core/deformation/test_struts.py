@@ -138,7 +138,7 @@ def test_the_stress_asks_for_the_lengths_of_struts():
     before = [pair_set(v, wanted[np.ix_(v, v)], lambda rows, columns, t: np.ones_like(t)) for v in (first, second)]
     after = [braced(pairs, points, struts) for pairs in before]
     for vertices, was, now in zip((first, second), before, after, strict=True):
-        change = was.laplacian() - now.laplacian()  # w_ij off the diagonal
+        change = was.laplacian()[0] - now.laplacian()[0]  # w_ij off the diagonal
         apart = np.linalg.norm(points[vertices][:, None] - points[vertices], axis=2)
         misfit = np.triu((wanted[np.ix_(vertices, vertices)] - apart) ** 2, 1)
         place = {vertex: at for at, vertex in enumerate(vertices)}
