@@ -150,7 +150,7 @@ def users_own(obj):
     keys = {} if mesh.shape_keys is None else {key.name: key_fingerprint(key) for key in mesh.shape_keys.key_blocks}
     colours = {each.name: colour_fingerprint(each) for each in mesh.color_attributes}
     others = [each.name for each in mesh.attributes if each.name not in colours and "canonical_form" not in each.name]
-    return group_fingerprints(obj, obj.vertex_groups.keys()), keys, colours, sorted(others)
+    return group_fingerprints(obj, dict.fromkeys(obj.vertex_groups.keys())), keys, colours, sorted(others)
 
 
 @pytest.fixture

@@ -167,8 +167,8 @@ def _write_colours(obj: bpy.types.Object, name: str, colours: FloatArray, earlie
 
 def _write_weights(obj: bpy.types.Object, name: str, weights: FloatArray, earlier: WrittenField) -> tuple[str, str]:
     """Write weights from 0 to 1, replacing unchanged earlier ones; return the group's name and fingerprint."""
-    known = group_fingerprints(obj, [earlier.weights]).get(earlier.weights)
-    if known is not None and known == earlier.weights_fingerprint:
+    found = group_fingerprints(obj, {earlier.weights: earlier.weights_fingerprint})
+    if found.get(earlier.weights) == earlier.weights_fingerprint:
         group = obj.vertex_groups[earlier.weights]
     else:
         group = obj.vertex_groups.new(name=name)

@@ -110,5 +110,5 @@ class Reference:
 def _form_of(obj: bpy.types.Object) -> FloatArray:
     """Read the form of an object, in local space."""
     form = np.empty(3 * len(obj.data.vertices), dtype=np.float32)
-    require_form_key(obj.data).data.foreach_get("co", form)
+    require_form_key(obj.data).points.foreach_get("co", form)
     return form.reshape(-1, 3).astype(np.float64)

@@ -3,10 +3,16 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
 import bpy
 import numpy as np
+
+from .weight_reading import weights_of
+
+if TYPE_CHECKING:
+    from ...core.numerics.arrays import FloatArray, IntArray
 
 
 def fingerprint(*arrays: np.ndarray) -> str:
@@ -42,7 +48,7 @@ def key_fingerprint(key: bpy.types.ShapeKey) -> str:
         The fingerprint.
     """
     points = np.empty(3 * len(key.data), dtype=np.float32)
-    key.data.foreach_get("co", points)
+    key.points.foreach_get("co", points)
     return fingerprint(points)
 
 
@@ -100,29 +106,33 @@ def members_fingerprint(vertices: np.ndarray, weights: np.ndarray) -> str:
     return fingerprint(vertices.astype(np.int64), weights.astype(np.float32))
 
 
-def group_fingerprints(obj: bpy.types.Object, names: Iterable[str]) -> dict[str, str]:
-    """Hash several vertex groups in one pass over the vertices.
+def group_fingerprints(obj: bpy.types.Object, known: Mapping[str, str | None]) -> dict[str, str]:
+    """Hash several vertex groups.
 
     Parameters
     ----------
     obj : bpy.types.Object
         The object, in Object Mode.
-    names : iterable of str
-        Names of groups.
+    known : mapping of str to str or None
+        Names of groups, and the fingerprints that they had.
 
     Returns
     -------
     dict of str to str
         Fingerprint of each existing group, by name.
     """
-    found = {obj.vertex_groups[name].index: name for name in names if name in obj.vertex_groups}
-    members: dict[int, list[int]] = {index: [] for index in found}
-    weights: dict[int, list[float]] = {index: [] for index in found}
-    for vertex in obj.data.vertices if found else ():
-        for part in vertex.groups:
-            if part.group in found:
-                members[part.group].append(vertex.index)
-                weights[part.group].append(part.weight)
-    return {
-        name: members_fingerprint(np.array(members[index]), np.array(weights[index])) for index, name in found.items()
-    }
+    weights = weights_of(obj, known)
+    prints = {name: _weights_fingerprint(each) for name, each in weights.items()}
+    for name, each in weights.items():
+        if prints[name] != known[name]:  # it may have members of weight 0, which take a loop to find
+            number, vertices = obj.vertex_groups[name].index, obj.data.vertices
+            empty = np.flatnonzero(each == 0.0)
+            member = [any(part.group == number for part in vertices[index].groups) for index in empty.tolist()]
+            prints[name] = _weights_fingerprint(each, empty[np.array(member, dtype=bool)])
+    return prints
+
+
+def _weights_fingerprint(weights: FloatArray, members: Sequence[int] | IntArray = ()) -> str:
+    """Hash the members of a group: the vertices with a weight, and others given."""
+    vertices = np.union1d(np.flatnonzero(weights), np.asarray(members, dtype=np.int64))
+    return members_fingerprint(vertices, weights[vertices])

@@ -6,6 +6,7 @@ import bpy
 import numpy as np
 
 from ...core import CanonicalFormError
+from ..mesh_items.weight_reading import weights_of
 from ..records.record import read_record
 from ..words.wording import told
 from .mesh_reading import selected_vertices
@@ -94,12 +95,8 @@ def members_of(obj: bpy.types.Object, group_name: str) -> list[int]:
     list of int
         Vertices with a weight above 0.
     """
-    index = obj.vertex_groups[group_name].index
-    return [
-        vertex.index
-        for vertex in obj.data.vertices
-        if any(part.group == index and part.weight > 0 for part in vertex.groups)
-    ]
+    members: list[int] = np.flatnonzero(weights_of(obj, [group_name])[group_name]).tolist()
+    return members
 
 
 def _is_painted(group: bpy.types.VertexGroup, members: list[int]) -> bool:

@@ -310,7 +310,7 @@ def basis_positions(mesh: bpy.types.Mesh) -> np.ndarray:
     if mesh.shape_keys is None:
         mesh.attributes["position"].data.foreach_get("vector", vertices)  # all at once; `co` would be copied one by one
     else:
-        mesh.shape_keys.reference_key.data.foreach_get("co", vertices)
+        mesh.shape_keys.reference_key.points.foreach_get("co", vertices)
     return vertices
 
 

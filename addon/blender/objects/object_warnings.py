@@ -147,8 +147,8 @@ def bending_keys(obj: bpy.types.Object) -> list[str]:
     for key in keys.key_blocks:
         if key != keys.reference_key and key.name not in ours and not key.mute and abs(key.value) > _LEAST_VALUE:
             places, others = (np.empty(3 * len(each.data), dtype=np.float32) for each in (key, key.relative_key))
-            key.data.foreach_get("co", places)
-            key.relative_key.data.foreach_get("co", others)
+            key.points.foreach_get("co", places)
+            key.relative_key.points.foreach_get("co", others)
             if not np.array_equal(places, others):
                 found.append(key.name)
     return found

@@ -96,7 +96,7 @@ def _probe(obj: bpy.types.Object) -> Iterator[Evaluate]:
     key = obj.shape_key_add(name="Probe", from_mix=False)
 
     def evaluated(positions: FloatArray) -> FloatArray:
-        key.data.foreach_set("co", positions.astype(np.float32).ravel())
+        key.points.foreach_set("co", positions.astype(np.float32).ravel())
         mesh.update()
         bpy.context.view_layer.update()
         return read_evaluated(obj)[0]

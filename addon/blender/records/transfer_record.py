@@ -70,7 +70,7 @@ def make_room(obj: bpy.types.Object, kind: str, names: list[str], written: Writt
         Names used by the user's own items.
     """
     known, left = written[kind], []
-    groups = group_fingerprints(obj, names) if kind == "groups" else {}
+    groups = group_fingerprints(obj, {name: known.get(name) for name in names}) if kind == "groups" else {}
     for name in names:
         now = groups.get(name) if kind == "groups" else _fingerprint(obj, kind, name)
         if now is not None and known.get(name) == now:

@@ -72,7 +72,7 @@ def write_in_betweens(obj: bpy.types.Object, shapes: list[FloatArray]) -> None:
         if positions is not None:
             key = obj.shape_key_add(name=IN_BETWEEN.format(form.name, number / steps), from_mix=False)
             key.relative_key = form.relative_key
-            key.data.foreach_set("co", positions.astype(np.float32).ravel())
+            key.points.foreach_set("co", positions.astype(np.float32).ravel())
             record.in_betweens.keys[key.name] = key_fingerprint(key)
         _drive(key, keys, _EXPRESSION.format(steps, number))
     obj.active_shape_key_index = active

@@ -178,7 +178,7 @@ def refill_key(obj: bpy.types.Object, positions: FloatArray) -> None:
     """
     mesh = obj.data
     key, record = require_form_key(mesh), require_record(mesh)
-    key.data.foreach_set("co", positions.astype(np.float32).ravel())
+    key.points.foreach_set("co", positions.astype(np.float32).ravel())
     record.keys[key.name] = key_fingerprint(key)
     write_record(mesh, record)
     mesh.update()
@@ -245,20 +245,20 @@ def _write_key(
     if kept_key is None:
         key.relative_key = mesh.shape_keys.reference_key
     positions = form.astype(np.float32)
-    key.data.foreach_set("co", positions.ravel())
+    key.points.foreach_set("co", positions.ravel())
     key.value = value
     record.keys[key.name] = fingerprint(positions)  # Blender returns the same values
 
 
 def _write_groups(obj: bpy.types.Object, record: Record, found: AnyResult, patches: bool) -> None:
-    members = [found.feature_points[found.feature_points >= 0]]
+    members = [np.sort(found.feature_points[found.feature_points >= 0])]
     if patches:
         members += [np.flatnonzero(found.patches == index) for index in range(len(found.feature_points))]
     for number, vertices in enumerate(members):
         group = obj.vertex_groups.new(name=PATCH_GROUP.format(number) if number else FEATURE_GROUP)
         record.groups[group.name] = None
         group.add(vertices.tolist(), 1.0, "REPLACE")
-        record.groups[group.name] = members_fingerprint(np.sort(vertices), np.ones(len(vertices)))
+        record.groups[group.name] = members_fingerprint(vertices, np.ones(len(vertices)))
 
 
 def _write_confidence(obj: bpy.types.Object, record: Record, confidence: FloatArray) -> None:

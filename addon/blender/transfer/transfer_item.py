@@ -261,7 +261,7 @@ class TransferItem:
             shape, (low, high) = shapes[name]
             key = obj.shape_key_add(name=name, from_mix=False)
             key.relative_key = obj.data.shape_keys.reference_key
-            key.data.foreach_set("co", shape.astype(np.float32).ravel())
+            key.points.foreach_set("co", shape.astype(np.float32).ravel())
             key.slider_min, key.slider_max = low, high
             key.value = float(shape is carried.rest)
             written["keys"][key.name] = key_fingerprint(key)

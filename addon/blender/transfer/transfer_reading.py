@@ -9,6 +9,7 @@ import numpy as np
 
 from ...core.numerics.arrays import FloatArray, IntArray
 from ..mesh_items.active_items import ItemNames
+from ..mesh_items.weight_reading import weights_of
 from ..records.record import read_record
 
 
@@ -117,7 +118,7 @@ def read_source(obj: bpy.types.Object) -> Source:
         obj.name,
         corners.reshape(-1, 3).astype(np.int64),
         vertex_of.astype(np.int64),
-        _groups(obj, own),
+        weights_of(obj, [group.name for group in obj.vertex_groups if group.name not in own.groups]),
         {layer.name: _values(layer.uv, "vector", 2) for layer in mesh.uv_layers},
         [
             SourceColours(each.name, each.domain == "CORNER", each.data_type, _values(each.data, "color", 4))
@@ -129,15 +130,6 @@ def read_source(obj: bpy.types.Object) -> Source:
         slot.astype(np.int64),
         next((each.object.name for each in obj.modifiers if each.type == "ARMATURE" and each.object is not None), ""),
     )
-
-
-def _groups(obj: bpy.types.Object, own: ItemNames) -> dict[str, FloatArray]:
-    """Read the weights of the vertex groups."""
-    weights = np.zeros((len(obj.vertex_groups), len(obj.data.vertices)))
-    for vertex in obj.data.vertices if len(obj.vertex_groups) else ():
-        for part in vertex.groups:
-            weights[part.group, vertex.index] = part.weight
-    return {group.name: weights[group.index] for group in obj.vertex_groups if group.name not in own.groups}
 
 
 def _keys(mesh: bpy.types.Mesh, own: ItemNames) -> list[SourceKey]:
