@@ -57,7 +57,7 @@ def compactness(vertices: FloatArray, faces: IntArray) -> float:
     >>> round(1e4 * compactness(points, faces), 2), round(1e4 * compactness(5 * points, faces), 2)
     (26.73, 26.73)
     """
-    return enclosed_volume(vertices, faces) ** 2 / surface_area(vertices, faces) ** 3
+    return _closed_compactness(vertices, faces) if is_closed(faces) else float("nan")
 
 
 def compactness_error(before: FloatArray, after: FloatArray, faces: IntArray) -> float:
@@ -202,9 +202,17 @@ def summary(before: FloatArray, after: FloatArray, faces: IntArray, with_hausdor
     (0.0, 0.25)
     """
     distortion = np.abs(edge_stretch(before, after, faces) - 1)
-    measured = {"compactness": compactness(before, faces), "compactness_error": compactness_error(before, after, faces)}
+    measured = dict.fromkeys(["compactness", "compactness_error"], float("nan"))
+    if is_closed(faces):
+        posed, form = (_closed_compactness(vertices, faces) for vertices in (before, after))
+        measured = {"compactness": posed, "compactness_error": abs(form - posed)}
     if with_hausdorff:
         measured["hausdorff"] = hausdorff(after, before) / float(np.sqrt(surface_area(before, faces)))
     measured["edge_distortion_median"] = float(np.median(distortion))
     measured["edge_distortion_95"] = float(np.quantile(distortion, 0.95))
     return measured
+
+
+def _closed_compactness(vertices: FloatArray, faces: IntArray) -> float:
+    """Compute the compactness of a mesh that is known to be closed."""
+    return signed_volume(vertices, faces) ** 2 / surface_area(vertices, faces) ** 3

@@ -103,8 +103,7 @@ def is_closed(faces: IntArray) -> bool:
     >>> is_closed(np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])), is_closed(np.array([[0, 1, 2]]))
     (True, False)
     """
-    key = np.sort(undirected_keys(*half_edges(faces), int(faces.max()) + 1))
-    return len(key) % 2 == 0 and bool((key[::2] == key[1::2]).all() and (key[1:-1:2] != key[2::2]).all())
+    return bool((_edge_counts(faces).data == 2).all())
 
 
 def vertex_pairs(faces: IntArray) -> IntArray:
@@ -125,10 +124,15 @@ def vertex_pairs(faces: IntArray) -> IntArray:
     >>> vertex_pairs(np.array([[0, 1, 2], [2, 1, 3]])).tolist()
     [[0, 1], [0, 2], [1, 2], [1, 3], [2, 3]]
     """
-    count = int(faces.max(initial=0)) + 1
+    found = _edge_counts(faces)
+    tail = np.repeat(np.arange(found.shape[0]), np.diff(found.indptr))
+    return np.column_stack([tail, found.indices.astype(np.int64)])
+
+
+def _edge_counts(faces: IntArray) -> csr_matrix:
+    """Count the triangles at every edge, in the row of its lower vertex."""
     tail, head = half_edges(faces)
-    found = pair_counts(np.minimum(tail, head), np.maximum(tail, head), count)
-    return np.column_stack([np.repeat(np.arange(count), np.diff(found.indptr)), found.indices.astype(np.int64)])
+    return pair_counts(np.minimum(tail, head), np.maximum(tail, head), int(faces.max(initial=0)) + 1)
 
 
 @dataclass(frozen=True, eq=False)
