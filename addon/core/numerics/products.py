@@ -42,11 +42,12 @@ def product(left: FloatArray, right: FloatArray) -> FloatArray:
     wide = min(columns, _SIDE)
     deep = min(inner, _LIMIT // (_SIDE * wide))
     high = _LIMIT // (wide * deep)
-    result = np.zeros((rows, columns))
+    result = np.empty((rows, columns))
     for i in range(0, rows, high):
         for j in range(0, columns, wide):
             block = result[i : i + high, j : j + wide]
-            for k in range(0, inner, deep):
+            np.matmul(left[i : i + high, :deep], right[:deep, j : j + wide], out=block)
+            for k in range(deep, inner, deep):
                 block += left[i : i + high, k : k + deep] @ right[k : k + deep, j : j + wide]
     return result
 
