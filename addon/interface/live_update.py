@@ -47,7 +47,7 @@ class LiveUpdate:
     """
 
     def __init__(self, context: bpy.types.Context) -> None:
-        self.state = "Live: change an option"
+        self.state = told("Live: change an option")
         self._window = context.window.as_pointer()  # whose scene and active object are used
         self._job: Job | None = None
         self._task: FormTask | None = None

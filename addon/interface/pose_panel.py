@@ -38,12 +38,9 @@ class VIEW3D_PT_canonical_form_pose_like(Tab, bpy.types.Panel):
         row = layout.row(align=True)
         for pose, label in MANNEQUINS.items():
             _pose_button(row, chosen, pose, "", label)
+        draw_other_side(layout, context)
         record = record_of(context)
         like = None if record is None else record.report.like
-        if like is not None and len(like.sides) > 1:
-            side = (like.side + 1) % len(like.sides)
-            text = told("Other Side ({side} of {count})", side=side + 1, count=len(like.sides))
-            _pose_button(layout, chosen, like.pose, like.name, text).side = side
         source = None if like is None or like.pose != "OBJECT" else bpy.data.objects.get(like.name)
         if source is not None and source.type == "MESH":
             if has_source_colours(source):
@@ -60,6 +57,25 @@ class VIEW3D_PT_canonical_form_pose_like(Tab, bpy.types.Panel):
         objects = [obj for obj in meant_objects(context) if obj is not None and obj.type == "MESH"]
         if objects:
             layout.label(text=_estimate(chosen, objects), icon="MEMORY")
+
+
+def draw_other_side(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    """Draw the button that matches another side, if the active object has been posed like another in several ways.
+
+    Parameters
+    ----------
+    layout : bpy.types.UILayout
+        Where.
+    context : bpy.types.Context
+        A context with a scene.
+    """
+    record = record_of(context)
+    like = None if record is None else record.report.like
+    if like is None or len(like.sides) < 2:
+        return
+    side = (like.side + 1) % len(like.sides)
+    text = told("Other Side ({side} of {count})", side=side + 1, count=len(like.sides))
+    _pose_button(layout, context.scene.canonical_form, like.pose, like.name, text).side = side
 
 
 def _estimate(chosen: bpy.types.PropertyGroup, objects: list[bpy.types.Object]) -> str:

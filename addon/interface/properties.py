@@ -178,7 +178,10 @@ class TransferProperties:
 
     __annotations__ = {
         transfer_flag(kind): BoolProperty(
-            name=name, description=f"Transfer: {about}", default=kind in ("GROUPS", "UVS")
+            name=name,
+            translation_context=CONTEXT,
+            description=f"Transfer: {about}",
+            default=kind in ("GROUPS", "UVS"),
         )
         for kind, name, about in TRANSFER_ITEMS
     }

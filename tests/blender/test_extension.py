@@ -151,8 +151,10 @@ def test_it_installs_enables_runs_disables_and_uninstalls(package, tmp_path, pyt
 
 
 def renumbered(path, version):
-    """Copy a packed extension as another version of it."""
-    target = path.with_name(re.sub(r"-\d+\.\d+\.\d+", f"-{version}", path.name))
+    """Copy a packed extension as another version of it, into a folder of its own."""
+    folder = path.parent / version
+    folder.mkdir()
+    target = folder / re.sub(r"-\d+\.\d+\.\d+", f"-{version}", path.name)
     with zipfile.ZipFile(path) as old, zipfile.ZipFile(target, "w") as new:
         for each in old.infolist():
             data = old.read(each)

@@ -12,9 +12,10 @@ from addon.blender.records.record import require_record
 from addon.blender.results.in_betweens import PROPERTY
 from addon.core import Settings, mannequin, pose_like
 from addon.core.measures.alignment import rigid_fit
-from addon.interface import panels, pose_panel
+from addon.interface import menus, panels, pose_panel
 from tests.blender.conftest import QUICK, add_object, drawn, flat, snapshot
 from tests.blender.test_limbs import keys_of, points_of
+from tests.blender.test_translations import MenuLayout
 from tests.meshes import shapes
 
 POSE = {**QUICK, "pose": "OBJECT", "like": "Other"}
@@ -255,6 +256,9 @@ def test_the_panel_offers_the_poses_and_the_other_side(pair):
     shown = drawn(panels.VIEW3D_PT_canonical_form_pose_like)
     assert shown[:5] == ["like", "Pose Like", "T-Pose", "A-Pose", f"Other Side (2 of {len(like.sides)})"]
     assert "Pose to Like Other" in drawn(panels.VIEW3D_PT_canonical_form_result)
+    texts: list[str] = []
+    menus.draw_actions(type("Self", (), {"layout": MenuLayout(texts, [])})(), bpy.context)
+    assert shown[4] in texts
 
 
 def test_a_long_name_is_cut_to_what_blender_keeps():

@@ -195,6 +195,14 @@ def test_an_object_without_thickness_is_refused_by_name(pair, flat):
     assert snapshot(scan) == before
 
 
+def test_colours_that_a_reference_shows_of_a_match_are_not_taken_over(pair):
+    scan, base, _ = pair
+    bpy.ops.object.canonical_form_match_colours(like="Base")
+    assert "Match Source" in base.data.color_attributes
+    bpy.ops.object.canonical_form_transfer(**TRANSFER, kinds={"COLOURS"})
+    assert {each.name for each in scan.data.color_attributes} == {"Bake", "Paint"}
+
+
 def test_a_property_of_that_name_of_the_users_own_is_none_of_ours(pair):
     scan, _, _ = pair
     scan.data[TRANSFERS_PROPERTY] = "[1, 2"

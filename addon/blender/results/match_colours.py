@@ -34,6 +34,22 @@ def has_source_colours(obj: bpy.types.Object) -> bool:
     return _name(obj) is not None
 
 
+def are_source_colours(name: str) -> bool:
+    """Return whether colours are those that a reference shows, by their name.
+
+    Parameters
+    ----------
+    name : str
+        Name of a colour attribute.
+
+    Returns
+    -------
+    bool
+        True if they are.
+    """
+    return _OURS.fullmatch(name) is not None
+
+
 def toggle_source_colours(obj: bpy.types.Object | None) -> bool:
     """Show on a reference the colours that matches transfer from it, or remove them.
 
@@ -71,5 +87,4 @@ def toggle_source_colours(obj: bpy.types.Object | None) -> bool:
 
 def _name(obj: bpy.types.Object) -> str | None:
     """Return the name of the colours, which is extended if a vertex group has it."""
-    names = [each.name for each in obj.data.color_attributes]
-    return next((name for name in names if _OURS.fullmatch(name)), None)
+    return next((each.name for each in obj.data.color_attributes if are_source_colours(each.name)), None)

@@ -11,6 +11,7 @@ from ...core.numerics.arrays import FloatArray, IntArray
 from ..mesh_items.active_items import ItemNames
 from ..mesh_items.weight_reading import weights_of
 from ..records.record import read_record
+from ..results.match_colours import are_source_colours
 
 
 class SourceColours(NamedTuple):
@@ -123,7 +124,7 @@ def read_source(obj: bpy.types.Object) -> Source:
         [
             SourceColours(each.name, each.domain == "CORNER", each.data_type, _values(each.data, "color", 4))
             for each in mesh.color_attributes
-            if each.domain in ("POINT", "CORNER") and each.name not in own.colours
+            if each.domain in ("POINT", "CORNER") and each.name not in own.colours and not are_source_colours(each.name)
         ],
         _keys(mesh, own),
         ["" if each.material is None else each.material.name for each in obj.material_slots],

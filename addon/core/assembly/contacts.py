@@ -243,7 +243,7 @@ def cloud(piece: Piece, unit: float) -> FloatArray:
 
     Examples
     --------
-    >>> cloud(Piece(np.arange(3), np.eye(3), np.array([[0, 1, 2]])), 2.0).sum(axis=1).round(6).max()
+    >>> cloud(Piece(np.arange(3), np.eye(3), np.array([[0, 1, 2]])), 2.0).sum(axis=1).round(6).max().item()
     0.5
     """
     points, centre, size = of_unit_area(piece.points, piece.faces)
