@@ -3,7 +3,8 @@ import numpy as np
 
 from addon.blender.objects.mesh_reading import read_mesh
 from addon.core.assembly.bodies import bodies_of
-from addon.core.measures.form_measures import enclosed_volume
+from addon.core.mesh.edges import is_closed
+from addon.core.mesh.geometry import signed_volume
 from tools.sample.posed_figure import build
 
 
@@ -15,7 +16,8 @@ def test_the_posed_figure_is_one_closed_surface_and_the_pose_moves_it():
         found = bodies_of(vertices, faces)
         assert len(found.pieces.pieces) == 1
         assert not found.pieces.repairs + found.apart
-        assert enclosed_volume(vertices, faces) > 0
+        assert is_closed(faces)
+        assert signed_volume(vertices, faces) > 0
     assert len(shapes[0][0]) == len(shapes[1][0])
     assert np.linalg.norm(shapes[0][0] - shapes[1][0], axis=1).max() > 0.3
     assert [obj.name for obj in bpy.data.objects] == ["Posed", "Rest"]

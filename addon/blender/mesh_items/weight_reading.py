@@ -37,8 +37,8 @@ def weights_of(obj: bpy.types.Object, names: Iterable[str]) -> dict[str, FloatAr
         return weights
     mesh = bpy.data.meshes.new_from_object(obj, preserve_all_data_layers=True)  # without shape keys
     holder = bpy.data.objects.new(mesh.name, mesh)
-    holder.vertex_groups.new(name="Any").add([0], 1.0, "REPLACE")  # a group limits no key if all groups are empty
     try:
+        holder.vertex_groups.new(name="Any").add([0], 1.0, "REPLACE")  # a group limits no key if all groups are empty
         keys = [_add_key(holder, position) for position in np.vstack([np.zeros(3), np.eye(3)])][1:]
         for start in range(0, len(found), len(keys)):
             part = found[start : start + len(keys)]

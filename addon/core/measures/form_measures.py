@@ -11,30 +11,6 @@ from ..numerics.arrays import FloatArray, IntArray
 from .alignment import closest_point_fit
 
 
-def enclosed_volume(vertices: FloatArray, faces: IntArray) -> float:
-    """Compute the signed volume inside a closed mesh.
-
-    Parameters
-    ----------
-    vertices : (n, 3) ndarray of float
-        Vertex positions.
-    faces : (m, 3) ndarray of int
-        Triangles, counter-clockwise seen from outside for a positive volume.
-
-    Returns
-    -------
-    float
-        Volume; nan if the mesh is not closed, every edge between exactly two triangles.
-
-    Examples
-    --------
-    >>> points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
-    >>> round(6 * enclosed_volume(points, np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])), 6)
-    1.0
-    """
-    return signed_volume(vertices, faces) if is_closed(faces) else float("nan")
-
-
 def compactness(vertices: FloatArray, faces: IntArray) -> float:
     """Compute ``C = V² / A³``, invariant to rigid motion and scale (a sphere has 1/36π = 88.4e-4).
 
