@@ -21,7 +21,7 @@ from .pose_operators import (
     OBJECT_OT_canonical_form_pose_like,
     OBJECT_OT_canonical_form_transfer,
 )
-from .pose_panel import draw_other_side
+from .pose_panel import draw_other_side, shown_likeness
 from .properties import hand_over, hand_over_transfer
 from .tool_operators import OBJECT_OT_canonical_form_choose, OBJECT_OT_canonical_form_distance
 
@@ -46,7 +46,7 @@ class VIEW3D_MT_canonical_form(bpy.types.Menu):
             button = layout.operator(OBJECT_OT_canonical_form_pose_like.bl_idname, text=text)
             hand_over(chosen, button)
             button.pose, button.like = pose, chosen.like if pose == "OBJECT" else ""
-        draw_other_side(layout, context)
+        draw_other_side(layout, chosen, shown_likeness(context))
         hand_over_transfer(chosen, layout.operator(OBJECT_OT_canonical_form_transfer.bl_idname))
         layout.operator(OBJECT_OT_canonical_form_match_colours.bl_idname).like = chosen.like
         layout.separator()

@@ -4,6 +4,7 @@ import bpy
 
 from ..blender.jobs.likeness import MANNEQUINS
 from ..blender.jobs.meant_objects import meant_objects
+from ..blender.records.form_report import LikeReport
 from ..blender.results.match_colours import has_source_colours
 from ..blender.words.wording import CONTEXT, told
 from ..core import Settings
@@ -38,9 +39,8 @@ class VIEW3D_PT_canonical_form_pose_like(Tab, bpy.types.Panel):
         row = layout.row(align=True)
         for pose, label in MANNEQUINS.items():
             _pose_button(row, chosen, pose, "", label)
-        draw_other_side(layout, context)
-        record = record_of(context)
-        like = None if record is None else record.report.like
+        like = shown_likeness(context)
+        draw_other_side(layout, chosen, like)
         source = None if like is None or like.pose != "OBJECT" else bpy.data.objects.get(like.name)
         if source is not None and source.type == "MESH":
             if has_source_colours(source):
@@ -59,23 +59,40 @@ class VIEW3D_PT_canonical_form_pose_like(Tab, bpy.types.Panel):
             layout.label(text=_estimate(chosen, objects), icon="MEMORY")
 
 
-def draw_other_side(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
-    """Draw the button that matches another side, if the active object has been posed like another in several ways.
+def shown_likeness(context: bpy.types.Context) -> LikeReport | None:
+    """Read how the object whose result is shown was posed like another.
+
+    Parameters
+    ----------
+    context : bpy.types.Context
+        Any context.
+
+    Returns
+    -------
+    LikeReport or None
+        The report; None if it was not.
+    """
+    record = record_of(context)
+    return None if record is None else record.report.like
+
+
+def draw_other_side(layout: bpy.types.UILayout, chosen: bpy.types.PropertyGroup, like: LikeReport | None) -> None:
+    """Draw the button that matches another side, if there are several.
 
     Parameters
     ----------
     layout : bpy.types.UILayout
         Where.
-    context : bpy.types.Context
-        A context with a scene.
+    chosen : bpy.types.PropertyGroup
+        The choices made in the panel.
+    like : LikeReport or None
+        How the object was posed like another.
     """
-    record = record_of(context)
-    like = None if record is None else record.report.like
     if like is None or len(like.sides) < 2:
         return
     side = (like.side + 1) % len(like.sides)
     text = told("Other Side ({side} of {count})", side=side + 1, count=len(like.sides))
-    _pose_button(layout, context.scene.canonical_form, like.pose, like.name, text).side = side
+    _pose_button(layout, chosen, like.pose, like.name, text).side = side
 
 
 def _estimate(chosen: bpy.types.PropertyGroup, objects: list[bpy.types.Object]) -> str:

@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
 
 import bpy
 import numpy as np
 
 from .weight_reading import weights_of
-
-if TYPE_CHECKING:
-    from ...core.numerics.arrays import FloatArray, IntArray
 
 
 def fingerprint(*arrays: np.ndarray) -> str:
@@ -121,18 +117,13 @@ def group_fingerprints(obj: bpy.types.Object, known: Mapping[str, str | None]) -
     dict of str to str
         Fingerprint of each existing group, by name.
     """
-    weights = weights_of(obj, known)
-    prints = {name: _weights_fingerprint(each) for name, each in weights.items()}
-    for name, each in weights.items():
+    prints = {}
+    for name, weights in weights_of(obj, known).items():
+        member = weights != 0.0
+        prints[name] = members_fingerprint(np.flatnonzero(member), weights[member])
         if prints[name] != known[name]:  # it may have members of weight 0, which take a loop to find
             number, vertices = obj.vertex_groups[name].index, obj.data.vertices
-            empty = np.flatnonzero(each == 0.0)
-            member = [any(part.group == number for part in vertices[index].groups) for index in empty.tolist()]
-            prints[name] = _weights_fingerprint(each, empty[np.array(member, dtype=bool)])
+            for index in np.flatnonzero(~member).tolist():
+                member[index] = any(part.group == number for part in vertices[index].groups)
+            prints[name] = members_fingerprint(np.flatnonzero(member), weights[member])
     return prints
-
-
-def _weights_fingerprint(weights: FloatArray, members: Sequence[int] | IntArray = ()) -> str:
-    """Hash the members of a group: the vertices with a weight, and others given."""
-    vertices = np.union1d(np.flatnonzero(weights), np.asarray(members, dtype=np.int64))
-    return members_fingerprint(vertices, weights[vertices])

@@ -32,11 +32,11 @@ def weights_of(obj: bpy.types.Object, names: Iterable[str]) -> dict[str, FloatAr
         Weights of each existing group, by name; 0 for vertices that are no members.
     """
     found = [name for name in names if name in obj.vertex_groups]
-    weights: dict[str, FloatArray] = {name: np.zeros(len(obj.data.vertices)) for name in found}
     if not found or not len(obj.data.vertices):
-        return weights
+        return {name: np.zeros(0) for name in found}
     mesh = bpy.data.meshes.new_from_object(obj, preserve_all_data_layers=True)  # without shape keys
     holder = bpy.data.objects.new(mesh.name, mesh)
+    weights: dict[str, FloatArray] = {}
     try:
         holder.vertex_groups.new(name="Any").add([0], 1.0, "REPLACE")  # a group limits no key if all groups are empty
         keys = [_add_key(holder, position) for position in np.vstack([np.zeros(3), np.eye(3)])][1:]

@@ -24,6 +24,7 @@ def test_the_coarse_mesh_is_the_same_surface(figure, coarse):
     kept = vertices[coarse.kept]
     assert len(kept) == 600
     assert len(coarse.faces) == 2 * len(kept) - 4  # closed, of genus 0
+    assert is_closed(faces)
     assert is_closed(coarse.faces)
     assert component_labels(len(kept), vertex_pairs(coarse.faces)).max() == 0
     assert surface_area(kept, coarse.faces) == pytest.approx(surface_area(vertices, faces), rel=0.06)
