@@ -119,6 +119,10 @@ def test_every_tolerance_names_a_column_of_its_page():
             assert set(columns) <= heads | {"text", "*"}, (page, heading)
 
 
+def test_the_code_that_figures_depend_on_is_there():
+    assert all((release_figures.ROOT / each).exists() for each in release_figures.MEASURED_BY)
+
+
 def test_a_release_is_checked_in_words_and_exit_codes(tmp_path, monkeypatch, capsys):
     data = tmp_path / "meshes"
     for folder in (tmp_path / "tools", data):
@@ -134,11 +138,14 @@ def test_a_release_is_checked_in_words_and_exit_codes(tmp_path, monkeypatch, cap
     (tmp_path / "page.md").write_text(TOLD.replace("0.479", "0.379"), encoding="utf-8")
     assert main([str(data)]) == 1
     assert "says 0.379; measured 0.479" in capsys.readouterr().err
-    (tmp_path / "addon").mkdir()
-    (tmp_path / "addon" / "changed.py").write_text("", encoding="utf-8")
+    for folder in ("interface", "core"):
+        (tmp_path / "addon" / folder).mkdir(parents=True)
+    (tmp_path / "addon" / "interface" / "panel.py").write_text("", encoding="utf-8")
+    assert main([str(data)]) == 1  # no figure depends on it
+    (tmp_path / "addon" / "core" / "changed.py").write_text("", encoding="utf-8")
     assert main([str(data)]) == 2
     assert "one failed" in capsys.readouterr().err
-    (tmp_path / "addon" / "changed.py").unlink()
+    (tmp_path / "addon" / "core" / "changed.py").unlink()
     assert main([str(data)]) == 1
     (data / "another.obj").write_text("", encoding="utf-8")
     assert main([str(data)]) == 2  # other meshes have other figures

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import warnings
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,7 @@ from ..core.method_api.options import Option, options_of
 from ..core.method_api.settings import Settings, current_options, former_options
 from ..core.numerics.arrays import FloatArray
 from ..core.run.errors import CanonicalFormError
+from .lines import complain
 from .plain_files import has_blender
 
 _PLAIN = tuple(kind[1:] for kind in PLAIN)
@@ -118,14 +120,23 @@ def parsed(words: list[str]) -> argparse.Namespace:
     Returns
     -------
     argparse.Namespace
-        The options; `wanted_of` interprets them.
+        The options under their current names; `wanted_of` interprets them. Former names are reported.
 
     Raises
     ------
     SystemExit
         If help was requested, or the arguments are invalid.
+    CanonicalFormError
+        If a former option has a value of the wrong type.
     """
-    return _parser().parse_args(words)
+    options = _parser().parse_args(words)
+    former = {name: vars(options).pop(name) for name in former_options() if name in options}
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always", FutureWarning)
+        vars(options).update(current_options(former))
+    for each in told:
+        complain(str(each.message))
+    return options
 
 
 def wanted_of(options: argparse.Namespace, **more: Any) -> Wanted:
@@ -335,8 +346,7 @@ def settings_of(options: argparse.Namespace) -> Settings:
         If an option is out of range.
     """
     words = vars(options)
-    former = current_options({name: words[name] for name in former_options() if name in words})
-    chosen = {name: words[name] for name in options_of(Settings)} | former
+    chosen = {name: words[name] for name in options_of(Settings)}
     if chosen["feature_points"]:
         try:
             chosen["feature_points"] = [int(word) for word in chosen["feature_points"].replace(",", " ").split()]

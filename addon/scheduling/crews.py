@@ -166,8 +166,12 @@ class LocalCrew:
             self._pool.shutdown(wait=False, cancel_futures=True)
             for process in working:
                 process.terminate()
-            for process in working:
-                process.join()
+            try:
+                for process in working:
+                    process.join()
+            except KeyboardInterrupt:  # a second one, from a user who does not want to wait
+                for process in working:
+                    process.kill()
             self._pool = None
 
 

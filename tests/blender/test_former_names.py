@@ -27,16 +27,18 @@ def test_as_published_is_a_method_now(figure_object):
     assert require_record(figure_object.data).report.method == "as_published"
 
 
-def test_the_command_line_takes_former_flags(tmp_path):
+def test_the_command_line_takes_former_flags(tmp_path, capsys):
     shapes.write_off(tmp_path / "figure.off", *shapes.figure(13))
     lines = io.StringIO()
     words = ["compute", str(tmp_path / "figure.off"), "--output", str(tmp_path / "out")]
-    with pytest.warns(FutureWarning, match="use landmark_count"):
-        assert main([*words, "--eigenpairs", "20", "--iterations", "2", "--landmarks", "12"], lines, alone=True) == 0
+    assert main([*words, "--eigenpairs", "20", "--iterations", "2", "--landmarks", "12"], lines, alone=True) == 0
+    told = capsys.readouterr().err.splitlines()
+    assert [line.partition(";")[2] for line in told] == [" use landmark_count.", " use max_iterations."]
+    assert all(line.startswith("canonical_form: The setting ") for line in told)
     assert json.loads(lines.getvalue())["stress"]["steps"] == 2
     lines = io.StringIO()
-    with pytest.warns(FutureWarning, match='method="as_published"'):
-        assert main([*words, "--max-iterations", "1", "--as-published"], lines, alone=True) == 0
+    assert main([*words, "--max-iterations", "1", "--as-published"], lines, alone=True) == 0
+    assert 'use method="as_published".' in capsys.readouterr().err
     assert json.loads(lines.getvalue())["method"] == "as_published"
 
 

@@ -4,6 +4,7 @@ import os
 import shutil
 import subprocess
 import sys
+import time
 from collections.abc import Callable
 from typing import Any
 
@@ -250,6 +251,24 @@ def test_work_that_only_waited_is_not_held_to_blame():
     crew.close()
     assert results.pop("bad").died
     assert results == {"fine": 1, "last": 0}
+
+
+def test_a_second_interrupt_kills_the_workers_without_a_traceback(monkeypatch):
+    crew = LocalCrew(1)
+    crew._pool = crew._started()
+    crew._pool.submit(time.sleep, 60)
+    (worker,) = crew._pool._processes.values()
+
+    def interrupted():
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(worker, "terminate", lambda: None)  # a worker that is slow to end
+    monkeypatch.setattr(worker, "join", interrupted)
+    crew.close()
+    monkeypatch.undo()
+    worker.join(timeout=30)
+    assert worker.exitcode  # it did not end by itself
+    assert crew._pool is None
 
 
 def test_forms_measured_by_a_worker_are_on_one_thread_and_named():

@@ -11,6 +11,7 @@ from typing import Any
 
 import bpy
 import numpy as np
+from mathutils import Euler
 
 PACKAGE, PICTURES, *_ = (Path(word).resolve() for word in sys.argv[sys.argv.index("--") + 1 :])
 ROOT = Path(__file__).resolve().parents[2]
@@ -235,12 +236,12 @@ def leads(obj):
 
 
 def open_tab():
-    """Set a front view from slightly above, and open the tab."""
+    """Set a view from slightly to the right of the front and above, and open the tab."""
     with in_view():
         bpy.ops.view3d.view_axis(type="FRONT")
-        bpy.ops.view3d.view_orbit(angle=-0.5, type="ORBITLEFT")
-        bpy.ops.view3d.view_orbit(angle=0.25, type="ORBITUP")
-        bpy.ops.view3d.view_selected()
+    yield 0.7
+    upright = Euler((np.pi / 2 - 0.25, 0.0, 0.5))  # two orbits in a row would tilt the horizon
+    hand.area().spaces.active.region_3d.view_rotation = upright.to_quaternion()
     yield from hand.over_view()
     if not hand.area().spaces.active.show_region_ui:
         yield from hand.key("N")
