@@ -10,6 +10,7 @@ from argparse import Namespace
 from collections.abc import Sequence
 from contextlib import redirect_stdout
 from pathlib import Path
+from secrets import token_hex
 from typing import TextIO
 
 from ..blender.files.file_access import require_folder
@@ -43,7 +44,8 @@ def main(words: Sequence[str], output: TextIO, *, alone: bool = False) -> int:
     Returns
     -------
     int
-        0 if every mesh was computed, 1 if one failed, 2 for invalid arguments, 130 after a keyboard interrupt.
+        0 if every mesh was computed, 1 if one failed, 2 for invalid arguments, 130 after a keyboard interrupt, 141 if
+        nobody reads the result lines any more.
     """
     try:
         with redirect_stdout(output):  # for --help
@@ -62,11 +64,19 @@ def main(words: Sequence[str], output: TextIO, *, alone: bool = False) -> int:
     except KeyboardInterrupt:
         complain("Interrupted; files written so far are complete.")
         return 130
+    except BrokenPipeError:  # whoever read the lines has ended, as `head` does
+        os.dup2(os.open(os.devnull, os.O_WRONLY), output.fileno())  # what Python still writes at its end
+        return 141
     except CanonicalFormError as error:
         complain(str(error))
         return 1
     finally:
         run.close()
+
+
+def _mark() -> str:
+    """Return a name for this run's partial files; processes of different containers may have the same number."""
+    return f"{os.getpid()}-{token_hex(4)}"
 
 
 class _Run:
@@ -95,7 +105,7 @@ class _Run:
         require_folder(options.output)
         self.wanted = wanted_of(
             options,
-            mark=str(os.getpid()),
+            mark=_mark(),
             stages=sys.stderr.isatty() and options.jobs == 1 and not options.scheduler,
             inputs=inputs,
         )
@@ -164,7 +174,7 @@ class _MatchRun:
     """A match of two files, in a separate process."""
 
     def __init__(self, options: Namespace, alone: bool) -> None:
-        self._options, self._mark = options, str(os.getpid())
+        self._options, self._mark = options, _mark()
         settings_of(options)
         output: Path = options.output
         require_folder(output)

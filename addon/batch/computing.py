@@ -17,6 +17,7 @@ from ..blender.jobs.pose_reading import read_likeness
 from ..blender.jobs.request import Request
 from ..blender.objects.mesh_reading import refusal
 from ..blender.results.frame_keys import keep_for_frame
+from ..blender.results.result_clearing import clear_from
 from ..blender.words.advice import explained
 from ..core import CanonicalForm, CanonicalFormError
 from ..core.method_api.costs import memory_estimate
@@ -204,6 +205,8 @@ def _computed(
     if frame is not None:
         line["frame"] = frame
     try:
+        if first.name in bpy.context.view_layer.objects:
+            bpy.context.view_layer.objects.active = first
         for obj in group:
             reason = refusal(obj)
             if reason is not None:
@@ -212,8 +215,8 @@ def _computed(
             raise CanonicalFormError(
                 f".{wanted.format} holds one object. With --together choose blend, glb, fbx or usdc."
             )
-        if first.name in bpy.context.view_layer.objects:
-            bpy.context.view_layer.objects.active = first
+        for obj in group if wanted.frame_keys and frame == wanted.frames[0] else ():
+            clear_from(obj)  # a key per frame is not an update of one form
         memory = memory_estimate(sum(len(obj.data.vertices) for obj in group), wanted.settings)
         task = FormTask(group, _request(wanted, reference))
         if wanted.frame_keys:
@@ -247,12 +250,11 @@ def _computed(
 
 def _require_keys(task: FormTask) -> None:
     """Reject objects whose modifiers change the number of vertices if shape keys are requested."""
-    for reading in (each for item in task.items for each in item.readings):
-        if len(reading.vertices) != len(bpy.data.objects[reading.name].data.vertices):
-            raise CanonicalFormError(
-                f"Modifiers change the number of vertices of {reading.name}, so that no shape key can hold its forms. "
-                "Apply or remove them, or choose --frames-as files."
-            )
+    if task.resized:
+        raise CanonicalFormError(
+            f"Modifiers change the number of vertices of {', '.join(task.resized)}, so that no shape key can hold the "
+            "forms. Apply or remove them, or choose --frames-as files."
+        )
 
 
 def _in_axes(form: FloatArray, obj: bpy.types.Object, wanted: Wanted) -> FloatArray:

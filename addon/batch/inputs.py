@@ -34,7 +34,7 @@ def found_files(words: Sequence[Path], output: Path) -> list[Path]:
     found: list[Path] = []
     for word in words:
         if word.is_dir():
-            inside = [each for each in sorted(word.iterdir()) if each.suffix.lower() in READ and each.is_file()]
+            inside = [each for each in sorted(word.iterdir()) if _is_mesh(each)]
             if word.resolve() == output.resolve():
                 raise CanonicalFormError(f"{word} is the folder for the results. Choose another --output.")
             if not inside:
@@ -42,14 +42,18 @@ def found_files(words: Sequence[Path], output: Path) -> list[Path]:
             found += inside
         elif not word.exists() and glob.has_magic(str(word)):
             fitting = sorted(Path(each) for each in glob.glob(str(word), recursive=True))  # noqa: PTH207 (may be absolute)
-            fitting = [each for each in fitting if each.suffix.lower() in READ and each.is_file()]
-            fitting = [each for each in fitting if output.resolve() not in each.resolve().parents]
+            fitting = [each for each in fitting if _is_mesh(each) and output.resolve() not in each.resolve().parents]
             if not fitting:
                 raise CanonicalFormError(f"No mesh matches {word}.")
             found += fitting
         else:
             found.append(word)
     return found
+
+
+def _is_mesh(path: Path) -> bool:
+    """Return whether a file is a mesh by its name; macOS writes a hidden ``._name`` beside files on other disks."""
+    return path.suffix.lower() in READ and path.is_file() and not path.name.startswith(".")
 
 
 def output_stems(paths: Sequence[Path]) -> list[str]:

@@ -149,6 +149,15 @@ class LiveUpdate:
         request = request_of(SimpleNamespace(**choices, value=value), kept=kept_stages(objects), live=True)
         self._records = {obj.name: obj.data.get(RECORD_PROPERTY) for obj in objects}
         self._task = FormTask(objects, request)
+        resized = self._task.resized
+        if resized:  # each update would add an object
+            raise CanonicalFormError(
+                told(
+                    "Modifiers change the number of vertices of {resized}, so there is no shape key to update. "
+                    "Set Mesh to Base Mesh.",
+                    resized=", ".join(resized),
+                )
+            )
         self._job = Job(self._task.compute)
 
     def _write(self, context: bpy.types.Context, job: Job) -> None:

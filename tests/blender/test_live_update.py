@@ -268,6 +268,18 @@ def test_a_limb_takes_the_coarse_mesh_of_the_form(blender, monkeypatch):
     assert results[0] == results[1]
 
 
+def test_modifiers_that_change_the_vertices_add_no_objects(figure_object, chosen):
+    figure_object.modifiers.new("Subdivision", "SUBSURF").levels = 1
+    chosen.mesh = "SHOWN"
+    live = LiveUpdate(bpy.context)
+    for share in (0.3, 0.6):
+        chosen.preserve_detail = share
+        assert "Modifiers change the number of vertices of Figure" in settle(live)
+    assert [obj.name for obj in bpy.data.objects] == ["Figure"]
+    chosen.mesh = "BASE"
+    assert re.match(r"Live: \d", settle(live))
+
+
 def test_what_is_kept_is_of_the_objects_last_worked_on(figure_object, monkeypatch):
     assert kept_stages([figure_object]) is None  # in background
     monkeypatch.setattr("addon.interface.job_operator.bpy", SimpleNamespace(app=SimpleNamespace(background=False)))

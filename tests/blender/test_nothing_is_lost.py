@@ -60,6 +60,22 @@ def test_a_new_object_has_the_faces_that_were_computed_on(formed):
         assert np.quantile(lengths, 0.99) < 4 * np.median(lengths)  # no face of another mesh
 
 
+def test_a_new_object_is_as_sheared_as_the_object_and_falls_with_no_rigid_body(figure_object):
+    parent = bpy.data.objects.new("Parent", None)
+    bpy.context.scene.collection.objects.link(parent)
+    parent.scale = (1.0, 1.0, 3.0)
+    figure_object.parent, figure_object.rotation_euler = parent, (0.8, 0.3, 0.0)
+    bpy.ops.rigidbody.object_add()
+    assert len(figure_object.users_collection) == 2
+    bpy.context.view_layer.update()
+    run(result="OBJECT")
+    added = bpy.data.objects["Figure Canonical Form"]
+    bpy.context.view_layer.update()
+    np.testing.assert_allclose(np.array(added.matrix_world), np.array(figure_object.matrix_world), atol=1e-6)
+    assert added.rigid_body is None
+    assert added.users_collection == (bpy.context.scene.collection,)
+
+
 @pytest.mark.parametrize("new_object", [False, True])
 def test_modifiers_added_meanwhile_are_noticed(figure_object, new_object):
     bent(figure_object)

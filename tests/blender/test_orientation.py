@@ -101,6 +101,34 @@ def test_a_body_of_several_objects_is_a_reference_as_a_whole(character):
     assert len(reference.bodies) >= 1
 
 
+def test_a_reference_counts_with_all_limbs_straight(figure_object, arrays):
+    compute(figure_object, orientation="upright")
+    other = add_object("Other", *arrays)
+    compute(other, reference="Figure")
+    whole = form_of(other)
+    compute_limb(figure_object)
+    assert np.abs(form_of(figure_object) - whole).max() > 0.5
+    compute(other, reference="Figure")
+    np.testing.assert_allclose(form_of(other), whole, atol=1e-4)
+
+
+def compute_limb(obj):
+    for other in bpy.context.view_layer.objects:
+        other.select_set(other == obj)
+    bpy.context.view_layer.objects.active = obj
+    assert bpy.ops.object.canonical_form_limb(patch=2, only=True) == {"FINISHED"}
+
+
+def test_an_object_that_is_edited_can_be_its_own_reference(figure_object):
+    compute(figure_object)
+    before = form_of(figure_object)
+    bpy.ops.object.mode_set(mode="EDIT")
+    assert bpy.ops.object.canonical_form(**QUICK, reference="Figure") == {"FINISHED"}
+    assert figure_object.mode == "EDIT"
+    bpy.ops.object.mode_set(mode="OBJECT")
+    np.testing.assert_allclose(form_of(figure_object), before, atol=1e-3)
+
+
 def test_a_form_under_modifiers_is_no_reference(figure_object, arrays):
     figure_object.modifiers.new("Smooth", "SMOOTH")
     compute(figure_object, mesh="SHOWN")

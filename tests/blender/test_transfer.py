@@ -117,7 +117,7 @@ def test_another_run_replaces_what_nobody_changed(pair):
     bpy.ops.object.canonical_form_transfer(**TRANSFER, kinds=ALL)
     assert snapshot(scan) == once
     assert {kind: sorted(names) for kind, names in read_transfers(scan.data).items()} == {
-        "groups": ["Left", "Right"], "uvs": ["Map"], "colours": ["Bake", "Paint"], "keys": ["Grow"],
+        "groups": ["Left", "Right"], "uvs": ["Map"], "colours": ["Bake", "Paint"], "keys": ["Grow"], "rigs": [],
     }  # fmt: skip
 
 
@@ -149,6 +149,80 @@ def test_with_the_weights_comes_the_rig(pair, rig, small):
     bpy.ops.object.canonical_form_transfer(**TRANSFER, kinds={"GROUPS"})
     assert len(scan.modifiers) == 1
     assert len(keys_of(scan)) == 2
+
+
+def test_another_run_keeps_what_depends_on_keys_and_uv_maps(pair):
+    scan, base, _ = pair
+    scan.data.uv_layers.new(name="Own")
+    bpy.ops.object.canonical_form_transfer(**TRANSFER, kinds={"KEYS", "UVS"})
+    grow, map_of_base = keys_of(scan)["Grow"], scan.data.uv_layers["Map"]
+    grow.driver_add("value").driver.expression = "0.5"
+    grow.vertex_group = scan.vertex_groups.new(name="Mouth").name
+    grow.slider_max = 5.0
+    scan.data.uv_layers.active, map_of_base.active_render = map_of_base, True
+    base.data.shape_keys.key_blocks["Grow"].data.foreach_set("co", np.zeros(3 * len(base.data.vertices)))
+    bpy.ops.object.canonical_form_transfer(**TRANSFER, kinds={"KEYS", "UVS"})
+    grow = keys_of(scan)["Grow"]
+    assert np.ptp(points_of(grow), axis=0).max() < 0.1  # as the source is now
+    assert [curve.data_path for curve in scan.data.shape_keys.animation_data.drivers] == ['key_blocks["Grow"].value']
+    assert (grow.vertex_group, grow.slider_max) == ("Mouth", 5.0)
+    assert [layer.name for layer in scan.data.uv_layers if layer.active_render] == ["Map"]
+    assert scan.data.uv_layers.active.name == "Map"
+
+
+@pytest.mark.parametrize("name", ["Body", "mixamorig_character_high_resolution_body_v02_final_LOD0_copy"])
+def test_one_rest_pose_at_a_time(pair, rig, small, name):
+    scan, base, old = pair
+    for _ in range(2):
+        bpy.ops.object.canonical_form_transfer(**TRANSFER, kinds={"GROUPS"})
+        base.name = name  # as if there were another reference
+        bpy.ops.object.canonical_form_transfer(**{**TRANSFER, "like": name}, kinds={"GROUPS"})
+        base.name = "Base"
+    rests = [key for key in keys_of(scan) if key.name.startswith("Rest of ")]
+    assert [(key.name, key.value) for key in rests] == [(f"Rest of {name}".encode()[:63].decode(), 1.0)]
+    placed = points_of(rests[0]) + np.array(scan.location)
+    assert np.linalg.norm(placed - small[0][old], axis=1).mean() < 0.2  # on the rig
+
+
+def test_a_rest_pose_that_was_changed_stays_without_bending_the_next(pair, rig):
+    scan, base, _ = pair
+    bpy.ops.object.canonical_form_transfer(**TRANSFER, kinds={"GROUPS"})
+    keys_of(scan)["Rest of Base"].data[0].co.x += 1.0
+    base.name = "Body"
+    bpy.ops.object.canonical_form_transfer(**{**TRANSFER, "like": "Body"}, kinds={"GROUPS"})
+    assert {key.name: key.value for key in keys_of(scan)} == {"Basis": 1.0, "Rest of Base": 0.0, "Rest of Body": 1.0}
+
+
+def test_another_rig_takes_the_place_of_the_first(pair, rig):
+    scan, base, _ = pair
+    mine = scan.modifiers.new("Mine", "SMOOTH")
+    bpy.ops.object.canonical_form_transfer(**TRANSFER, kinds={"GROUPS"})
+    other = bpy.data.objects.new("Other rig", rig.data.copy())
+    bpy.context.scene.collection.objects.link(other)
+    base.modifiers["Armature"].object = other
+    bpy.ops.object.canonical_form_transfer(**TRANSFER, kinds={"GROUPS"})
+    assert [each.object for each in scan.modifiers if each.type == "ARMATURE"] == [other]
+    assert mine.name in scan.modifiers
+
+
+def test_faces_without_a_material_in_the_source_keep_theirs(pair):
+    scan, base, _ = pair
+    for name in "abc":
+        scan.data.materials.append(bpy.data.materials.new(name))
+    own = np.arange(len(scan.data.polygons)) % 3
+    scan.data.polygons.foreach_set("material_index", own.astype(np.int32))
+    base.data.materials[1] = None
+    bpy.ops.object.canonical_form_transfer(**TRANSFER, kinds={"MATERIALS"})
+    now = np.empty(len(own), dtype=np.int32)
+    scan.data.polygons.foreach_get("material_index", now)
+    skin = now == 3
+    assert 0.2 < skin.mean() < 0.8
+    np.testing.assert_array_equal(now[~skin], own[~skin])
+    base.data.materials.clear()
+    scan.data.polygons.foreach_set("material_index", own.astype(np.int32))
+    bpy.ops.object.canonical_form_transfer(**TRANSFER, kinds={"MATERIALS"})
+    scan.data.polygons.foreach_get("material_index", now)
+    np.testing.assert_array_equal(now, own)
 
 
 def test_a_body_that_the_rig_does_not_fit_is_told(pair, rig, capfd):

@@ -23,6 +23,7 @@ _PICTURES_STAY = {"export_textures_mode": "KEEP", "export_textures": False}  # c
 _TOLD: dict[str, dict[str, Any]] = {  # options of the exporters: write only the selection, without animation
     "glb": {
         "use_selection": True,
+        "use_active_scene": True,
         "export_format": "GLB",
         "export_animations": False,
         "export_vertex_color": "ACTIVE",
@@ -187,6 +188,8 @@ def _copy(shown: Shown) -> bpy.types.Object:
     mesh.vertices.foreach_set("co", shown.form.astype(np.float32).ravel())
     mesh.update()
     copy.matrix_world = shown.obj.matrix_world
+    if not np.allclose(copy.matrix_basis, shown.obj.matrix_world, atol=1e-6):  # sheared, as no file format holds it
+        mesh.transform(copy.matrix_basis.inverted_safe() @ shown.obj.matrix_world)
     for own, slot in zip(copy.material_slots, shown.obj.material_slots, strict=False):
         own.material = slot.material
     copy.select_set(True)

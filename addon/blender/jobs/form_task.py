@@ -83,6 +83,12 @@ class FormTask:
         return {reading.name for item in self.items for reading in item.readings}
 
     @property
+    def resized(self) -> list[str]:
+        """Names of the objects whose modifiers change the number of vertices, so that no shape key can hold a form."""
+        readings = [reading for item in self.items for reading in item.readings]
+        return [each.name for each in readings if len(each.vertices) != len(bpy.data.objects[each.name].data.vertices)]
+
+    @property
     def errors(self) -> list[str]:
         """Messages about the objects that could not be read, computed or written."""
         return [*self._unread, *(item.error for item in self.items if item.error is not None)]

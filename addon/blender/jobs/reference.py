@@ -10,9 +10,11 @@ import numpy as np
 from ...core import CanonicalFormError, Settings
 from ..objects.combining import combined
 from ..objects.mesh_reading import read_object, refusal
+from ..objects.object_states import object_mode
 from ..objects.placement import world_rotation
 from ..records.form_key import require_form_key
-from ..records.record import read_record
+from ..records.hidden_attributes import whole_form_of
+from ..records.record import read_record, require_record
 from ..results.companions import companions_of
 from ..words.wording import told
 
@@ -59,11 +61,13 @@ class Reference:
                 )
             )
         objects = companions_of(obj)
-        readings = [read_object(each, False) for each in objects]
+        with object_mode(obj):
+            readings = [read_object(each, False) for each in objects]
+            forms = [_form_of(each) for each in objects]
         whole = combined(readings)
         turn = world_rotation(readings[0].placement) if len(readings) == 1 else np.eye(3)
         self._vertices, self._faces = whole.vertices @ turn.T, whole.faces
-        self._form = whole.put_together([_form_of(each) for each in objects]) @ turn.T
+        self._form = whole.put_together(forms) @ turn.T
         points = record.report.feature_points
         own = len(readings) == 1 and not readings[0].mirrors and len(points) > 0
         self._settings = Settings(pieces=record.report.pieces, feature_points=points if own else None)
@@ -109,6 +113,9 @@ class Reference:
 
 def _form_of(obj: bpy.types.Object) -> FloatArray:
     """Read the form of an object, in local space."""
+    key, whole = require_form_key(obj.data), whole_form_of(obj.data)
+    if whole is not None and not all(require_record(obj.data).straightened):
+        return whole
     form = np.empty(3 * len(obj.data.vertices), dtype=np.float32)
-    require_form_key(obj.data).points.foreach_get("co", form)
+    key.points.foreach_get("co", form)
     return form.reshape(-1, 3).astype(np.float64)

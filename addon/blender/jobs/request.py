@@ -10,8 +10,9 @@ import bpy
 
 from ...core import CanonicalFormError, Settings
 from ..objects.chosen_features import MOST_FEATURES, members_of
-from ..records.record import require_record
+from ..records.record import read_record, require_record
 from ..results.in_betweens import animated, has_in_betweens
+from ..results.result_writing import SHAPE_KEY, key_name
 from ..words.wording import told
 
 if TYPE_CHECKING:
@@ -145,10 +146,12 @@ class Request:
         Raises
         ------
         CanonicalFormError
-            If the run would remove a form that is animated or has in-betweens.
+            If the run would remove a form that is animated or has in-betweens, or one of another name that is animated.
         """
         mesh = obj.data
-        if self.step != "FORM" and not self.new_object and (animated(mesh) is not None or has_in_betweens(mesh)):
+        gone = self.step != "FORM" and has_in_betweens(mesh)
+        gone |= (self.step != "FORM" or self._is_another_key(mesh)) and animated(mesh) is not None
+        if gone and not self.new_object:
             raise CanonicalFormError(
                 told(
                     "This step would take the form of {name} away, and it is animated or has in-betweens. Clear first.",
@@ -158,3 +161,8 @@ class Request:
         if self.new_object or self.step != "FORM" or not has_in_betweens(mesh):
             return 0
         return len(require_record(mesh).in_between_keys)
+
+    def _is_another_key(self, mesh: bpy.types.Mesh) -> bool:
+        """Return whether the form of an earlier run has another name than that of this run, which replaces it."""
+        record, name = read_record(mesh), SHAPE_KEY if self.likeness is None else self.likeness.key
+        return record is not None and key_name(record.report) != name

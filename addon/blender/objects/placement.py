@@ -28,6 +28,7 @@ def placement_of(obj: bpy.types.Object, deformed: bool) -> FloatArray:
     (4, 4) ndarray of float
         The transform, for column vectors.
     """
+    _evaluate(obj)
     return np.array(obj.matrix_world if deformed else _resting(obj))
 
 
@@ -48,6 +49,21 @@ def world_rotation(placement: FloatArray) -> FloatArray:
     if np.linalg.det(left @ right) < 0:
         left[:, -1] *= -1
     return np.asarray(left @ right)
+
+
+def _evaluate(obj: bpy.types.Object) -> None:
+    """Have Blender compute the transform of an object outside the view layer; until then it lies at the origin."""
+    if obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).is_evaluated or obj.library is not None:
+        return
+    scene, hidden = bpy.data.scenes.new("Placement"), obj.hide_viewport
+    try:
+        scene.frame_current = bpy.context.scene.frame_current
+        scene.collection.objects.link(obj)
+        obj.hide_viewport = False
+        scene.view_layers[0].update()
+    finally:
+        obj.hide_viewport = hidden
+        bpy.data.scenes.remove(scene)
 
 
 def _resting(obj: bpy.types.Object) -> Matrix:

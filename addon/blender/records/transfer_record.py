@@ -11,7 +11,7 @@ from ..mesh_items.key_removal import remove_drivers
 from .stored_values import named, words
 
 TRANSFERS_PROPERTY = "canonical_form_transfers"
-KINDS = ("groups", "uvs", "colours", "keys")
+KINDS = ("groups", "uvs", "colours", "keys", "rigs")
 
 Written = dict[str, dict[str, str]]  # by kind: fingerprints by name
 
@@ -50,7 +50,9 @@ def write_transfers(mesh: bpy.types.Mesh, written: Written) -> None:
     mesh[TRANSFERS_PROPERTY] = json.dumps(written)
 
 
-def make_room(obj: bpy.types.Object, kind: str, names: list[str], written: Written) -> list[str]:
+def make_room(
+    obj: bpy.types.Object, kind: str, names: list[str], written: Written, *, refill: bool = False
+) -> list[str]:
     """Remove unchanged items of an earlier transfer, and return the names that are still in use.
 
     Parameters
@@ -63,6 +65,8 @@ def make_room(obj: bpy.types.Object, kind: str, names: list[str], written: Writt
         Names to be written.
     written : dict of str to dict of str to str
         The record; removed items are deleted from it.
+    refill : bool
+        Keep unchanged items, with drivers, masks and whatever else depends on them; their values will be replaced.
 
     Returns
     -------
@@ -74,7 +78,8 @@ def make_room(obj: bpy.types.Object, kind: str, names: list[str], written: Writt
     for name in names:
         now = groups.get(name) if kind == "groups" else _fingerprint(obj, kind, name)
         if now is not None and known.get(name) == now:
-            _remove(obj, kind, name)
+            if not refill:
+                _remove(obj, kind, name)
         elif now is not None:
             left.append(name)
             continue
@@ -89,6 +94,9 @@ def _fingerprint(obj: bpy.types.Object, kind: str, name: str) -> str | None:
         return uv_fingerprint(mesh.uv_layers[name]) if name in mesh.uv_layers else None
     if kind == "colours":
         return colour_fingerprint(mesh.color_attributes[name]) if name in mesh.color_attributes else None
+    if kind == "rigs":
+        rig = getattr(obj.modifiers.get(name), "object", None)
+        return None if rig is None else str(rig.name)
     keys = {} if mesh.shape_keys is None else mesh.shape_keys.key_blocks
     return key_fingerprint(keys[name]) if name in keys else None
 
@@ -102,6 +110,8 @@ def _remove(obj: bpy.types.Object, kind: str, name: str) -> None:
         mesh.uv_layers.remove(mesh.uv_layers[name])
     elif kind == "colours":
         mesh.color_attributes.remove(mesh.color_attributes[name])
+    elif kind == "rigs":
+        obj.modifiers.remove(obj.modifiers[name])
     else:
         key = mesh.shape_keys.key_blocks[name]
         remove_drivers(key)

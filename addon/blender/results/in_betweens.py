@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 import bpy
@@ -297,9 +298,9 @@ def _remove_own_drivers(keys: bpy.types.Key, value: float) -> None:
     own = [curve for curve in keys.animation_data.drivers if _is_own_driver(curve, keys)] if keys.animation_data else []
     last = [curve.driver.expression for curve in own][-1:]  # that of the form's key
     for curve in own:
-        name = curve.data_path.split('"')[1]
-        if name in keys.key_blocks:
-            keys.key_blocks[name].value = value if [curve.driver.expression] == last else 0.0
+        with suppress(ValueError):  # the key was removed
+            key = keys.path_resolve(curve.data_path.rpartition(".")[0])
+            key.value = value if [curve.driver.expression] == last else 0.0
         keys.animation_data.drivers.remove(curve)
 
 

@@ -41,12 +41,17 @@ def add_result_object(obj: bpy.types.Object, reading: Reading, called: str) -> b
     mesh.name = name
     added = bpy.data.objects.new(name, mesh)
     editable = [each for each in obj.users_collection if each.library is None and each.override_library is None]
+    editable = [each for each in editable if each not in _of_rigid_bodies()]
     for collection in editable or [bpy.context.scene.collection]:
         collection.objects.link(added)
     for own, slot in zip(added.material_slots, obj.material_slots, strict=False):
         if slot.link == "OBJECT":
             own.link, own.material = "OBJECT", slot.material
     added.matrix_world = obj.matrix_world
+    if obj.parent is not None and not np.allclose(added.matrix_basis, obj.matrix_world, atol=1e-6):  # sheared
+        added.parent = obj.parent
+        added.matrix_parent_inverse = obj.parent.matrix_world.inverted_safe() @ obj.matrix_world
+        added.matrix_basis.identity()
     record = read_record(obj.data)
     if record is not None:  # the copy includes the earlier result: remove it, changed or not
         record.keys, record.groups, record.colours = map(dict.fromkeys, (record.keys, record.groups, record.colours))
@@ -58,6 +63,12 @@ def add_result_object(obj: bpy.types.Object, reading: Reading, called: str) -> b
     mesh.vertices.foreach_set("co", reading.vertices.astype(np.float32).ravel())
     mesh.update()
     return added
+
+
+def _of_rigid_bodies() -> list[bpy.types.Collection]:
+    """Return the collections that make objects take part in the simulation of rigid bodies."""
+    worlds = [scene.rigidbody_world for scene in bpy.data.scenes if scene.rigidbody_world is not None]
+    return [each for world in worlds for each in (world.collection, world.constraints) if each is not None]
 
 
 def make_active(added: list[bpy.types.Object]) -> None:

@@ -87,7 +87,8 @@ def write_results(
     form = None if isinstance(found, FeaturePatches) else found.vertices
     old, active, elsewhere = read_record(mesh), active_items(obj), active_keys_elsewhere(obj)
     same = old is not None and key_name(old.report) == key_name(report)
-    kept_key = unchanged_form_key(mesh) if form is not None and same else None
+    one_form = old is not None and len(old.keys) == 1  # the command line can write one a frame
+    kept_key = unchanged_form_key(mesh) if form is not None and same and one_form else None
     record = Record(report, active, part=part)
     if old is not None:
         if kept_key is not None:
@@ -107,6 +108,9 @@ def write_results(
         record.groups, record.colours, record.hidden, record.palette = old.groups, old.colours, old.hidden, old.palette
     elif old is not None:
         left = remove_results(obj, old, keep_key=kept_key is not None)
+        if form is not None:
+            for name in {*old.keys, *old.in_between_keys} & {*left}:  # both at once would show no form
+                mesh.shape_keys.key_blocks[name].value = 0.0
         if left:
             report.warnings.append(
                 told("Kept beside the new results, since they may hold your changes: {left}.", left=", ".join(left))
@@ -204,7 +208,7 @@ def recolour_patch(mesh: bpy.types.Mesh, number: int, colour: tuple[float, float
     for name, known in record.colours.items():
         attribute = mesh.color_attributes.get(name)
         unchanged = attribute is not None and known == colour_fingerprint(attribute)
-        if not unchanged or name.startswith(FIELD_COLOURS):
+        if not unchanged or not name.startswith(PATCH_COLOURS):
             continue
         values = np.empty(4 * len(attribute.data), dtype=np.float32)
         attribute.data.foreach_get("color", values)

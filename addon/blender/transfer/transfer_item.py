@@ -197,7 +197,7 @@ class TransferItem:
 
     def _room(self, obj: bpy.types.Object, source: Source, kind: str, names: list[str], written: Written) -> list[str]:
         """Return the names that can be written, and warn about the user's items of the same names."""
-        left = make_room(obj, kind, names, written)
+        left = make_room(obj, kind, names, written, refill=kind in ("uvs", "keys"))
         if left:
             self.warnings.append(
                 told(
@@ -224,15 +224,17 @@ class TransferItem:
         if armature is None:
             return
         if not any(each.type == "ARMATURE" and each.object == armature for each in obj.modifiers):
+            make_room(obj, "rigs", list(written["rigs"]), written)  # two rigs would move the object twice
             modifier = obj.modifiers.new("Armature", "ARMATURE")
             modifier.object = armature
+            written["rigs"][modifier.name] = armature.name
             obj.modifiers.move(len(obj.modifiers) - 1, 0)
         self.told.append(told("the rig {name}", name=armature.name))
 
     def _write_uvs(self, obj: bpy.types.Object, source: Source, carried: Carried, written: Written) -> None:
         """Write UV maps."""
         for name in self._room(obj, source, "uvs", list(carried.uvs), written):
-            layer = obj.data.uv_layers.new(name=name, do_init=False)
+            layer = obj.data.uv_layers.get(name) or obj.data.uv_layers.new(name=name, do_init=False)
             if layer is None:
                 self.warnings.append(
                     told("{name} has no room for another UV map: {map} was left out.", name=obj.name, map=name)
@@ -250,20 +252,28 @@ class TransferItem:
             written["colours"][attribute.name] = colour_fingerprint(attribute)
 
     def _write_keys(self, obj: bpy.types.Object, source: Source, carried: Carried, written: Written) -> None:
-        """Write shape keys, all with value 0 except that of the rig's rest pose."""
+        """Write shape keys, new ones with value 0, except that of the rig's rest pose, which replaces earlier ones."""
         shapes = dict(carried.keys)
         if carried.rest is not None:
-            shapes = {REST.format(source.name): (carried.rest, (0.0, 1.0)), **shapes}
+            rest = REST.format(source.name).encode()[:63].decode(errors="ignore")  # Blender's limit, in bytes
+            shapes = {rest: (carried.rest, (0.0, 1.0)), **shapes}
+            others = [name for name in written["keys"] if name.startswith(REST.format("")) and name not in shapes]
+            for name in make_room(obj, "keys", others, written):  # changed by the user
+                obj.data.shape_keys.key_blocks[name].value = 0.0
         names = self._room(obj, source, "keys", list(shapes), written)
         if names and obj.data.shape_keys is None:
             obj.shape_key_add(name="Basis", from_mix=False)
         for name in names:
             shape, (low, high) = shapes[name]
-            key = obj.shape_key_add(name=name, from_mix=False)
-            key.relative_key = obj.data.shape_keys.reference_key
+            key = obj.data.shape_keys.key_blocks.get(name)
+            if key is None:
+                key = obj.shape_key_add(name=name, from_mix=False)
+                key.relative_key = obj.data.shape_keys.reference_key
+                key.slider_min, key.slider_max = low, high
+                key.value = 0.0
             key.points.foreach_set("co", shape.astype(np.float32).ravel())
-            key.slider_min, key.slider_max = low, high
-            key.value = float(shape is carried.rest)
+            if shape is carried.rest:
+                key.value = 1.0
             written["keys"][key.name] = key_fingerprint(key)
         form = form_key(obj.data)
         if carried.rest is not None and form is not None:  # with both, the object would be moved twice
@@ -272,9 +282,12 @@ class TransferItem:
                 obj.data.shape_keys[PROPERTY] = 0.0
 
     def _write_materials(self, obj: bpy.types.Object, source: Source, material_of: IntArray) -> None:
-        """Assign the materials of the matching source polygons; the object's own materials stay in their slots."""
+        """Assign the materials of the matching source polygons; its own materials stay in their slots.
+
+        Polygons that match one without a material keep theirs.
+        """
         used = np.unique(material_of)
-        slot = np.zeros(int(used.max()) + 1, dtype=np.int32)
+        slot = np.full(int(used.max()) + 1, -1, dtype=np.int32)
         for number in used.tolist():
             name = source.materials[number] if number < len(source.materials) else ""
             material = bpy.data.materials.get(name)
@@ -285,8 +298,12 @@ class TransferItem:
                 obj.data.materials.append(material)
                 mine.append(material)
             slot[number] = mine.index(material)
-        obj.data.polygons.foreach_set("material_index", slot[material_of])
-        self.told.append(told("materials"))
+        own = np.empty(len(material_of), dtype=np.int32)
+        obj.data.polygons.foreach_get("material_index", own)
+        chosen = slot[material_of]
+        if (chosen >= 0).any():
+            obj.data.polygons.foreach_set("material_index", np.where(chosen >= 0, chosen, own))
+            self.told.append(told("materials"))
 
 
 @contextmanager

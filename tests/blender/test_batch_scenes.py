@@ -1,0 +1,128 @@
+"""Results of .blend files with several scenes, sheared objects, objects in Edit Mode, frames computed twice."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+
+from addon.blender.files.reading_files import open_meshes
+from addon.blender.results.result_clearing import clear_from
+from tests.meshes import shapes
+
+from .conftest import add_object
+from .test_batch_files import run
+
+
+@pytest.fixture
+def figure(blender, arrays):
+    return add_object("Figure", *arrays)
+
+
+def saved(tmp_path):
+    path = tmp_path / "scene.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    return path
+
+
+def in_scene(obj):
+    return np.array([obj.matrix_world @ vertex.co for vertex in obj.data.vertices])
+
+
+@pytest.mark.parametrize("kind", ["glb", "usdc"])
+def test_objects_of_other_scenes_stay_out(figure, arrays, tmp_path, kind):
+    other = add_object("Other", *arrays)
+    bpy.context.scene.collection.objects.unlink(other)
+    scene = bpy.data.scenes.new("Second")
+    scene.collection.objects.link(other)
+    scene.view_layers[0].update()
+    other.select_set(True, view_layer=scene.view_layers[0])
+    code, [line] = run(saved(tmp_path), "--output", tmp_path / "out", "--format", kind, "--objects", "Figure")
+    assert code == 0
+    (obj,) = open_meshes(Path(line["output"]))
+    assert "Other" not in obj.name
+
+
+@pytest.mark.parametrize("kind", ["glb", "fbx"])
+def test_sheared_objects_are_written_as_they_stand(figure, tmp_path, kind):
+    parent = bpy.data.objects.new("Parent", None)
+    bpy.context.scene.collection.objects.link(parent)
+    parent.scale = (1.0, 1.0, 3.0)
+    figure.parent, figure.rotation_euler = parent, (0.8, 0.3, 0.0)
+    path = saved(tmp_path)
+    code, [line] = run(path, "--output", tmp_path / "out", "--format", kind)
+    assert code == 0
+    (obj,) = open_meshes(Path(line["output"]))
+    written = in_scene(obj)
+    code, [line] = run(path, "--output", tmp_path / "blend")
+    assert code == 0
+    (obj,) = open_meshes(Path(line["output"]))
+    form = np.array([obj.matrix_world @ point.co for point in obj.data.shape_keys.key_blocks["Canonical Form"].data])
+    for one, two in zip(written.T, form.T, strict=True):
+        np.testing.assert_allclose([one.min(), one.max()], [two.min(), two.max()], atol=1e-3)
+
+
+def test_a_file_saved_while_several_objects_are_edited_is_computed(figure, arrays, tmp_path):
+    other = add_object("Other", arrays[0] + [9.0, 0.0, 0.0], arrays[1])
+    figure.select_set(True)
+    bpy.ops.object.mode_set(mode="EDIT")
+    assert (figure.mode, other.mode) == ("EDIT", "EDIT")
+    code, lines = run(saved(tmp_path), "--output", tmp_path / "out")
+    assert code == 0, lines
+    assert sorted(line["object"] for line in lines) == ["Figure", "Other"]
+
+
+def shown_by_frame(path):
+    """The values of the shape keys of the figure at frames 1 to 3."""
+    bpy.ops.wm.open_mainfile(filepath=str(path))
+    keys, values = bpy.data.objects["Figure"].data.shape_keys.key_blocks, []
+    for frame in (1, 2, 3):
+        bpy.context.scene.frame_set(frame)
+        values.append({key.name: round(key.value, 3) for key in keys if key.value and key.name != "Basis"})
+    return values
+
+
+def test_frames_are_computed_again_on_their_own_result(figure, tmp_path):
+    bpy.ops.object.canonical_form(max_iterations=2, eigenpairs=20, landmark_count=12)
+    bpy.ops.object.canonical_form_in_betweens(count=2)
+    words = ("--frames", "1:3", "--frames-as", "keys", "--output")
+    each = [{f"Canonical Form {frame}": 1.0} for frame in (1, 2, 3)]
+    code, lines = run(saved(tmp_path), *words, tmp_path / "first")
+    assert code == 0
+    assert shown_by_frame(lines[0]["output"]) == each
+    code, lines = run(lines[0]["output"], *words, tmp_path / "second")
+    assert code == 0
+    assert shown_by_frame(lines[0]["output"]) == each
+    obj = bpy.data.objects["Figure"]
+    bpy.context.view_layer.objects.active = obj
+    bpy.ops.object.canonical_form(max_iterations=2, eigenpairs=20, landmark_count=12)
+    assert [key.name for key in obj.data.shape_keys.key_blocks] == ["Basis", "Canonical Form"]
+    assert clear_from(obj) == []
+    assert obj.data.shape_keys is None
+
+
+def test_hidden_files_beside_meshes_are_no_meshes(blender, tmp_path):
+    for name in ("figure.off", "._figure.off"):
+        shapes.write_off(tmp_path / name, *shapes.figure(12))
+    (tmp_path / "._figure.off").write_bytes(b"\0\5\26\7")
+    code, lines = run(tmp_path, "--output", tmp_path / "out", "--reference", "first")
+    assert (code, [Path(line["input"]).name for line in lines]) == (0, ["figure.off"])
+
+
+@pytest.mark.skipif(os.name != "posix", reason="closed pipes are another error there")
+def test_a_reader_that_ends_ends_the_run_quietly(tmp_path):
+    for name in "ab":
+        shapes.write_off(tmp_path / f"{name}.off", *shapes.figure(12))
+    words = [sys.executable, "-m", "addon", "compute", str(tmp_path), "--output", str(tmp_path / "out")]
+    root = Path(__file__).parents[2]
+    with subprocess.Popen(words, cwd=root, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        assert process.stderr is not None
+        process.stdout.close()
+        told = process.stderr.read()
+    assert process.returncode == 141
+    assert "Traceback" not in told
+    assert "Error" not in told

@@ -1,0 +1,97 @@
+"""What users change between two runs stays, and the new result shows all the same."""
+
+import bpy
+import numpy as np
+import pytest
+
+from addon.blender.records.record import require_record
+
+from .conftest import QUICK, snapshot
+from .test_limbs import keys_of, points_of
+
+
+def compute():
+    assert bpy.ops.object.canonical_form(**QUICK) == {"FINISHED"}
+
+
+def shown(obj):
+    evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    return np.array([vertex.co for vertex in evaluated.vertices])
+
+
+def edited_basis(obj):
+    """Move a vertex of the Basis in Edit Mode; Blender moves it in the keys, too."""
+    obj.active_shape_key_index = 0
+    bpy.ops.mesh.select_all(action="DESELECT")
+    bpy.ops.object.mode_set(mode="OBJECT")
+    obj.data.vertices[7].select = True
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.transform.translate(value=(0.0, 0.0, 0.01))
+
+
+def deleted_vertex(obj):
+    bpy.ops.mesh.select_all(action="DESELECT")
+    bpy.ops.object.mode_set(mode="OBJECT")
+    obj.data.vertices[7].select = True
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.dissolve_verts()
+
+
+@pytest.mark.parametrize("edited", [edited_basis, deleted_vertex])
+@pytest.mark.parametrize("in_betweens", [False, True])
+def test_the_form_of_an_edited_mesh_is_shown_alone(figure_object, edited, in_betweens):
+    compute()
+    if in_betweens:
+        bpy.ops.object.canonical_form_in_betweens(count=2)
+    bpy.ops.object.mode_set(mode="EDIT")
+    edited(figure_object)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    compute()
+    (name,) = require_record(figure_object.data).keys
+    form = points_of(keys_of(figure_object)[name])
+    np.testing.assert_allclose(shown(figure_object), form, atol=1e-5)
+    others = [key for key in keys_of(figure_object) if key.name not in ("Basis", name)]
+    assert others  # they may hold changes
+    assert all(key.value == 0.0 for key in others)
+
+
+def test_a_pose_does_not_take_an_animated_form_away(figure_object):
+    compute()
+    driver = keys_of(figure_object)["Canonical Form"].driver_add("value").driver
+    driver.expression = "0.5"
+    bpy.context.view_layer.update()
+    before = snapshot(figure_object)
+    with pytest.raises(RuntimeError, match="it is animated"):
+        bpy.ops.object.canonical_form_pose_like(pose="T", **QUICK)
+    assert snapshot(figure_object) == before
+    compute()  # of the same name
+    assert len(figure_object.data.shape_keys.animation_data.drivers) == 1
+
+
+def test_a_new_colour_of_a_patch_leaves_those_of_the_match(figure_object):
+    bpy.ops.object.canonical_form_pose_like(pose="T", **QUICK)
+    mesh = figure_object.data
+
+    def colours(name):
+        values = np.empty(4 * len(mesh.vertices), dtype=np.float32)
+        mesh.color_attributes[name].data.foreach_get("color", values)
+        return values
+
+    match, patches = colours("Match"), colours("Patches")
+    mesh.canonical_form_patches[1].colour = (1.0, 0.0, 0.5)
+    np.testing.assert_array_equal(colours("Match"), match)
+    assert (colours("Patches") != patches).any()
+
+
+def test_quotes_in_a_name_do_not_hide_a_key(figure_object, arrays):
+    bpy.ops.object.canonical_form_pose_like(pose="T", **QUICK)
+    keys = figure_object.data.shape_keys
+    bpy.ops.object.canonical_form_in_betweens(count=2)
+    between = keys.key_blocks[-1]
+    between.name = 'half "way"'
+    keys["Pose to Form"] = 0.66
+    keys.update_tag()
+    bpy.context.view_layer.update()
+    assert between.value > 0.5
+    bpy.ops.object.canonical_form_remove_in_betweens()
+    assert between.value == 0.0
