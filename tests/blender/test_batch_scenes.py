@@ -65,6 +65,18 @@ def test_sheared_objects_are_written_as_they_stand(figure, tmp_path, kind):
         np.testing.assert_allclose([one.min(), one.max()], [two.min(), two.max()], atol=1e-3)
 
 
+def test_faces_without_a_material_do_not_take_that_of_others(figure, tmp_path):
+    for material in (bpy.data.materials.new("Red"), None):
+        figure.data.materials.append(material)
+    red = np.arange(len(figure.data.polygons)) % 3 == 0
+    figure.data.polygons.foreach_set("material_index", (~red).astype(np.int32))
+    code, [line] = run(saved(tmp_path), "--output", tmp_path / "out", "--format", "obj")
+    assert code == 0
+    (obj,) = open_meshes(Path(line["output"]))
+    names = [obj.data.materials[polygon.material_index].name for polygon in obj.data.polygons]
+    np.testing.assert_array_equal([name.startswith("Red") for name in names], red)
+
+
 def test_a_file_saved_while_several_objects_are_edited_is_computed(figure, arrays, tmp_path):
     other = add_object("Other", arrays[0] + [9.0, 0.0, 0.0], arrays[1])
     figure.select_set(True)

@@ -210,7 +210,7 @@ def _as_obj(shown: Shown, beside: str) -> str:
         places, number = np.unique(uv.reshape(-1, 2), axis=0, return_inverse=True)
         lines += [f"vt {u:.9g} {v:.9g}" for u, v in places.tolist()]
         corner_uv = (number.ravel() + 1).tolist()
-    group = material = None
+    group, material = None, ""
     patches = shown.patches.tolist()
     for polygon in mesh.polygons:
         corners = list(polygon.vertices)
@@ -219,9 +219,9 @@ def _as_obj(shown: Shown, beside: str) -> str:
             group = own
             lines.append(f"g Patch_{own + 1}" if own >= 0 else "g")
         called = names[polygon.material_index] if polygon.material_index < len(names) else ""
-        if called and called != material:
+        if called != material:
             material = called
-            lines.append(f"usemtl {_word(called)}")
+            lines.append(f"usemtl {_word(called)}" if called else "usemtl ")  # as Blender ends a material
         if corner_uv is None:
             lines.append("f " + " ".join(str(corner + 1) for corner in corners))
         else:

@@ -12,6 +12,7 @@ from ..mesh_items.colour_attributes import add_colours
 from ..mesh_items.palette import places
 from ..objects.mesh_reading import read_mesh, refusal
 from ..objects.object_states import object_mode
+from ..objects.placement import placement_of
 from ..words.wording import told
 
 SOURCE_COLOURS = "Match Source"
@@ -77,7 +78,7 @@ def toggle_source_colours(obj: bpy.types.Object | None) -> bool:
         if shown is not None:
             colours.remove(colours[shown])
             return False
-        vertices = read_mesh(obj.data)[0] @ np.array(obj.matrix_world)[:3, :3].T
+        vertices = read_mesh(obj.data)[0] @ placement_of(obj, True)[:3, :3].T
         attribute = add_colours(obj, SOURCE_COLOURS)
         shades = np.append(places(vertices), np.ones((len(vertices), 1)), axis=1)
         attribute.data.foreach_set("color", shades.astype(np.float32).ravel())
