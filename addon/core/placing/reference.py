@@ -46,7 +46,7 @@ class ReferenceBody(NamedTuple):
     limbs : Limbs
         The limbs identified among them.
     same_mesh : bool
-        Whether the mesh that is aligned to it has the same triangles.
+        Whether the mesh that is aligned to it has the same triangles, except for a few that were repaired.
     """
 
     points: FloatArray
@@ -98,11 +98,11 @@ def reference_bodies(
     count = len(vertices)
     if len(reference.bodies) != count:
         monitor.warn("reference_bodies", count=count, others=len(reference.bodies))
-    same = np.array_equal(reference.faces, faces)
-    wanted = [np.sort(each) for each in vertices]
+    same = _is_same_mesh(reference.faces, faces)
+    known = [same and own.max() < len(reference.vertices) for own in vertices]  # vertices may have been added since
     twins = [
-        next((other for other in reference.bodies if same and np.array_equal(np.sort(other.vertices), own)), None)
-        for own in wanted
+        next((other for other in reference.bodies if has and _is_twin(other, own)), None)
+        for own, has in zip(vertices, known, strict=True)
     ]
     left = [other for other in reference.bodies if not any(other is twin for twin in twins)]
     alone = [rank for rank, twin in enumerate(twins) if twin is None]
@@ -115,6 +115,21 @@ def reference_bodies(
         else None
         for rank, twin in enumerate(twins)
     ]
+
+
+def _is_same_mesh(faces: IntArray, others: IntArray) -> bool:
+    """Return whether most triangles are the same; repairs of a few may depend on the pose."""
+    if faces.shape == others.shape and np.array_equal(faces, others):
+        return True
+    both = np.concatenate([np.unique(np.sort(each, axis=1), axis=0) for each in (faces, others)])
+    return 2 * (len(both) - len(np.unique(both, axis=0))) > max(len(faces), len(others))
+
+
+def _is_twin(body: BodyLimbs, vertices: IntArray) -> bool:
+    """Return whether a body of a form has most of these vertices, and all its feature points among them."""
+    common = np.intersect1d(body.vertices, vertices)
+    most = 2 * len(common) > max(len(body.vertices), len(vertices))
+    return most and bool(np.isin(body.vertices[body.tips], common).all())
 
 
 def _reference_body(reference: Reference, body: BodyLimbs, vertices: IntArray, same_mesh: bool) -> ReferenceBody:

@@ -10,6 +10,8 @@ from addon.core import InvalidSettingsError, Settings, canonical_form
 from addon.core.measures.alignment import rigid_fit
 from addon.core.mesh.coarsening import coarsened
 from addon.core.mesh.geometry import surface_area, vertex_areas
+from addon.core.placing.reference import reference_bodies
+from addon.core.run.monitor import Monitor
 from tests.meshes import shapes
 
 UPRIGHT = Settings(orientation="upright", quality="draft")
@@ -170,6 +172,42 @@ def test_bodies_of_one_mesh_are_laid_onto_themselves_whatever_their_size(figure)
     form = canonical_form(np.concatenate([vertices, 1.1 * vertices + right]), both, DRAFT, reference=reference)
     assert abs(form.vertices[: len(vertices), 0].mean()) < 5
     assert abs(form.vertices[len(vertices) :, 0].mean() - 40) < 5
+
+
+def repaired(faces):
+    """The triangles as another pose may have them: one fewer, one turned over, one at a copy of a vertex."""
+    changed = faces[1:].copy()
+    changed[0] = changed[0, ::-1]
+    changed[5, 0] = faces[900, 0]
+    return changed
+
+
+def test_a_mesh_with_a_few_repaired_faces_is_still_the_same(figure):
+    vertices, faces = figure
+    form = canonical_form(vertices, faces, DRAFT)
+    everything = [np.arange(len(vertices))]
+
+    def is_same(faces, own=everything):
+        (body,) = reference_bodies(form, faces, own, Monitor())
+        assert body is not None
+        return body.same_mesh
+
+    assert is_same(faces)
+    assert is_same(repaired(faces))
+    assert is_same(repaired(faces), [np.setdiff1d(everything[0], form.faces[100])])
+    assert not is_same(repaired(faces), [np.setdiff1d(everything[0], form.feature_points[:1])])
+    assert not is_same(shapes.permuted(vertices, faces)[1])
+    assert not is_same(faces, [np.arange(len(vertices) + 1)])  # vertices were added
+
+
+def test_a_repaired_reference_holds_another_pose_by_its_vertices(figure, rotation):
+    vertices, faces = figure
+    form = canonical_form(vertices, faces, UPRIGHT)
+    turned = canonical_form(vertices @ rotation, repaired(faces), DRAFT, reference=form)
+    weights = vertex_areas(vertices, faces)
+    assert angle_between(turned.vertices, form.vertices, weights) < 0.5
+    np.testing.assert_array_equal(turned.feature_points, form.feature_points)
+    assert not [each for each in turned.warnings if "reference" in each]
 
 
 def test_many_like_limbs_are_told_apart_while_it_can_still_be_cancelled():
