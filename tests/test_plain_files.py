@@ -196,3 +196,13 @@ def test_a_stage_is_shown_where_it_is_wanted_and_wiped_away(capsys):
     told = capsys.readouterr().err
     assert "mesh:  50 % Spectrum" in told
     assert told.endswith("\r\x1b[K")
+
+
+def test_two_files_of_one_name_can_be_matched(two_files, tmp_path):
+    here, _ = two_files
+    other = tmp_path / f"{here.stem}.ply"
+    write_plain(other, *read_plain(here), "")
+    one = tmp_path / here.name
+    one.write_bytes(here.read_bytes())
+    code, [line] = run(one, other, "--output", tmp_path / "out", about="match")
+    assert (code, Path(line["output"]).name) == (0, f"{here.stem}-{here.stem}.npz")

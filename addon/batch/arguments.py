@@ -23,7 +23,7 @@ _PLAIN = tuple(kind[1:] for kind in PLAIN)
 _POSING = """\
 examples:
   pose-like scans --output posed --pose t             every scan of a folder in a T-pose
-  pose-like scan.ply --output posed --reference mannequin.blend --objects Body
+  pose-like scan.ply --output posed --reference mannequin.blend
                                                       as another mesh stands
   pose-like scan.glb --output posed --reference mannequin.glb --side 1
                                                       left and right, or front and back, the other way round

@@ -8,7 +8,7 @@ import sys
 import time
 from argparse import Namespace
 from collections.abc import Sequence
-from contextlib import redirect_stdout
+from contextlib import redirect_stdout, suppress
 from pathlib import Path
 from secrets import token_hex
 from typing import TextIO
@@ -178,7 +178,10 @@ class _MatchRun:
         settings_of(options)
         output: Path = options.output
         require_folder(output)
-        one, other = output_stems(options.meshes)
+        one, other = (path.stem for path in options.meshes)
+        if one.casefold() == other.casefold():
+            with suppress(CanonicalFormError):  # the same folder, as a.ply and a.glb: one file all the same
+                one, other = output_stems(options.meshes)
         self._target = output / f"{one}-{other}.npz"
         self._crew: Crew = InThisProcess() if alone else LocalCrew(1, _ATTEMPTS, one_thread=False)
 

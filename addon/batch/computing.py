@@ -11,6 +11,7 @@ import numpy as np
 from ..blender.files.kinds_of_files import WRITTEN
 from ..blender.files.reading_files import open_meshes, scripts_left_off
 from ..blender.files.writing_files import Shown, save_blend, save_forms
+from ..blender.jobs.form_item import FormItem
 from ..blender.jobs.form_task import FormTask
 from ..blender.jobs.likeness import Likeness
 from ..blender.jobs.pose_reading import read_likeness
@@ -58,7 +59,7 @@ def compute_in_blender(
     try:
         if wanted.format not in WRITTEN:
             raise CanonicalFormError(f".{wanted.format} is written without Blender only. Choose obj or ply.")
-        objects = open_meshes(path, wanted.objects, shared=not wanted.shown, trusted=wanted.trusted)
+        objects = _opened(path, wanted)
     except Exception as error:  # any error, as other files follow
         yield failure({"input": str(path)}, error, explained(error))
         return
@@ -67,7 +68,7 @@ def compute_in_blender(
     for number, frame in enumerate(wanted.frames or (None,)):
         if frame is not None:
             if number and not wanted.frame_keys:  # results of earlier frames must be removed
-                objects = open_meshes(path, wanted.objects, shared=not wanted.shown, trusted=wanted.trusted)
+                objects = _opened(path, wanted)
             bpy.context.scene.frame_set(frame)
         groups = [objects] if wanted.together else [[obj] for obj in objects]
         whole = targets.of_file(None if wanted.frame_keys else frame)
@@ -152,9 +153,22 @@ def likeness_in_blender(path: Path, names: Sequence[str], side: int, *, trusted:
     return read_likeness(max(chosen, key=lambda obj: len(obj.data.vertices)), side)
 
 
+def _opened(path: Path, wanted: Wanted) -> list[bpy.types.Object]:
+    """Open a file; objects that share a mesh count once if the mesh holds their result, or if their forms are equal."""
+    held = wanted.format == "blend" if wanted.together else not wanted.shown
+    objects = open_meshes(path, wanted.objects, shared=held, trusted=wanted.trusted)
+    for obj in objects if wanted.together and not held else ():  # two eyes: each has a form of its own
+        if obj.data.users > 1:
+            obj.data = obj.data.copy()
+    return objects
+
+
 def _opened_reference(path: Path, trusted: bool) -> list[bpy.types.Object]:
     """Open the reference file; blocked scripts are reported at once, as the reference has no result line."""
     objects = open_meshes(path, trusted=trusted)
+    edited = bpy.context.object
+    if edited is not None and edited.mode != "OBJECT":  # as the file was saved; several objects may be in that mode
+        bpy.ops.object.mode_set(mode="OBJECT")
     if scripts_left_off(path):
         complain(f"{path}: {_LEFT_OFF}")
     return objects
@@ -243,9 +257,28 @@ def _computed(
         report = item.results[0].report
         if scripts_left_off(path):
             report.warnings.append(_LEFT_OFF)
-        return {**line, "output": str(target), "memory_estimate": memory, "pieces": report.pieces, **report.as_json()}
+        figures = {**report.as_json(), **_of_body(item)}
+        return {**line, "output": str(target), "memory_estimate": memory, "pieces": report.pieces, **figures}
     except Exception as error:  # any error, as other meshes follow
         return failure(line, error, explained(error))
+
+
+def _of_body(item: FormItem) -> Line:
+    """Return the counts of a body of several objects; vertices are numbered through them, in order of `objects`."""
+    reports = [result.report for result in item.results]
+    if len(reports) == 1:
+        return {}
+    starts = np.cumsum([0, *(each.vertices for each in reports)]).tolist()
+    points = zip(*(each.feature_points for each in reports), strict=True)
+    return {
+        "objects": [reading.name for reading in item.readings],
+        "vertices": starts[-1],
+        "faces": sum(each.faces for each in reports),
+        "feature_points": [
+            next((start + own for start, own in zip(starts, each, strict=False) if own >= 0), -1) for each in points
+        ],
+        "patch_sizes": [sum(each) for each in zip(*(each.patch_sizes for each in reports), strict=True)],
+    }
 
 
 def _require_keys(task: FormTask) -> None:

@@ -167,7 +167,7 @@ class LiveUpdate:
         there = {obj.name: obj.data.get(RECORD_PROPERTY) for obj in bpy.data.objects if obj.name in self._records}
         if task is None or there != self._records:  # cleared, computed or changed meanwhile: keep that
             return
-        first = not any(obj.name in task.taken and _has_form(obj) for obj in bpy.data.objects)
+        first = not all(_has_form(obj) for obj in bpy.data.objects if obj.name in task.taken)
         for name in task.write():
             list_patches(bpy.data.objects[name].data)
         if first:  # a separate undo step, to return to after the first change of an option
@@ -264,9 +264,10 @@ def _waits_for(context: bpy.types.Context) -> str | None:
         return reason
     if obj.mode != "OBJECT":
         return told("it works in Object Mode.")
-    record = read_record(obj.data)
-    if record is not None and record.report.like is not None:
-        return told("{name} shows another's pose.", name=obj.name)
+    for each in chosen_objects(context)[0]:
+        record = read_record(each.data)
+        if record is not None and record.report.like is not None:
+            return told("{name} shows another's pose.", name=each.name)
     return None
 
 

@@ -113,14 +113,12 @@ class OBJECT_OT_canonical_form_distance(JobOperator, bpy.types.Operator):
 
     def written(self, context: bpy.types.Context, task: "DistanceTask", outcome: str, interactive: bool) -> None:
         """Report where the distances were written, with the warnings."""
-        from ..blender.jobs.distance_task import WEIGHTS
-
         self.report(
             {"INFO"},
             told(
                 "Distances are in the colours {colours} and the vertex group {group}.",
                 colours=outcome,
-                group=WEIGHTS.format(outcome),
+                group=task.group,
             ),
         )
         self.warn(task.warnings)

@@ -138,3 +138,58 @@ def test_a_reader_that_ends_ends_the_run_quietly(tmp_path):
     assert process.returncode == 141
     assert "Traceback" not in told
     assert "Error" not in told
+
+
+@pytest.fixture
+def eyed(character):
+    """The character with a second eye, which shares the mesh of the first."""
+    second = bpy.data.objects.new("eye2", character["eye"].data)
+    bpy.context.scene.collection.objects.link(second)
+    second.location = (0.3, 5.0, 0.0)
+    return [*character.values(), second]
+
+
+def test_parts_that_share_a_mesh_each_have_a_form(eyed, tmp_path):
+    path, names = saved(tmp_path), sorted(obj.name for obj in eyed)
+    sizes = [len(obj.data.vertices) for obj in sorted(eyed, key=lambda each: each.name)]
+    code, [line] = run(path, "--output", tmp_path / "out", "--together", "--format", "glb")
+    assert code == 0, line
+    assert sorted(obj.name for obj in open_meshes(Path(line["output"]))) == names  # the names of the objects, too
+    assert line["objects"] == names
+    assert line["vertices"] == sum(sizes)  # of the body, not of its first object
+    assert sum(line["patch_sizes"]) <= sum(sizes)
+    assert all(0 <= point < sum(sizes) for point in line["feature_points"])
+    code, [line] = run(path, "--output", tmp_path / "shown", "--together", "--mesh", "shown")
+    assert code == 0, line
+
+
+def test_a_reference_and_a_body_may_be_saved_in_edit_mode(character, tmp_path):
+    bpy.ops.object.mode_set(mode="EDIT")
+    path = saved(tmp_path)
+    shapes.write_off(tmp_path / "scan.off", *shapes.figure(13))
+    for words in ((path, "--together"), (tmp_path / "scan.off", "--reference", path)):
+        code, lines = run(*words, "--output", tmp_path / "out")
+        assert code == 0, lines
+
+
+def test_frames_of_a_body_can_be_computed_again_and_cleared(character, tmp_path):
+    trunk = character["trunk"]
+    for frame, place in ((1, 0.0), (7, 0.5)):
+        trunk.location.x = place
+        trunk.keyframe_insert("location", frame=frame)
+    words = ("--together", "--frames-as", "keys", "--frames")
+    code, lines = run(saved(tmp_path), *words, "1:7:2", "--output", tmp_path / "first")
+    assert code == 0, lines
+    code, lines = run(lines[0]["output"], *words, "1:7:3", "--output", tmp_path / "second")
+    assert code == 0, lines
+    bpy.ops.wm.open_mainfile(filepath=lines[0]["output"])
+    keys = bpy.data.objects["trunk"].data.shape_keys.key_blocks
+    bpy.context.scene.frame_set(3)  # between 1 and 4
+    values = [keys[f"Canonical Form {frame}"].value for frame in (1, 4)]
+    assert sum(values) == pytest.approx(1.0, abs=1e-3)
+    assert min(values) > 0.1
+    bpy.context.view_layer.objects.active = bpy.data.objects["trunk"]
+    with pytest.raises(RuntimeError, match="a form for each frame"):
+        bpy.ops.object.canonical_form_limb(patch=0)
+    assert bpy.ops.object.canonical_form_clear() == {"FINISHED"}
+    assert all(bpy.data.objects[name].data.shape_keys is None for name in character)

@@ -4,6 +4,7 @@ import bpy
 import numpy as np
 import pytest
 
+from addon.blender.objects.chosen_features import members_of
 from addon.blender.records.record import read_record, require_record
 from addon.blender.results.companions import companions_of
 from addon.blender.results.in_betweens import PROPERTY
@@ -172,6 +173,44 @@ def test_limbs_at_another_frame_are_refused_where_parts_have_moved(character):
     limb(patch=0)
     for name, obj in character.items():
         assert np.array([point.co for point in key_of(obj).data]) == pytest.approx(before[name], abs=1e-3)
+
+
+def test_a_body_that_is_edited_stays_one_body(character):
+    trunk = character["trunk"]
+    run()
+    activate(trunk, *character.values())
+    bpy.ops.object.mode_set(mode="EDIT")
+    assert {obj.mode for obj in character.values()} == {"EDIT"}
+    limb(patch=1, only=True)
+    bpy.ops.object.canonical_form_in_betweens(count=1)
+    run()
+    assert len(companions_of(trunk)) == len(character)
+    assert {obj.mode for obj in character.values()} == {"EDIT"}
+    clear()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert all(obj.data.shape_keys is None for obj in character.values())
+
+
+def test_a_copy_of_a_part_can_be_a_reference(character):
+    run()
+    head = character["head"]
+    assert min(require_record(head.data).report.feature_points) == -1  # it does not have all of them
+    bpy.ops.object.select_all(action="DESELECT")
+    copy = head.copy()
+    copy.data = head.data.copy()
+    bpy.context.scene.collection.objects.link(copy)
+    activate(add_object("Another", *shapes.figure(13)))
+    assert run(reference=copy.name) == {"FINISHED"}
+
+
+def test_points_of_other_parts_are_not_added_to_the_chosen_ones(character):
+    run()
+    head = character["head"]
+    own = [point for point in require_record(head.data).report.feature_points if point >= 0]
+    activate(head)
+    head.data.vertices.foreach_set("select", np.arange(len(head.data.vertices)) == 5)
+    bpy.ops.object.canonical_form_choose(how="ADD")
+    assert members_of(head, "Chosen Feature Points") == sorted({*own, 5})
 
 
 def test_patches_alone_are_cleared_together(character):

@@ -55,6 +55,18 @@ def test_the_form_of_an_edited_mesh_is_shown_alone(figure_object, edited, in_bet
     assert all(key.value == 0.0 for key in others)
 
 
+def test_an_animated_form_of_an_edited_mesh_is_switched_off(figure_object):
+    compute()
+    keys_of(figure_object)["Canonical Form"].keyframe_insert("value", frame=1)
+    bpy.ops.object.mode_set(mode="EDIT")
+    edited_basis(figure_object)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    compute()
+    bpy.context.scene.frame_set(10)
+    (name,) = require_record(figure_object.data).keys
+    np.testing.assert_allclose(shown(figure_object), points_of(keys_of(figure_object)[name]), atol=1e-5)
+
+
 def test_a_pose_does_not_take_an_animated_form_away(figure_object):
     compute()
     driver = keys_of(figure_object)["Canonical Form"].driver_add("value").driver

@@ -268,6 +268,19 @@ def test_a_limb_takes_the_coarse_mesh_of_the_form(blender, monkeypatch):
     assert results[0] == results[1]
 
 
+def test_it_waits_where_any_selected_object_shows_a_pose(figure_object, chosen, arrays):
+    posed = add_object("Posed", *arrays)
+    bpy.ops.object.canonical_form_pose_like(pose="T", **QUICK)
+    posed.select_set(True)
+    figure_object.select_set(True)
+    bpy.context.view_layer.objects.active = figure_object
+    live = LiveUpdate(bpy.context)
+    chosen.preserve_detail = 0.3
+    assert "Posed shows another's pose" in settle(live)
+    assert "T-Pose" in posed.data.shape_keys.key_blocks
+    assert figure_object.data.shape_keys is None
+
+
 def test_modifiers_that_change_the_vertices_add_no_objects(figure_object, chosen):
     figure_object.modifiers.new("Subdivision", "SUBSURF").levels = 1
     chosen.mesh = "SHOWN"

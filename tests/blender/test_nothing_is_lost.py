@@ -185,6 +185,18 @@ def test_objects_that_share_a_mesh_each_get_a_new_object(figure_object):
     assert {"Figure Canonical Form", "Twin Canonical Form"} <= set(bpy.data.objects.keys())
 
 
+def test_a_mesh_that_is_shared_holds_the_form_of_the_first(figure_object, capfd):
+    twin = bpy.data.objects.new("Twin", figure_object.data)
+    bpy.context.scene.collection.objects.link(twin)
+    twin.modifiers.new("Smooth", "SMOOTH").iterations = 30
+    run(mesh="SHOWN", objects="EACH")
+    alone = flat(keys_of(figure_object)["Canonical Form"].data, "co", 3)
+    twin.select_set(True)
+    run(mesh="SHOWN", objects="EACH")
+    assert flat(keys_of(figure_object)["Canonical Form"].data, "co", 3) == alone
+    assert "Twin has the mesh of Figure and shows the same form" in capfd.readouterr().out
+
+
 def test_the_active_key_of_an_object_that_shares_the_mesh_is_kept(figure_object):
     twin = bpy.data.objects.new("Twin", figure_object.data)
     bpy.context.scene.collection.objects.link(twin)
@@ -213,6 +225,14 @@ def test_distances_beside_the_users_own_of_that_name_do_not_pile_up(figure_objec
     for _ in range(3):
         bpy.ops.object.canonical_form_distance(kind="heat")
     assert len(figure_object.vertex_groups) == len(figure_object.data.color_attributes) == 2
+
+
+def test_the_group_of_distances_is_told_by_its_name(figure_object, capfd):
+    figure_object.vertex_groups.new(name="Heat Geodesic Weights").add([1], 0.5, "REPLACE")
+    select(figure_object, {10})
+    bpy.ops.object.canonical_form_distance(kind="heat")
+    assert "the vertex group Heat Geodesic Weights.001" in capfd.readouterr().out
+    assert "Heat Geodesic Weights.001" in figure_object.vertex_groups
 
 
 @pytest.mark.parametrize("layers", range(5))

@@ -58,6 +58,38 @@ def test_an_object_of_an_opened_file_stands_where_it_was_left(blender, arrays, t
     assert obj.hide_viewport == hidden
 
 
+def test_what_is_switched_off_is_not_computed_to_place_it(blender, arrays, tmp_path):
+    obj = add_object("Heavy", *arrays)
+    obj.location.x = 5.0
+    obj.modifiers.new("Subdivision", "SUBSURF").levels = 2
+    obj.hide_viewport = True
+    path = tmp_path / "heavy.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    bpy.ops.wm.open_mainfile(filepath=str(path))
+    obj = bpy.data.objects["Heavy"]
+    seen: list[str] = []
+    bpy.app.handlers.depsgraph_update_post.append(lambda _, graph: seen.extend(each.name for each in graph.objects))
+    assert placement_of(obj, False)[0, 3] == 5.0
+    bpy.app.handlers.depsgraph_update_post.pop()
+    assert "Heavy" not in seen
+    assert len(bpy.data.objects) == 1
+
+
+def test_a_linked_object_that_is_put_away_stands_where_its_file_says(blender, arrays, tmp_path):
+    add_object("Base", *arrays).location.x = 5.0
+    library = tmp_path / "library.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(library))
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    with bpy.data.libraries.load(str(library), link=True) as (_, wanted):
+        wanted.objects = ["Base"]
+    bpy.context.scene.collection.objects.link(wanted.objects[0])
+    excluded(wanted.objects[0])
+    path = tmp_path / "scene.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    bpy.ops.wm.open_mainfile(filepath=str(path))
+    assert placement_of(bpy.data.objects["Base"], False)[0, 3] == 5.0
+
+
 def test_an_animated_object_stands_where_the_frame_says(blender, arrays, tmp_path):
     obj = add_object("Base", *arrays)
     for frame, place in ((1, 0.0), (11, 10.0)):

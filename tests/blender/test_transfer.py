@@ -205,6 +205,26 @@ def test_another_rig_takes_the_place_of_the_first(pair, rig):
     assert mine.name in scan.modifiers
 
 
+def test_a_renamed_rig_is_still_the_first(pair, rig):
+    scan, base, _ = pair
+    bpy.ops.object.canonical_form_transfer(**TRANSFER, kinds={"GROUPS"})
+    rig.name = "Renamed"
+    other = bpy.data.objects.new("Other rig", rig.data.copy())
+    bpy.context.scene.collection.objects.link(other)
+    for wanted in (other, rig):
+        base.modifiers["Armature"].object = wanted
+        bpy.ops.object.canonical_form_transfer(**TRANSFER, kinds={"GROUPS"})
+        assert [each.object for each in scan.modifiers] == [wanted]
+
+
+def test_a_key_that_the_source_has_is_no_rest_pose_of_ours(pair, rig):
+    scan, base, _ = pair
+    base.data.shape_keys.key_blocks["Grow"].name = "Rest of Old"
+    bpy.ops.object.canonical_form_transfer(**TRANSFER, kinds={"KEYS"})
+    bpy.ops.object.canonical_form_transfer(**TRANSFER, kinds={"GROUPS"})
+    assert {"Rest of Old", "Rest of Base"} <= set(keys_of(scan).keys())
+
+
 def test_faces_without_a_material_in_the_source_keep_theirs(pair):
     scan, base, _ = pair
     for name in "abc":

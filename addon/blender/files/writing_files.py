@@ -151,7 +151,10 @@ def _export(path: Path, kind: str, shown: Sequence[Shown]) -> None:
     write = getattr(getattr(bpy.ops, group), operator)
     known = write.get_rna_type().properties
     told = _TOLD[kind] | {name: value for name, value in _PICTURES_STAY.items() if name in known}
-    copies = [_copy(each) for each in shown]
+    names = [each.obj.name for each in shown]
+    for each in shown:
+        each.obj.name = "Original"  # the copies have the names, and Blender would number them
+    copies = [_copy(each, name) for each, name in zip(shown, names, strict=True)]
     try:
         with quiet():
             write(filepath=str(path), **told)
@@ -159,6 +162,8 @@ def _export(path: Path, kind: str, shown: Sequence[Shown]) -> None:
         raise InvalidMeshError(f"Blender cannot write {path.suffix}: {last_line(error)}") from error
     finally:
         bpy.data.batch_remove([*copies, *(each.data for each in copies)])
+        for each, name in zip(shown, names, strict=True):
+            each.obj.name = name
     _require_whole(path)
 
 
@@ -178,10 +183,10 @@ def _require_whole(path: Path) -> None:
         raise OSError(f"Blender could not write all of the {path.suffix} file. Is the disk full?")
 
 
-def _copy(shown: Shown) -> bpy.types.Object:
+def _copy(shown: Shown, name: str) -> bpy.types.Object:
     """Add a selected copy of an object, shaped as its form, without modifiers, shape keys, parent and animation."""
     mesh = shown.obj.data.copy()
-    copy = bpy.data.objects.new(shown.obj.name, mesh)
+    copy = bpy.data.objects.new(name, mesh)
     bpy.context.scene.collection.objects.link(copy)
     if mesh.shape_keys is not None:
         remove_all_keys(copy)

@@ -71,6 +71,7 @@ class DistanceTask:
         self._field: FloatArray = np.zeros(0)
         self._whole: Combined | None = None
         self.warnings: list[str] = []
+        self.group = ""
 
     def compute(self, progress: Progress | None = None, cancelled: Cancelled | None = None) -> None:
         """Compute the field; does not access Blender's data.
@@ -133,6 +134,7 @@ class DistanceTask:
             split = self._whole.split
             parts = zip(objects, split(colours), split(_weights(self._field)), strict=True)
             names = [_write_field(obj, KINDS[self.kind].label, *each) for obj, *each in parts]
+        self.group = objects[0].vertex_groups.active.name
         return names[0]
 
 

@@ -65,9 +65,9 @@ class FormTask:
                     self._unread.append(explained(error))
                     continue
                 held = not request.new_object and len(item.readings[0].vertices) == len(obj.data.vertices)
-                if not (together and held) or meshes.setdefault(obj.data, obj.name) == obj.name:
+                if not held or meshes.setdefault(obj.data, obj.name) == obj.name:
                     self.items.append(item)
-        for obj in objects if together else ():
+        for obj in objects if together else taken:
             if meshes.get(obj.data, obj.name) != obj.name:
                 self._unread.append(
                     told(

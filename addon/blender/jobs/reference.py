@@ -69,7 +69,7 @@ class Reference:
         self._vertices, self._faces = whole.vertices @ turn.T, whole.faces
         self._form = whole.put_together(forms) @ turn.T
         points = record.report.feature_points
-        own = len(readings) == 1 and not readings[0].mirrors and len(points) > 0
+        own = len(readings) == 1 and not readings[0].mirrors and min(points, default=-1) >= 0  # -1: on another object
         self._settings = Settings(pieces=record.report.pieces, feature_points=points if own else None)
         self._computed: CanonicalForm | None = None
 

@@ -109,4 +109,4 @@ def _detected(obj: bpy.types.Object) -> list[int]:
     record = read_record(obj.data)
     if record is None:
         return []
-    return [point for point in record.report.feature_points if point < len(obj.data.vertices)]
+    return [point for point in record.report.feature_points if 0 <= point < len(obj.data.vertices)]

@@ -92,7 +92,9 @@ def refusal(obj: bpy.types.Object | None) -> str | None:
     key = form_key(mesh) if keys is not None else None
     if key is not None and key.lock_shape:
         return told("The shape key {name} is locked. Unlock it in the Shape Keys panel first.", name=key.name)
-    if obj.mode != "OBJECT" and obj != bpy.context.view_layer.objects.active:
+    active = bpy.context.view_layer.objects.active
+    along = active is not None and obj.mode == active.mode == "EDIT"  # Blender edits several objects at once
+    if obj.mode != "OBJECT" and obj != active and not along:
         return told("{name} is not the active object. Make it active, or leave its mode, and run again.", name=obj.name)
     if obj.mode != "EDIT" and mesh.is_editmode:
         return told("{name} is being edited through another object. Leave Edit Mode there first.", name=mesh.name)

@@ -52,18 +52,20 @@ def world_rotation(placement: FloatArray) -> FloatArray:
 
 
 def _evaluate(obj: bpy.types.Object) -> None:
-    """Have Blender compute the transform of an object outside the view layer; until then it lies at the origin."""
-    if obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).is_evaluated or obj.library is not None:
+    """Have Blender compute the transform of an object outside the view layer; until then it lies at the origin.
+
+    The object itself stays out of the temporary scene, as Blender would compute its modifiers, too.
+    """
+    if obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).is_evaluated:
         return
-    scene, hidden = bpy.data.scenes.new("Placement"), obj.hide_viewport
+    scene, follower = bpy.data.scenes.new("Placement"), bpy.data.objects.new("Placement", None)
     try:
         scene.frame_current = bpy.context.scene.frame_current
-        scene.collection.objects.link(obj)
-        obj.hide_viewport = False
+        scene.collection.objects.link(follower)
+        follower.constraints.new("COPY_TRANSFORMS").target = obj
         scene.view_layers[0].update()
     finally:
-        obj.hide_viewport = hidden
-        bpy.data.scenes.remove(scene)
+        bpy.data.batch_remove([scene, follower])
 
 
 def _resting(obj: bpy.types.Object) -> Matrix:

@@ -150,10 +150,10 @@ def _member(obj: bpy.types.Object) -> _Member | None:
     curve = None
     if keys is not None and keys.animation_data is not None:
         between = record.in_betweens is not None and PROPERTY in keys
-        path = f'["{PROPERTY}"]' if between or name is None else value_path(keys.key_blocks[name])
-        curve = keys.animation_data.drivers.find(path)
-    if curve is not None and not is_following(curve):
-        curve = None
+        forms = [keys.key_blocks[each] for each in record.keys if each in keys.key_blocks]  # one, or one a frame
+        paths = [f'["{PROPERTY}"]'] if between or name is None else [value_path(each) for each in forms]
+        curves = [curve for path in paths if (curve := keys.animation_data.drivers.find(path)) is not None]
+        curve = next((each for each in curves if is_following(each)), None)
     follows = curve is not None
     leading = None if curve is None else curve.driver.variables[0].targets[0].id
     free = record.part.number > 0 and name is not None and not follows

@@ -9,6 +9,7 @@ import bpy
 from ..mesh_items.fingerprints import key_fingerprint
 from ..records.form_key import form_key
 from ..records.record import require_record, write_record
+from .in_betweens import remove_keyframes
 
 
 def keep_for_frame(obj: bpy.types.Object, frame: int, frames: Sequence[int]) -> None:
@@ -32,6 +33,8 @@ def keep_for_frame(obj: bpy.types.Object, frame: int, frames: Sequence[int]) -> 
     base = key.name
     key.name = f"{base} {frame}"
     number, value = list(frames).index(frame), key.value
+    key.keyframe_insert("value", frame=frame)  # may find the action of an earlier run, on other frames
+    remove_keyframes(key)
     for other in frames[max(number - 1, 0) : number + 2]:
         key.value = value if other == frame else 0.0
         key.keyframe_insert("value", frame=other)

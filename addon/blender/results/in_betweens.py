@@ -210,7 +210,7 @@ def animated(mesh: bpy.types.Mesh) -> str | None:
             name=mesh.name,
             property=PROPERTY,
         )
-    if form is not None and _is_animated(keys, value_path(form)):
+    if form is not None and is_animated(keys, value_path(form)):
         return told(
             "The shape key {name} of {mesh} is animated or driven. Remove its animation first, then add in-betweens.",
             name=form.name,
@@ -249,7 +249,7 @@ def animated_slider(mesh: bpy.types.Mesh) -> bool:
     bool
         True if so; drivers of this extension do not count.
     """
-    return form_key(mesh) is not None and _is_animated(mesh.shape_keys, slider_path(mesh))
+    return form_key(mesh) is not None and is_animated(mesh.shape_keys, slider_path(mesh))
 
 
 def value_path(key: bpy.types.ShapeKey) -> str:
@@ -268,8 +268,36 @@ def value_path(key: bpy.types.ShapeKey) -> str:
     return f'key_blocks["{bpy.utils.escape_identifier(key.name)}"].value'
 
 
-def _is_animated(keys: bpy.types.Key, path: str) -> bool:
-    """Return whether the user has animated a property of shape keys or given it a driver."""
+def remove_keyframes(key: bpy.types.ShapeKey) -> None:
+    """Remove the keyframes of the value of a shape key.
+
+    Parameters
+    ----------
+    key : bpy.types.ShapeKey
+        The key.
+    """
+    data = key.id_data.animation_data
+    slot = getattr(data, "action_slot_handle", None)  # other data-blocks may use other slots of the action
+    for curve in [] if data is None or data.action is None else _curves(data.action, slot):
+        if curve.data_path == value_path(key):
+            curve.keyframe_points.clear()
+
+
+def is_animated(keys: bpy.types.Key, path: str) -> bool:
+    """Return whether the user has animated a property of shape keys or given it a driver.
+
+    Parameters
+    ----------
+    keys : bpy.types.Key
+        The shape keys.
+    path : str
+        Path of the property.
+
+    Returns
+    -------
+    bool
+        True if so; drivers of this extension do not count.
+    """
     if keys.animation_data is None:
         return False
     drivers = keys.animation_data.drivers
@@ -312,9 +340,9 @@ def _is_own_driver(curve: bpy.types.FCurve, keys: bpy.types.Key) -> bool:
     return reads_property and curve.driver.expression.startswith(_EXPRESSION.split("{")[0])
 
 
-def _curves(action: bpy.types.Action) -> list[bpy.types.FCurve]:
-    """Return the F-curves of an action, layered (Blender 4.4 and later) or not."""
+def _curves(action: bpy.types.Action, slot: int | None = None) -> list[bpy.types.FCurve]:
+    """Return the F-curves of an action, layered (Blender 4.4 and later) or not; of one slot, if its handle is given."""
     if not hasattr(action, "layers"):
         return list(action.fcurves)
     bags = [bag for layer in action.layers for strip in layer.strips for bag in getattr(strip, "channelbags", ())]
-    return [curve for bag in bags for curve in bag.fcurves]
+    return [curve for bag in bags if slot in (None, bag.slot_handle) for curve in bag.fcurves]

@@ -41,6 +41,9 @@ def variant_refusal(obj: bpy.types.Object | None) -> str | None:
     """
     if obj is None or obj.type != "MESH" or not limbs_of(obj.data):
         return told("The active object has no canonical form. Compute it first.")
+    record = read_record(obj.data)
+    if record is not None and len(record.keys) > 1:
+        return told("{name} has a form for each frame. Compute one form first.", name=obj.name)
     if form_key(obj.data) is None:
         return told("The shape key of the form was changed, renamed or removed. Compute the form again first.")
     return None

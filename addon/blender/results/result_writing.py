@@ -23,7 +23,7 @@ from ..records.form_key import require_form_key, unchanged_form_key
 from ..records.hidden_attributes import HIDDEN_FORM, HIDDEN_PATCHES, patches_of
 from ..records.record import Part, Record, read_record, require_record, write_record
 from ..words.wording import told
-from .in_betweens import remove_in_betweens
+from .in_betweens import is_animated, remove_in_betweens, value_path
 from .result_clearing import clear_results, remove_results
 
 if TYPE_CHECKING:
@@ -110,7 +110,8 @@ def write_results(
         left = remove_results(obj, old, keep_key=kept_key is not None)
         if form is not None:
             for name in {*old.keys, *old.in_between_keys} & {*left}:  # both at once would show no form
-                mesh.shape_keys.key_blocks[name].value = 0.0
+                key = mesh.shape_keys.key_blocks[name]
+                key.value, key.mute = 0.0, key.mute or is_animated(mesh.shape_keys, value_path(key))
         if left:
             report.warnings.append(
                 told("Kept beside the new results, since they may hold your changes: {left}.", left=", ".join(left))

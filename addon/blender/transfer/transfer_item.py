@@ -223,8 +223,13 @@ class TransferItem:
         armature = bpy.data.objects.get(source.armature) if carried.rest is not None else None
         if armature is None:
             return
+        for name, rig in list(written["rigs"].items()):  # two rigs would move the object twice
+            now = getattr(obj.modifiers.get(name), "object", None)
+            if now is not None and rig not in bpy.data.objects:  # renamed since
+                written["rigs"][name] = now.name
+            if now != armature:
+                make_room(obj, "rigs", [name], written)
         if not any(each.type == "ARMATURE" and each.object == armature for each in obj.modifiers):
-            make_room(obj, "rigs", list(written["rigs"]), written)  # two rigs would move the object twice
             modifier = obj.modifiers.new("Armature", "ARMATURE")
             modifier.object = armature
             written["rigs"][modifier.name] = armature.name
@@ -257,7 +262,8 @@ class TransferItem:
         if carried.rest is not None:
             rest = REST.format(source.name).encode()[:63].decode(errors="ignore")  # Blender's limit, in bytes
             shapes = {rest: (carried.rest, (0.0, 1.0)), **shapes}
-            others = [name for name in written["keys"] if name.startswith(REST.format("")) and name not in shapes]
+            kept = {*shapes, *(key.name for key in source.keys)}  # the source may have taken over a rig itself
+            others = [name for name in written["keys"] if name.startswith(REST.format("")) and name not in kept]
             for name in make_room(obj, "keys", others, written):  # changed by the user
                 obj.data.shape_keys.key_blocks[name].value = 0.0
         names = self._room(obj, source, "keys", list(shapes), written)
