@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from tests.meshes.shapes import Mesh
+from tests.meshes.shapes import Mesh, cylinder
 
 LENGTH, RADIUS = 4.0, 0.12
 HELIX_TURNS, HELIX_RADIUS = 1.5, 3 * RADIUS
@@ -86,3 +86,14 @@ def rings(vertices: np.ndarray, around: int) -> tuple[np.ndarray, np.ndarray]:
 
 def length_of(axis: np.ndarray) -> float:
     return float(np.linalg.norm(np.diff(axis, axis=0), axis=1).sum())
+
+
+def akimbo() -> Mesh:
+    """Make an arm for a ball of radius 12 around the origin: one end sunk into it, the other lying on it, below."""
+    vertices, faces = cylinder(24, 80, 1.0, np.pi)
+    along = np.interp(vertices[:, 2], [vertices[:, 2].min(), vertices[:, 2].max()], [0, np.pi])
+    end = np.minimum(1.0, 4 * np.minimum(along, np.pi - along))
+    width = np.maximum(np.sqrt(1 - (1 - end) ** 2), 0.02)  # round ends
+    angle, out = along - np.pi / 2 + 0.3, 4 + width * vertices[:, 0]
+    ring = np.column_stack([out * np.cos(angle), out * np.sin(angle), width * vertices[:, 1]])
+    return ring + np.array([12 - 1.405, 0.0, 0.0]), faces

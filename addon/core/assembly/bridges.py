@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 _SHORT_WAY = 0.25  # path on the surface, in sqrt(area), beyond twice the link, up to which more contacts are bridged
 _BORDER = 4.0  # weight of a border vertex, relative to an inner one: joints are where surfaces end
 _HELD, _HELD_FACTOR = 0.7, 10.0  # share of an open end in a contact above which it is held, and the factor for that
+_FEW = 8  # vertices of a contact below which its normals say little about how far around it is
 _LINKED = 3  # vertices of the other part that a vertex is linked to: a single one would let a part twist
 _FALLBACK = 3  # links between parts that no contact joins
 
@@ -30,6 +31,7 @@ class _Contact(NamedTuple):
     lengths: FloatArray
     around: float
     score: float
+    both_around: float
 
 
 def bridges_between(points: FloatArray, faces: IntArray, part: IntArray, surfaces: Sequence[FloatArray]) -> IntArray:
@@ -101,12 +103,27 @@ def _contacts(
         here = label == index
         own, length = links[here], lengths[here]
         ends = [np.unique(side) for side in own.T]
-        around = max(1 - float(np.linalg.norm(normals[end].mean(axis=0))) for end in ends)
-        count = sum(len(end) + _BORDER * np.count_nonzero(loop[end] >= 0) for end in ends)
-        score = count * around**2 / (1 + (length.min() / TOUCH) ** 2)
+        around = [1 - float(np.linalg.norm(normals[end].mean(axis=0))) for end in ends]
+        count = [len(end) + _BORDER * np.count_nonzero(loop[end] >= 0) for end in ends]
         held = any((_shares(loop[end], whole) >= _HELD).any() for end in ends)
-        found.append(_Contact(own, length, around, score * (_HELD_FACTOR if held else 1.0)))
-    return sorted(found, key=lambda contact: -contact.score)
+        factor = (_HELD_FACTOR if held else 1.0) / (1 + (length.min() / TOUCH) ** 2)
+        both = float(min(count) / (min(count) + _FEW) * np.prod(around) * factor)
+        found.append(_Contact(own, length, max(around), sum(count) * max(around) ** 2 * factor, both))
+    return _best_first(found, part)
+
+
+def _best_first(contacts: list[_Contact], part: IntArray) -> list[_Contact]:
+    """Sort contacts by their scores, those of the same two parts by how far both sides are around.
+
+    A shoulder comes before a hand on a hip: the hand is thin and has normals all around, but the hip has not.
+    """
+    ordered = sorted(contacts, key=lambda contact: -contact.score)
+    of_pair: dict[tuple[int, ...], list[_Contact]] = {}
+    pairs = [tuple(sorted(part[contact.links[0]].tolist())) for contact in ordered]
+    for pair, contact in zip(pairs, ordered, strict=True):
+        of_pair.setdefault(pair, []).append(contact)
+    queues = {pair: iter(sorted(each, key=lambda one: -one.both_around)) for pair, each in of_pair.items()}
+    return [next(queues[pair]) for pair in pairs]
 
 
 def _links(

@@ -126,8 +126,6 @@ def _hosts(cast: _Cast) -> tuple[list[int], list[int]]:
 
 
 def _is_host(cast: _Cast, piece: int, hosts: list[int]) -> bool:
-    from scipy.spatial import KDTree
-
     area, distance = cast.area(piece), cast.distance(piece, hosts)
     gap = float(distance.min())
     if gap > WIDEST_GAP:  # nothing near: a body of its own, unless it is small, or hangs on something that rides
@@ -135,12 +133,44 @@ def _is_host(cast: _Cast, piece: int, hosts: list[int]) -> bool:
         return far or area > _SMALLER * max(cast.area(host) for host in hosts)
     if np.mean(distance < TOUCH) >= _COVERED:
         return False
-    points = cast.samples[piece].points
     if area > _REACHING_AREA:
         near = distance < max(TOUCH, gap + TOUCH / 2)
-        if KDTree(points[near]).query(points)[0].max() > _REACH and not _is_stick(points, points[near], area):
+        if _reaches(cast, piece, near) or any(
+            _reaches(cast, piece, each) for each in _joints(cast, piece, hosts, near)
+        ):
             return True
     return area > _HELD_AREA and _is_held(cast, piece, hosts)
+
+
+def _reaches(cast: _Cast, piece: int, touching: np.ndarray) -> bool:
+    """Check whether a piece extends far from the samples that touch others, and is no stick."""
+    from scipy.spatial import KDTree
+
+    points = cast.samples[piece].points
+    far = KDTree(points[touching]).query(points)[0].max() > _REACH
+    return bool(far) and not _is_stick(points, points[touching], cast.area(piece))
+
+
+def _joints(cast: _Cast, piece: int, hosts: list[int], near: np.ndarray) -> list[np.ndarray]:
+    """List the samples at each joint: an arm whose hand lies on a hip still reaches far from its shoulder."""
+    from scipy.spatial import KDTree
+
+    samples, places = cast.samples[piece], np.flatnonzero(near)
+    contacts = [(host, cast.contacts[piece, host]) for host in hosts if (piece, host) in cast.contacts]
+    closest = np.argmin([contact.distances[places] for _, contact in contacts], axis=0)
+    towards = np.empty((len(places), 3))
+    for number, (host, contact) in enumerate(contacts):
+        own = closest == number
+        towards[own] = cast.samples[host].points[contact.nearest[places[own]]] - samples.points[places[own]]
+    patch = component_labels(len(places), KDTree(samples.points[places]).query_pairs(TOUCH, output_type="ndarray"))
+    patches = [np.flatnonzero(patch == each) for each in range(int(patch.max()) + 1)]
+    return [places[own] for own in patches if _is_around(samples.normals[places[own]], towards[own])]
+
+
+def _is_around(normals: FloatArray, towards: FloatArray) -> bool:
+    """Check whether a contact is all around: a thin hand has normals all around, but lies on one side of a hip."""
+    towards = towards / np.maximum(np.linalg.norm(towards, axis=1), np.finfo(float).tiny)[:, None]
+    return bool(min(1 - np.linalg.norm(side.mean(axis=0)) for side in (normals, towards)) > AROUND)
 
 
 def _is_stick(points: FloatArray, touching: FloatArray, area: float) -> bool:
@@ -187,10 +217,7 @@ def _hold(cast: _Cast, i: int, j: int) -> bool:
     for one, other in ((i, j), (j, i)):
         contact, samples = cast.contacts[one, other], cast.samples[one]
         near = contact.distances < limit
-        towards = cast.samples[other].points[contact.nearest[near]] - samples.points[near]
-        towards /= np.maximum(np.linalg.norm(towards, axis=1), np.finfo(float).tiny)[:, None]
-        sides = samples.normals[near], towards  # a thin hand has normals all around, but lies on one side of a hip
-        if min(1 - np.linalg.norm(side.mean(axis=0)) for side in sides) > AROUND:
+        if _is_around(samples.normals[near], cast.samples[other].points[contact.nearest[near]] - samples.points[near]):
             return True
     return _is_held(cast, i, [j]) or _is_held(cast, j, [i])
 

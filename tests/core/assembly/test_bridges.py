@@ -9,6 +9,7 @@ from addon.core.assembly.contacts import sampled
 from addon.core.mesh.edges import vertex_pairs
 from addon.core.mesh.geometry import of_unit_area, vertex_normals
 from tests.meshes import shapes
+from tests.meshes.tubes import akimbo
 
 AROUND = 48
 
@@ -114,12 +115,30 @@ def test_two_ends_near_each_other_are_both_joined():
 
     def contact(links, around, score):
         lengths = np.linalg.norm(np.subtract(*points[np.array(links).T]), axis=1)
-        return module._Contact(np.array(links), lengths, around, score)
+        return module._Contact(np.array(links), lengths, around, score, around * score)
 
     first, beside, touch = contact([[0, 3]], 0.5, 3.0), contact([[1, 4]], 0.5, 2.0), contact([[2, 5]], 0.1, 1.0)
     assert module._chosen(points, pairs, part, [first, beside, touch]).tolist() == [[0, 3], [1, 4]]
     assert module._chosen(10 * points, pairs, part, [first, beside, touch]).tolist() == [[0, 3]]
     assert module._chosen(points, pairs, part, [touch]).tolist() == [[2, 5]]
+
+
+def test_an_arm_is_joined_at_its_shoulder_and_not_where_its_hand_lies():
+    vertices, faces = shapes.sphere(4)
+    points, faces, part, surfaces = put_together((12 * vertices, faces), akimbo())
+    bridges = np.unique(bridges_between(points, faces, part, surfaces))
+    assert len(bridges) > 20
+    assert (points[bridges, 1] > 0).all()
+
+
+def test_of_contacts_of_the_same_parts_the_one_that_is_around_on_both_sides_comes_first():
+    """A finely meshed hand on a hip has the best score; that of other parts keeps its place."""
+    part = np.array([0, 1, 2])
+    hand, shoulder, neck = (
+        module._Contact(np.array([link]), np.ones(1), 0.7, score, both)
+        for link, score, both in (([0, 1], 33.0, 0.1), ([1, 0], 31.0, 0.2), ([0, 2], 32.0, 0.0))
+    )
+    assert module._best_first([shoulder, neck, hand], part) == [shoulder, neck, hand]
 
 
 def test_every_link_has_a_triangle_at_either_end_and_none_twice():

@@ -9,6 +9,7 @@ from addon.core.assembly.roles import roles_of
 from addon.core.mesh.geometry import of_unit_area
 from addon.core.run.monitor import Monitor
 from tests.meshes import shapes
+from tests.meshes.tubes import akimbo
 
 
 def roles(*meshes):
@@ -133,6 +134,11 @@ def test_a_piece_far_from_the_body_that_hangs_on_a_rider_rides_there():
     bead = 0.03 * ball(1.0)[0] + [1.02, 0, 0.16 * unit], ball(1.0)[1]
     found, _ = roles(ball(1.0), braid, bead)
     assert found == ([[0]], [(1, 0), (2, 1)])
+
+
+def test_an_arm_is_part_wherever_its_hand_lies():
+    found, _ = roles(ball(12.0), akimbo())
+    assert found == ([[0, 1]], [])
 
 
 @pytest.mark.parametrize(
