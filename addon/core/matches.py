@@ -29,7 +29,7 @@ from .run.monitor import Cancelled, Monitor, Progress
 _UNFOLDED = 0.4  # of the work, one mesh
 _MATCHING = {"Ways to match": 55, "Match": 45}  # stages
 _UNLIKE = -3.5  # score above which two bodies count as dissimilar; poses of a body reach -3.9 to -6
-_CLOSE = 0.1  # difference of scores below which another side is equally likely
+_CLOSE = 0.2  # difference of scores below which another side is about as likely; poses of like bodies have .24 to .8
 _UNSURE = 0.4  # mean confidence below which a match is doubtful
 
 

@@ -12,6 +12,7 @@ from ..symmetry.limbs import Limbs
 from .assignments import feature_assignments
 
 _NEAR = 0.25  # sqrt(area): feature points that are farther apart do not correspond
+_TURNED = 2.0  # trace of the rotation between two alignments that lie differently: more than 60 degrees
 _RESIDUAL = 2.0  # weight of the remaining distance, in sqrt(area), relative to the mismatch of an assignment
 
 
@@ -28,12 +29,16 @@ class Laying(NamedTuple):
         For each feature point the corresponding one of the other form; -1 for none.
     mismatch : float
         Dissimilarity of the two, without unit: below 0.2 for poses of a body, above 0.3 for bodies of different kinds.
+    rival : float
+        By how much more the best alternative that lies the other way round, such as back to front, mismatches; inf if
+        there is none.
     """
 
     rotation: FloatArray
     shift: FloatArray
     image: IntArray
     mismatch: float
+    rival: float = float("inf")
 
 
 def laid_by_vertices(
@@ -112,21 +117,22 @@ def laid_by_limbs(
     ----------
     Besl and McKay, "A Method for Registration of 3-D Shapes", 1992.
     """
-    best: Laying | None = None
+    tried: list[Laying] = []
     for image, mismatch in feature_assignments(limbs, other_limbs):
         known = np.flatnonzero(image >= 0)
         if len(known) < 3:
             continue
         start = rigid_fit(form[tips[known]], other[others[image[known]]])
         rotation, shift, left = closest_points_from(form, other, *start)
-        mismatch = mismatch + _RESIDUAL * left
-        if best is None or mismatch < best.mismatch:
-            best = Laying(rotation, shift, image, mismatch)
-    if best is None:
+        tried.append(Laying(rotation, shift, image, mismatch + _RESIDUAL * left))
+    if not tried:
         *motion, left = closest_points_from(form, other, *closest_point_fit(form, other))
-        best = Laying(motion[0], motion[1], np.full(len(tips), -1), _RESIDUAL * left)
+        tried.append(Laying(motion[0], motion[1], np.full(len(tips), -1), _RESIDUAL * left))
+    best = min(tried, key=lambda each: each.mismatch)
+    turned = [each.mismatch for each in tried if np.trace(best.rotation.T @ each.rotation) < _TURNED]
     placed = form[tips] @ best.rotation + best.shift
-    return best._replace(image=completed(best.image, placed, other[others]))
+    image = completed(best.image, placed, other[others])
+    return best._replace(image=image, rival=min(turned, default=np.inf) - best.mismatch)
 
 
 def completed(image: IntArray, tips: FloatArray, others: FloatArray) -> IntArray:

@@ -17,6 +17,7 @@ from ..symmetry.upright import upright_rotation
 from .reference import ReferenceBody
 
 _ROUNDED = 1e-4  # share of the size to which positions at the reference may be rounded
+_CLOSE = 0.02  # difference of mismatches below which the form may as well lie the other way round
 _UNLIKE = 0.3  # mismatch above which two bodies count as dissimilar
 
 
@@ -74,6 +75,8 @@ def in_place(
             laying = laid_by_limbs(form, reference.points, tips, reference.tips, found.limbs, reference.limbs)
         if laying.mismatch > _UNLIKE:
             monitor.warn("reference_unlike")
+        elif laying.rival < _CLOSE:
+            monitor.warn("reference_sides")
         elif len(laying.image) != len(reference.tips) or (laying.image < 0).any():
             monitor.warn("reference_features", count=len(laying.image), others=len(reference.tips))
         if np.spacing(np.abs(reference.centre).max()) > _ROUNDED * found.unit:

@@ -76,6 +76,8 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
     "move the reference near the origin.",
     "reference_unlike": "This body differs too much from the reference. Check the orientation of the form, or choose "
     "another reference.",
+    "reference_sides": "Front and back, or left and right, can hardly be distinguished on this reference. Check how "
+    "the form lies.",
     "reference_features": "This body has {count} feature points and the reference {others}; if one has no "
     "counterpart, the numbers after it differ.",
     # a match

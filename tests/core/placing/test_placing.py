@@ -7,11 +7,14 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from addon.core import InvalidSettingsError, Settings, canonical_form
+from addon.core.matching.laying import laid_by_limbs
 from addon.core.measures.alignment import rigid_fit
 from addon.core.mesh.coarsening import coarsened
 from addon.core.mesh.geometry import surface_area, vertex_areas
+from addon.core.placing.orientation import _CLOSE
 from addon.core.placing.reference import reference_bodies
 from addon.core.run.monitor import Monitor
+from addon.core.symmetry.limbs import limbs_of
 from tests.meshes import shapes
 
 UPRIGHT = Settings(orientation="upright", quality="draft")
@@ -147,6 +150,28 @@ def test_an_unlike_body_and_bodies_too_many_are_told(real_mesh, figure):
     assert "reference_bodies" in [warning.kind for warning in found.warnings]
     np.testing.assert_allclose(found.vertices[: len(vertices)].mean(axis=0), alone.vertices.mean(axis=0), atol=0.2)
     assert found.vertices[len(vertices) :, 0].mean() > 90
+
+
+@pytest.mark.parametrize("nose", [0.0, 0.6])
+def test_a_form_that_may_lie_either_way_round_is_told(nose):
+    tips = np.array([[1.0, 0, 0], [-1, 0, 0], [0, 2, 0], [0, -1, 0]])
+    points = np.concatenate([tips, np.linspace(0.1, 0.9, 9)[:, None, None] * tips], axis=None).reshape(-1, 3) / 3
+    points = np.concatenate([points, points + np.array([0, 0, 0.01]), np.outer(np.linspace(0.1, 1, 20), [0, 0, nose])])
+    far = np.linalg.norm(tips[:, None] - tips, axis=2)
+    limbs = limbs_of(far, np.zeros((4, 4, 4)), np.ones(4), lambda: np.arange(4.0))
+    laying = laid_by_limbs(points, points, np.arange(4), np.arange(4), limbs, limbs)
+    assert laying.mismatch < 0.1
+    assert (laying.rival < _CLOSE) == (nose == 0)
+
+
+def test_the_warning_reaches_the_form(figure, monkeypatch):
+    monkeypatch.setattr(
+        "addon.core.placing.orientation.laid_by_limbs", lambda *words: laid_by_limbs(*words)._replace(rival=0.0)
+    )
+    form = canonical_form(figure[0], figure[1], UPRIGHT)
+    vertices, faces, _ = shapes.permuted(*figure)
+    kinds = [each.kind for each in canonical_form(vertices, faces, DRAFT, reference=form).warnings]
+    assert "reference_sides" in kinds
 
 
 def test_a_reference_that_is_too_far_for_the_size_of_the_mesh_is_refused(figure):
