@@ -190,7 +190,7 @@ def test_a_rest_pose_that_was_changed_stays_without_bending_the_next(pair, rig):
     keys_of(scan)["Rest of Base"].data[0].co.x += 1.0
     base.name = "Body"
     bpy.ops.object.canonical_form_transfer(**{**TRANSFER, "like": "Body"}, kinds={"GROUPS"})
-    assert {key.name: key.value for key in keys_of(scan)} == {"Basis": 1.0, "Rest of Base": 0.0, "Rest of Body": 1.0}
+    assert {key.name: key.value for key in keys_of(scan)[1:]} == {"Rest of Base": 0.0, "Rest of Body": 1.0}
 
 
 def test_another_rig_takes_the_place_of_the_first(pair, rig):
