@@ -130,6 +130,12 @@ class FormItem:
         return told("{name} and {more} more", name=self.readings[0].name, more=more) if more else self.readings[0].name
 
     @property
+    def resized(self) -> list[str]:
+        """Names of the objects whose modifiers change the number of vertices, so that no shape key can hold a form."""
+        there = [(find_object(each), len(each.vertices)) for each in self.readings]  # renamed meanwhile, perhaps
+        return [obj.name for obj, count in there if count != len(obj.data.vertices)]
+
+    @property
     def _body(self) -> str:
         """Combined fingerprint of the objects."""
         parts = str([(each.name, each.fingerprint) for each in self.readings])
@@ -219,11 +225,6 @@ class FormItem:
         """Write the results; the objects are in Object Mode."""
         warnings = self.results[0].report.warnings  # shared by all
         new = request.new_object
-        resized = [
-            obj.name
-            for obj, reading in zip(objects, self.readings, strict=True)
-            if reading.deformed and len(reading.vertices) != len(obj.data.vertices)
-        ]
         warnings += [
             told(
                 "{name} could not take part: its form is of an earlier run and no longer follows the slider.",
@@ -232,12 +233,12 @@ class FormItem:
             for obj in former
         ]
         warnings += object_warnings(objects, self.readings[0].deformed, scaled=len(objects) > 1)
-        if resized and not new:
+        if self.resized and not new:
             warnings.append(
                 told(
                     "Modifiers change the number of vertices of {resized}, so that no shape key can "
                     "hold the form: it is on a new object.",
-                    resized=", ".join(resized),
+                    resized=", ".join(self.resized),
                 )
             )
             new = True

@@ -85,8 +85,7 @@ class FormTask:
     @property
     def resized(self) -> list[str]:
         """Names of the objects whose modifiers change the number of vertices, so that no shape key can hold a form."""
-        readings = [reading for item in self.items for reading in item.readings]
-        return [each.name for each in readings if len(each.vertices) != len(bpy.data.objects[each.name].data.vertices)]
+        return [name for item in self.items for name in item.resized]
 
     @property
     def errors(self) -> list[str]:

@@ -121,8 +121,9 @@ def _is_same_mesh(faces: IntArray, others: IntArray) -> bool:
     """Return whether most triangles are the same; repairs of a few may depend on the pose."""
     if faces.shape == others.shape and np.array_equal(faces, others):
         return True
-    both = np.concatenate([np.unique(np.sort(each, axis=1), axis=0) for each in (faces, others)])
-    return 2 * (len(both) - len(np.unique(both, axis=0))) > max(len(faces), len(others))
+    size = np.int64(max(faces.max(initial=0), others.max(initial=0))) + 1
+    codes = [np.sort(each, axis=1).astype(np.int64) @ np.array([1, size, size**2]) for each in (faces, others)]
+    return 2 * len(np.intersect1d(*codes)) > max(len(faces), len(others))
 
 
 def _is_twin(body: BodyLimbs, vertices: IntArray) -> bool:
