@@ -29,7 +29,7 @@ from .run.monitor import Cancelled, Monitor, Progress
 _UNFOLDED = 0.4  # of the work, one mesh
 _MATCHING = {"Ways to match": 55, "Match": 45}  # stages
 _UNLIKE = -3.5  # score above which two bodies count as dissimilar; poses of a body reach -3.9 to -6
-_CLOSE = 0.2  # difference of scores below which another side is about as likely; poses of like bodies have .24 to .8
+_CLOSE = 1.06  # factor on the strain of the likeliest side below which another is about as likely
 _UNSURE = 0.4  # mean confidence below which a match is doubtful
 
 
@@ -199,9 +199,8 @@ def matched_bodies(
         with own.stage("Match"):
             maps.append(point_map(surfaces[here], other_surfaces[there], found[chosen], own))
         ways = ways or found
-    scores = [each.score for each in ways]
-    result = _on_meshes(bodies, others, pairs, maps, scores, monitor, two)
-    _warn([surfaces[here] for here, _ in pairs], maps, scores, monitor)
+    result = _on_meshes(bodies, others, pairs, maps, [each.score for each in ways], monitor, two)
+    _warn([surfaces[here] for here, _ in pairs], maps, ways, monitor)
     return MatchedBodies(bodies, others, surfaces, other_surfaces, pairs, maps, result)
 
 
@@ -270,13 +269,13 @@ def _on_meshes(
     )
 
 
-def _warn(surfaces: list[Unfolded], maps: list[PointMap], scores: list[float], monitor: Monitor) -> None:
+def _warn(surfaces: list[Unfolded], maps: list[PointMap], ways: list[Side], monitor: Monitor) -> None:
     """Warn if a match is doubtful."""
     if max(found.score for found in maps) > _UNLIKE:
         monitor.warn("match_unlike")
     elif min(_sure(*each) for each in zip(surfaces, maps, strict=True)) < _UNSURE:
         monitor.warn("match_unsure")
-    if len(scores) > 1 and scores[1] - scores[0] < _CLOSE:
+    if len(ways) > 1 and ways[1].strain < _CLOSE * ways[0].strain:  # not if one of them is nan
         monitor.warn("match_sides")
 
 

@@ -11,12 +11,15 @@ from ..numerics.arrays import FloatArray, IntArray
 from ..run.monitor import Monitor
 from .spectral_map import first_map, refined
 from .starts import Start, starts
+from .strain import fit_strain
 from .unfolded import Unfolded
 
 _SAMPLES = 500  # vertices on which the matches are compared
 _COUNTS = (20, 35, 50)  # eigenfunctions, round by round
 _NEAR, _FACING = 0.6, 0.05  # weights of positions on the form and of normals
 _SIGNATURE, _CURVATURE = 2.0, 2.0  # weights relative to the logarithm of the remaining distance
+_RIVALS = 0.5  # difference of scores up to which sides are compared by their strain,
+_MOST = 3  # their maximum number
 _SAME = 0.15  # sqrt(area): mean distance between two maps below which they are of one side
 
 
@@ -29,10 +32,13 @@ class Side(NamedTuple):
         How well it fits, without unit; lower is better. Poses of a body reach -4 to -6, dissimilar bodies hardly -3.
     start : Start
         The alignment of the forms, and the corresponding feature points.
+    strain : float
+        By how much it changes lengths on the form, as in `fit_strain`; nan if its score decided.
     """
 
     score: float
     start: Start
+    strain: float = float("nan")
 
 
 def sides(one: Unfolded, other: Unfolded, monitor: Monitor) -> list[Side]:
@@ -40,7 +46,9 @@ def sides(one: Unfolded, other: Unfolded, monitor: Monitor) -> list[Side]:
 
     Each start is refined on a sample. Its score is the logarithm of the remaining distance between the forms, plus
     twice the change of the wave kernel signature, minus twice the correlation of smoothed mean curvature of the poses:
-    of these, curvature distinguishes front from back best.
+    of these, curvature distinguishes front from back best. Between bodies of different make it hardly does, so matches
+    with close scores are fitted, and the one that strains the form least comes first: a body turned back to front has
+    to twist feet, hands and face.
 
     Parameters
     ----------
@@ -52,7 +60,7 @@ def sides(one: Unfolded, other: Unfolded, monitor: Monitor) -> list[Side]:
     Returns
     -------
     list of Side
-        The matches, the best one first; at least one.
+        The matches, the likeliest one first; at least one.
 
     Raises
     ------
@@ -77,12 +85,22 @@ def sides(one: Unfolded, other: Unfolded, monitor: Monitor) -> list[Side]:
         first = first_map(one, other, start, monitor, rows=rows)
         partner = refined(one, other, first, _COUNTS, _NEAR, monitor, facing=_FACING, rows=rows)
         tried.append((_score(one, other, rows, partner), start, other.form[partner]))
-        monitor.tick(number / len(ways))
+        monitor.tick(number / (len(ways) + _MOST))
     found: list[tuple[Side, FloatArray]] = []
     for score, start, places in sorted(tried, key=lambda each: each[0]):
         if all(np.linalg.norm(places - known, axis=1).mean() > _SAME for _, known in found):
             found.append((Side(score, start), places))
-    return [side for side, _ in found]
+    return _by_strain(one, other, [side for side, _ in found], monitor)
+
+
+def _by_strain(one: Unfolded, other: Unfolded, found: list[Side], monitor: Monitor) -> list[Side]:
+    """Sort the matches with scores close to the best by their strain."""
+    count = sum(side.score - found[0].score < _RIVALS for side in found[:_MOST])
+    if count > 1:
+        rivals = [side._replace(strain=fit_strain(one, other, side.start, monitor)) for side in found[:count]]
+        found = sorted(rivals, key=lambda side: side.strain) + found[count:]
+    monitor.tick(1.0)
+    return found
 
 
 def _score(one: Unfolded, other: Unfolded, rows: IntArray, partner: IntArray) -> float:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from addon.core.matching import sides as module
-from addon.core.matching.sides import sides
+from addon.core.matching.sides import Side, sides
 from addon.core.measures.alignment import rigid_fit
 from addon.core.run.monitor import Monitor
 
@@ -14,6 +14,7 @@ def test_a_body_is_most_like_itself_and_the_best_way_comes_first(body, renumbere
     ways = sides(body, other, Monitor())
     scores = [way.score for way in ways]
     assert scores == sorted(scores)
+    assert np.isnan(ways[0].strain)  # no other comes close
     assert scores[0] < -4
     placed = body.form @ ways[0].start.rotation + ways[0].start.shift
     np.testing.assert_allclose(placed[old], other.form, atol=1e-6)
@@ -69,3 +70,23 @@ def test_samples_are_the_farthest_from_each_other():
     assert module._spread(points, 20).tolist() == sorted(chosen)
     assert module._spread(points, 200).tolist() == list(range(200))
     assert module._spread(points, 300).tolist() == list(range(200))
+
+
+@pytest.mark.parametrize(
+    ("scores", "strains", "order"),
+    [
+        ([-4.2, -4.1, -3.0], {-4.2: 0.09, -4.1: 0.08}, [-4.1, -4.2, -3.0]),  # strain decides among the close
+        ([-4.2, -4.1, -3.0], {-4.2: 0.08, -4.1: 0.09}, [-4.2, -4.1, -3.0]),
+        ([-4.2, -4.2, -4.1, -4.0], {-4.2: 0.5, -4.1: 0.1}, [-4.1, -4.2, -4.2, -4.0]),  # of the first three at most
+        ([-5.0, -4.5], {}, [-5.0, -4.5]),
+        ([-3.0], {}, [-3.0]),
+    ],
+)
+def test_matches_with_close_scores_are_sorted_by_strain(body, monkeypatch, scores, strains, order):
+    monkeypatch.setattr(module, "fit_strain", lambda one, other, start, monitor: strains[start])
+    told = []
+    monitor = Monitor(lambda share, stage: told.append(share))
+    found = module._by_strain(body, body, [Side(score, score) for score in scores], monitor)
+    assert [side.score for side in found] == order
+    assert {side.score: side.strain for side in found if not np.isnan(side.strain)} == strains
+    assert told[-1] == pytest.approx(1.0)

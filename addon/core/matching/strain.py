@@ -1,0 +1,60 @@
+"""The strain of a match: by how much it changes lengths on the form."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..deformation.elastic_body import ElasticBody
+from ..measures.form_measures import edge_stretch
+from ..run.monitor import Monitor
+from .elastic_fit import elastic_fit
+from .spectral_map import first_map, on_triangles, refined
+from .starts import Start
+from .unfolded import Unfolded
+
+_COUNTS, _LAST = (20, 35, 50), 80  # eigenfunctions, round by round, and in the last one
+_NEAR = 0.3  # weight of positions on the form
+_LEAST = 1e-3  # change of length below which it makes no difference
+
+
+def fit_strain(one: Unfolded, other: Unfolded, start: Start, monitor: Monitor) -> float:
+    """Fit a form to another from the start of a match, and measure its strain.
+
+    Parameters
+    ----------
+    one, other : Unfolded
+        The surfaces.
+    start : Start
+        The alignment of the forms, and the corresponding feature points.
+    monitor : Monitor
+        Polled for cancellation.
+
+    Returns
+    -------
+    float
+        Mean size of the logarithm of the change of the edges' lengths, without unit: .01 to .06 for poses of a body,
+        .07 to .1 for bodies of a kind, about .2 for others, and for bodies turned back to front 1.05 to 2 times as
+        much.
+
+    Raises
+    ------
+    CancelledError
+        If the run is cancelled.
+
+    Examples
+    --------
+    >>> from addon.core.matching.unfolded import unfolded
+    >>> from addon.core.method_api.settings import Settings
+    >>> from addon.core.method_api.surface_features import detected
+    >>> points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 3]])
+    >>> found = detected(points, np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]), None, Settings(), Monitor())
+    >>> body = unfolded(found, found.whole_points, Monitor())
+    >>> round(fit_strain(body, body, Start(np.array([-1]), np.eye(3), np.zeros(3)), Monitor()), 6)
+    0.0
+    """
+    body = ElasticBody(one.found.surface.triangulation, one.form, one.faces)
+    partner = refined(one, other, first_map(one, other, start, monitor), _COUNTS, _NEAR, monitor)
+    there = on_triangles(one, other, partner, _LAST, _NEAR, monitor)
+    placed, _ = elastic_fit(body, one, other, there, monitor)
+    change = edge_stretch(one.form, placed, one.faces)
+    return float(np.abs(np.log(np.maximum(change, _LEAST))).mean())
