@@ -163,12 +163,14 @@ class OBJECT_OT_canonical_form_match_colours(bpy.types.Operator):
         from ..blender.results.match_colours import toggle_source_colours
 
         try:
-            shown = toggle_source_colours(bpy.data.objects.get(self.like))
+            shown, kept = toggle_source_colours(bpy.data.objects.get(self.like))
         except CanonicalFormError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         if shown:
             show_colours(context)
+        if kept:
+            self.report({"WARNING"}, told("{name} was changed since and is kept.", name=kept))
         return {"FINISHED"}
 
 

@@ -5,7 +5,7 @@ import bpy
 from ..blender.jobs.likeness import MANNEQUINS
 from ..blender.jobs.meant_objects import meant_objects
 from ..blender.records.form_report import LikeReport
-from ..blender.results.match_colours import has_source_colours
+from ..blender.results.match_colours import source_colours
 from ..blender.words.wording import CONTEXT, told
 from ..core import Settings
 from ..core.method_api.costs import match_memory_estimate, match_time_estimate
@@ -43,7 +43,7 @@ class VIEW3D_PT_canonical_form_pose_like(Tab, bpy.types.Panel):
         draw_other_side(layout, chosen, like)
         source = None if like is None or like.pose != "OBJECT" else bpy.data.objects.get(like.name)
         if source is not None and source.type == "MESH":
-            if has_source_colours(source):
+            if source_colours(source.data) is not None:
                 text = told("Remove Colours from {name}", name=source.name)
             else:
                 text = told("Show Colours on {name}", name=source.name)

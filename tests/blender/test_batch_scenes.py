@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from addon.blender.files.reading_files import open_meshes
+from addon.blender.results.in_betweens import _curves
 from addon.blender.results.result_clearing import clear_from
 from tests.meshes import shapes
 
@@ -114,6 +115,21 @@ def test_frames_are_computed_again_on_their_own_result(figure, tmp_path):
     assert [key.name for key in obj.data.shape_keys.key_blocks] == ["Basis", "Canonical Form"]
     assert clear_from(obj) == []
     assert obj.data.shape_keys is None
+
+
+def test_frames_leave_no_curves_behind_and_those_of_other_keys_stay(figure, tmp_path):
+    figure.shape_key_add(name="Basis")
+    own = figure.shape_key_add(name="Smile")
+    own.keyframe_insert("value", frame=1)
+    code, lines = run(saved(tmp_path), "--frames", "1:3:2", "--frames-as", "keys", "--output", tmp_path / "first")
+    assert code == 0
+    bpy.ops.wm.open_mainfile(filepath=lines[0]["output"])
+    obj = bpy.data.objects["Figure"]
+    animated = ['key_blocks["Canonical Form 1"].value', 'key_blocks["Canonical Form 3"].value']
+    mine = 'key_blocks["Smile"].value'
+    assert sorted(curve.data_path for curve in _curves(obj.data.shape_keys.animation_data.action)) == [*animated, mine]
+    assert clear_from(obj) == []
+    assert [curve.data_path for curve in _curves(obj.data.shape_keys.animation_data.action)] == [mine]
 
 
 def test_hidden_files_beside_meshes_are_no_meshes(blender, tmp_path):

@@ -120,6 +120,25 @@ def test_the_reference_can_show_the_colours_too(pair):
         bpy.ops.object.canonical_form_match_colours(like="Nobody")
 
 
+def test_colours_of_that_name_that_are_not_ours_stay_on_the_reference(pair):
+    """A user's own, those that were painted over since, and those of a copied property."""
+    _, reference = pair
+    colours = reference.data.color_attributes
+    colours.new(name="Match Source", type="BYTE_COLOR", domain="CORNER")
+    for shown in (["Match Source", "Match Source.001"], ["Match Source"]):
+        bpy.ops.object.canonical_form_match_colours(like="Other")
+        assert sorted(each.name for each in colours) == shown
+    bpy.ops.object.canonical_form_match_colours(like="Other")
+    colours["Match Source.001"].data[0].color = (0.5, 0.5, 0.5, 1.0)  # painted
+    bpy.ops.object.canonical_form_match_colours(like="Other")
+    assert sorted(each.name for each in colours) == ["Match Source", "Match Source.001"]
+    assert "canonical_form_match_source" not in reference.data
+    for forged in (["Match Source", "print"], ["Match Source"], "Match Source", 3, [1.0, 2.0]):
+        reference.data["canonical_form_match_source"] = forged
+        bpy.ops.object.canonical_form_match_colours(like="Other")
+        assert "Match Source" in colours
+
+
 def test_a_form_gives_way_to_a_pose_and_the_pose_to_a_form(pair):
     figure, _ = pair
     bpy.ops.object.canonical_form(**QUICK)

@@ -295,6 +295,9 @@ def test_colours_that_a_reference_shows_of_a_match_are_not_taken_over(pair):
     assert "Match Source" in base.data.color_attributes
     bpy.ops.object.canonical_form_transfer(**TRANSFER, kinds={"COLOURS"})
     assert {each.name for each in scan.data.color_attributes} == {"Bake", "Paint"}
+    del base.data["canonical_form_match_source"]  # so that they are the user's own
+    bpy.ops.object.canonical_form_transfer(**TRANSFER, kinds={"COLOURS"})
+    assert {each.name for each in scan.data.color_attributes} == {"Bake", "Paint", "Match Source"}
 
 
 def test_a_property_of_that_name_of_the_users_own_is_none_of_ours(pair):

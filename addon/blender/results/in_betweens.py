@@ -276,11 +276,23 @@ def remove_keyframes(key: bpy.types.ShapeKey) -> None:
     key : bpy.types.ShapeKey
         The key.
     """
-    data = key.id_data.animation_data
-    slot = getattr(data, "action_slot_handle", None)  # other data-blocks may use other slots of the action
-    for curve in [] if data is None or data.action is None else _curves(data.action, slot):
-        if curve.data_path == value_path(key):
-            curve.keyframe_points.clear()
+    for curves in _own_curves(key.id_data):
+        for curve in curves:
+            if curve.data_path == value_path(key):
+                curve.keyframe_points.clear()
+
+
+def remove_curves(key: bpy.types.ShapeKey) -> None:
+    """Remove the F-curves of the value of a shape key.
+
+    Parameters
+    ----------
+    key : bpy.types.ShapeKey
+        The key.
+    """
+    for curves in _own_curves(key.id_data):
+        for curve in [each for each in curves if each.data_path == value_path(key)]:
+            curves.remove(curve)
 
 
 def is_animated(keys: bpy.types.Key, path: str) -> bool:
@@ -340,9 +352,21 @@ def _is_own_driver(curve: bpy.types.FCurve, keys: bpy.types.Key) -> bool:
     return reads_property and curve.driver.expression.startswith(_EXPRESSION.split("{")[0])
 
 
-def _curves(action: bpy.types.Action, slot: int | None = None) -> list[bpy.types.FCurve]:
+def _own_curves(keys: bpy.types.Key) -> list[bpy.types.ActionFCurves]:
+    """Return the F-curves of the action of shape keys, without those of other data-blocks that use the action."""
+    data = keys.animation_data
+    slot = getattr(data, "action_slot_handle", None)
+    return [] if data is None or data.action is None else _curve_lists(data.action, slot)
+
+
+def _curves(action: bpy.types.Action) -> list[bpy.types.FCurve]:
+    """Return the F-curves of all slots of an action."""
+    return [curve for curves in _curve_lists(action, None) for curve in curves]
+
+
+def _curve_lists(action: bpy.types.Action, slot: int | None) -> list[bpy.types.ActionFCurves]:
     """Return the F-curves of an action, layered (Blender 4.4 and later) or not; of one slot, if its handle is given."""
     if not hasattr(action, "layers"):
-        return list(action.fcurves)
+        return [action.fcurves]
     bags = [bag for layer in action.layers for strip in layer.strips for bag in getattr(strip, "channelbags", ())]
-    return [curve for bag in bags if slot in (None, bag.slot_handle) for curve in bag.fcurves]
+    return [bag.fcurves for bag in bags if slot in (None, bag.slot_handle)]

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import re
-
 import bpy
 import numpy as np
 
 from ...core import CanonicalFormError
 from ..mesh_items.colour_attributes import add_colours
+from ..mesh_items.fingerprints import colour_fingerprint
 from ..mesh_items.palette import places
 from ..objects.mesh_reading import read_mesh, refusal
 from ..objects.object_states import object_mode
@@ -16,42 +15,28 @@ from ..objects.placement import placement_of
 from ..words.wording import told
 
 SOURCE_COLOURS = "Match Source"
-_OURS = re.compile(rf"{SOURCE_COLOURS}( Colours)*(\.\d{{3,}})?")  # Blender may append a number
+SOURCE_PROPERTY = "canonical_form_match_source"
+"""Property of a mesh: name and fingerprint of the colours that it shows as a reference."""
 
 
-def has_source_colours(obj: bpy.types.Object) -> bool:
-    """Return whether a reference shows its colours.
-
-    Parameters
-    ----------
-    obj : bpy.types.Object
-        The reference.
-
-    Returns
-    -------
-    bool
-        True if it does.
-    """
-    return _name(obj) is not None
-
-
-def are_source_colours(name: str) -> bool:
-    """Return whether colours are those that a reference shows, by their name.
+def source_colours(mesh: bpy.types.Mesh) -> str | None:
+    """Return the name of the colours that a reference shows of a match.
 
     Parameters
     ----------
-    name : str
-        Name of a colour attribute.
+    mesh : bpy.types.Mesh
+        The mesh of the reference.
 
     Returns
     -------
-    bool
-        True if they are.
+    str or None
+        The name; None if it shows none. Colours of the user's own that have the name do not count.
     """
-    return _OURS.fullmatch(name) is not None
+    name, _ = _recorded(mesh)
+    return name if name in mesh.color_attributes else None
 
 
-def toggle_source_colours(obj: bpy.types.Object | None) -> bool:
+def toggle_source_colours(obj: bpy.types.Object | None) -> tuple[bool, str]:
     """Show on a reference the colours that matches transfer from it, or remove them.
 
     Parameters
@@ -61,8 +46,10 @@ def toggle_source_colours(obj: bpy.types.Object | None) -> bool:
 
     Returns
     -------
-    bool
+    shown : bool
         Whether it shows them now.
+    kept : str
+        Name of colours that stay because they were changed since; empty if none were.
 
     Raises
     ------
@@ -73,19 +60,31 @@ def toggle_source_colours(obj: bpy.types.Object | None) -> bool:
     if obj is None or reason is not None:
         raise CanonicalFormError(reason or "")
     with object_mode(obj):
-        colours = obj.data.color_attributes
-        shown = _name(obj)
+        mesh, colours = obj.data, obj.data.color_attributes
+        shown = source_colours(mesh)
         if shown is not None:
-            colours.remove(colours[shown])
-            return False
-        vertices = read_mesh(obj.data)[0] @ placement_of(obj, True)[:3, :3].T
+            unchanged = _recorded(mesh)[1] == _fingerprint(colours[shown])
+            del mesh[SOURCE_PROPERTY]
+            if unchanged:
+                colours.remove(colours[shown])
+            return False, "" if unchanged else shown
+        vertices = read_mesh(mesh)[0] @ placement_of(obj, True)[:3, :3].T
         attribute = add_colours(obj, SOURCE_COLOURS)
         shades = np.append(places(vertices), np.ones((len(vertices), 1)), axis=1)
         attribute.data.foreach_set("color", shades.astype(np.float32).ravel())
         colours.active_color_name = attribute.name
-    return True
+        mesh[SOURCE_PROPERTY] = [attribute.name, _fingerprint(attribute)]
+    return True, ""
 
 
-def _name(obj: bpy.types.Object) -> str | None:
-    """Return the name of the colours, which is extended if a vertex group has it."""
-    return next((each.name for each in obj.data.color_attributes if are_source_colours(each.name)), None)
+def _recorded(mesh: bpy.types.Mesh) -> tuple[str, str]:
+    """Return name and fingerprint of the colours as recorded; empty if there is no record."""
+    value = mesh.get(SOURCE_PROPERTY)
+    texts = list(value) if isinstance(value, list) else []
+    return (texts[0], texts[1]) if len(texts) == 2 and all(isinstance(each, str) for each in texts) else ("", "")
+
+
+def _fingerprint(attribute: bpy.types.Attribute) -> str:
+    """Hash colours; empty if they are no longer one per vertex."""
+    same = attribute.domain == "POINT" and attribute.data_type == "FLOAT_COLOR"
+    return colour_fingerprint(attribute) if same else ""

@@ -12,7 +12,7 @@ from ..mesh_items.slider import release
 from ..objects.object_states import object_mode
 from ..records.hidden_attributes import HIDDEN_FORM, HIDDEN_PATCHES
 from ..records.record import Record, read_record, remove_record
-from .in_betweens import remove_in_betweens
+from .in_betweens import remove_curves, remove_in_betweens
 
 
 def clear_from(obj: bpy.types.Object) -> list[str]:
@@ -125,6 +125,8 @@ def _remove_keys(obj: bpy.types.Object, record: Record, unconfirmed: bool) -> li
             continue
         if key != keys.reference_key and _is_ours(known, key_fingerprint(key), unconfirmed):
             remove_drivers(key)
+            if len(record.keys) > 1:  # of several frames: the run keyframed them
+                remove_curves(key)
             obj.shape_key_remove(key)
         else:
             left.append(name)

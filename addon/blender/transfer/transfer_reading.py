@@ -11,7 +11,7 @@ from ...core.numerics.arrays import FloatArray, IntArray
 from ..mesh_items.active_items import ItemNames
 from ..mesh_items.weight_reading import weights_of
 from ..records.record import read_record
-from ..results.match_colours import are_source_colours
+from ..results.match_colours import source_colours
 
 
 class SourceColours(NamedTuple):
@@ -108,6 +108,7 @@ def read_source(obj: bpy.types.Object) -> Source:
     mesh = obj.data
     record = read_record(mesh)
     own = ItemNames() if record is None else record.written_items()
+    shown = source_colours(mesh)
     mesh.calc_loop_triangles()
     corners = np.empty(3 * len(mesh.loop_triangles), dtype=np.int32)
     mesh.loop_triangles.foreach_get("loops", corners)
@@ -124,7 +125,7 @@ def read_source(obj: bpy.types.Object) -> Source:
         [
             SourceColours(each.name, each.domain == "CORNER", each.data_type, _values(each.data, "color", 4))
             for each in mesh.color_attributes
-            if each.domain in ("POINT", "CORNER") and each.name not in own.colours and not are_source_colours(each.name)
+            if each.domain in ("POINT", "CORNER") and each.name not in own.colours and each.name != shown
         ],
         _keys(mesh, own),
         ["" if each.material is None else each.material.name for each in obj.material_slots],
