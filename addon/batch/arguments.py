@@ -163,6 +163,8 @@ def wanted_of(options: argparse.Namespace, **more: Any) -> Wanted:
     frame_keys = options.frames_as == "keys"
     if frame_keys and (not options.frames or options.format != "blend"):
         raise CanonicalFormError("--frames-as keys needs --frames, and --format blend.")
+    if not 0.0 <= options.value <= 1.0:
+        raise CanonicalFormError(f"--value must lie between 0 and 1; got {options.value:g}.")
     return Wanted(
         output=options.output,
         format=options.format,
@@ -253,8 +255,9 @@ def _add_files(parser: argparse.ArgumentParser) -> None:
         "--mesh", choices=("base", "shown"), default="base",
         help="base: the mesh itself; shown: as modifiers, armature and shape keys show it",
     )  # fmt: skip
-    what.add_argument("--frame", type=int, metavar="N", help="take the mesh as shown at this frame")
-    what.add_argument("--frames", metavar="A:B[:STEP]", help="a result for each of these frames, B included")
+    when = what.add_mutually_exclusive_group()
+    when.add_argument("--frame", type=int, metavar="N", help="take the mesh as shown at this frame")
+    when.add_argument("--frames", metavar="A:B[:STEP]", help="a result for each of these frames, B included")
     what.add_argument(
         "--frames-as", choices=("files", "keys"), default="files",
         help="results of frames are numbered files, or shape keys of one .blend, each keyed to show at its frame",

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..blender.files.replacing_files import replaced
 from ..blender.jobs.likeness import Likeness, PoseArrays
-from ..core import Match, match
+from ..core import CanonicalFormError, Match, match
 from .arguments import settings_of
 from .lines import Line, failure, stage_line
 from .plain_files import fans, has_blender, read_plain
@@ -40,7 +40,11 @@ def match_files(options: Namespace, target: Path, mark: str, stages: bool) -> Li
     line: Line = {"input": str(one), "other": str(other)}
     try:
         trusted = options.trust_scripts
-        here, there = (read_likeness(path, options.objects or (), trusted=trusted).reference for path in (one, other))
+        named = options.objects or ()
+        found_here, found_there = (read_likeness(path, named, trusted=trusted) for path in (one, other))
+        if named and found_here.name not in named and found_there.name not in named:
+            raise CanonicalFormError(f"Neither file has a mesh called {' or '.join(named)}.")
+        here, there = found_here.reference, found_there.reference
         assert here is not None
         assert there is not None
         with stage_line(f"{one.name} and {other.name}", stages) as progress:

@@ -17,7 +17,7 @@ from ..blender.records.hidden_attributes import patches_of
 from ..blender.results.companions import companions_of, lead
 from ..blender.results.in_betweens import has_in_betweens, remove_in_betweens
 from ..blender.results.limb_states import limbs_of, variant_refusal
-from ..blender.words.wording import CONTEXT, told
+from ..blender.words.wording import CONTEXT, listed, told
 from ..core import InvalidSettingsError
 from .job_operator import JobOperator, kept_stages
 from .operators import allowed
@@ -145,7 +145,7 @@ class OBJECT_OT_canonical_form_remove_in_betweens(bpy.types.Operator):
                 left += remove_in_betweens(each)
             lead([each for each in objects if form_key(each.data) is not None])
         if left:
-            self.report({"WARNING"}, told("Kept, since they may hold your changes: {left}.", left=", ".join(left)))
+            self.report({"WARNING"}, told("Kept, since they may hold your changes: {left}.", left=listed(left)))
         return {"FINISHED"}
 
 

@@ -14,7 +14,7 @@ from ..blender.jobs.meant_objects import meant_object
 from ..blender.objects.mesh_reading import refusal
 from ..blender.records.record import RECORD_PROPERTY, read_record
 from ..blender.words.advice import explained
-from ..blender.words.wording import CONTEXT, told
+from ..blender.words.wording import CONTEXT, listed, told
 from ..core import CanonicalFormError
 from .job_operator import OBJECT_OT_canonical_form_cancel, kept_stages, redraw_sidebars, user_is_busy
 from .operators import allowed, chosen_objects, request_of
@@ -155,7 +155,7 @@ class LiveUpdate:
                 told(
                     "Modifiers change the number of vertices of {resized}, so there is no shape key to update. "
                     "Set Mesh to Base Mesh.",
-                    resized=", ".join(resized),
+                    resized=listed(resized),
                 )
             )
         self._job = Job(self._task.compute)

@@ -12,7 +12,7 @@ from ..blender.objects.mesh_reading import refusal
 from ..blender.records.record import read_record
 from ..blender.results.new_objects import make_active
 from ..blender.words.advice import explained
-from ..blender.words.wording import CONTEXT, told
+from ..blender.words.wording import CONTEXT, listed, told
 from ..core import CanonicalFormError
 from .job_operator import JobOperator, kept_stages
 from .properties import FormerProperties, MethodProperties, RequestProperties, list_patches, settings_of
@@ -104,7 +104,7 @@ class OBJECT_OT_canonical_form_clear(bpy.types.Operator):
                 return {"CANCELLED"}
             list_patches(obj.data)
             if left:
-                self.report({"WARNING"}, told("Kept, since they may hold your changes: {left}.", left=", ".join(left)))
+                self.report({"WARNING"}, told("Kept, since they may hold your changes: {left}.", left=listed(left)))
         if not any_result():
             restore_shading(context)
         return {"FINISHED"}

@@ -358,7 +358,14 @@ def test_files_are_posed_and_matched_in_blender(folder, tmp_path):
     bpy.ops.wm.open_mainfile(filepath=line["output"])
     obj = bpy.data.objects[line["object"]]
     assert [key.name for key in obj.data.shape_keys.key_blocks] == ["Basis", line["like"]["key"]]
-    line = told("match", folder / "blend.blend", folder / "ply.ply")
+    line = told("match", folder / "blend.blend", folder / "ply.ply", "--objects", obj.name)
     with np.load(line["output"]) as found:
         assert len(found["vertices"]) == line["vertices"]
         assert np.mean(found["vertices"] == np.arange(line["vertices"])) > 0.9  # the same mesh
+
+
+def test_a_match_of_objects_that_are_in_neither_file_is_refused(folder, tmp_path):
+    output = io.StringIO()
+    words = ["match", str(folder / "off.off"), str(folder / "ply.ply"), "--objects", "Nope", "Nor this"]
+    assert main([*words, "--output", str(tmp_path)], output, alone=True) == 1
+    assert json.loads(output.getvalue())["error"] == "Neither file has a mesh called Nope or Nor this."

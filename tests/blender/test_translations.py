@@ -94,6 +94,12 @@ def test_messages_of_the_core_are_translated(another_language):
     assert "⟦the limit of 2 GB⟧" in explained(error)
 
 
+def test_many_names_are_told_in_part(another_language):
+    assert wording.listed([]) == ""
+    assert wording.listed(iter("ABCDEF")) == "A, B, C, D, E, F"
+    assert wording.listed("ABCDEFG") == "⟦A, B, C, D, E and 2 more⟧"
+
+
 def test_stages_of_several_objects_and_errors_of_the_other_mesh_are_translated(another_language):
     assert wording.told_stage("Distances") == "⟦Distances⟧"
     stage = wording.named_stage("Cube {0}", "Distances")

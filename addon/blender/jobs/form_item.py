@@ -24,7 +24,7 @@ from ..results.in_betweens import animated, animated_slider, fractions_between, 
 from ..results.new_objects import add_result_object
 from ..results.result_clearing import clear_results
 from ..results.result_writing import key_name, write_results
-from ..words.wording import told
+from ..words.wording import listed, told
 from .form_result import FormResult, results_of
 from .request import Request
 
@@ -238,7 +238,7 @@ class FormItem:
                 told(
                     "Modifiers change the number of vertices of {resized}, so that no shape key can "
                     "hold the form: it is on a new object.",
-                    resized=", ".join(self.resized),
+                    resized=listed(self.resized),
                 )
             )
             new = True

@@ -10,7 +10,7 @@ import numpy as np
 from ...core.run.messages import Message
 from ..records.record import read_record
 from ..words.advice import advised
-from ..words.wording import told
+from ..words.wording import listed, told
 from .mesh_reading import Reading
 from .mirrors import is_followed
 
@@ -132,7 +132,7 @@ def warnings_by_object(warnings: Sequence[Message], readings: Sequence[Reading])
             found = {**repaired(reading.vertices, reading.faces).changes, "loose_vertices": loose}
             for kind in (kind for kind, count in found.items() if count):
                 names.setdefault(kind, []).append(reading.name)
-    about = [", ".join(names.get(warning.kind, [])) for warning in warnings]
+    about = [listed(names.get(warning.kind, [])) for warning in warnings]
     return [f"{of}: {advised(each)}" if of else advised(each) for of, each in zip(about, warnings, strict=True)]
 
 
@@ -157,7 +157,7 @@ def bending_keys(obj: bpy.types.Object) -> list[str]:
 def _those_with(objects: Sequence[bpy.types.Object], what: Callable[[bpy.types.Object], list[str]]) -> tuple[str, str]:
     """Return the names of the objects that have something, and the names of what they have, each once."""
     having = {obj.name: found for obj in objects if (found := what(obj))}
-    return ", ".join(having), ", ".join(dict.fromkeys(each for found in having.values() for each in found))
+    return listed(having), listed(dict.fromkeys(each for found in having.values() for each in found))
 
 
 def _bending_modifiers(obj: bpy.types.Object) -> list[str]:

@@ -22,7 +22,7 @@ from ..objects.mesh_reading import basis_positions
 from ..records.form_key import require_form_key, unchanged_form_key
 from ..records.hidden_attributes import HIDDEN_FORM, HIDDEN_PATCHES, patches_of
 from ..records.record import Part, Record, read_record, require_record, write_record
-from ..words.wording import told
+from ..words.wording import listed, told
 from .in_betweens import is_animated, remove_in_betweens, value_path
 from .result_clearing import clear_results, remove_results
 
@@ -114,7 +114,7 @@ def write_results(
                 key.value, key.mute = 0.0, key.mute or is_animated(mesh.shape_keys, value_path(key))
         if left:
             report.warnings.append(
-                told("Kept beside the new results, since they may hold your changes: {left}.", left=", ".join(left))
+                told("Kept beside the new results, since they may hold your changes: {left}.", left=listed(left))
             )
         if mesh.shape_keys is not None and mesh.shape_keys.reference_key.name == old.basis:  # next to other keys
             record.basis, record.basis_fingerprint = old.basis, old.basis_fingerprint

@@ -18,7 +18,7 @@ from ..records.form_key import require_form_key
 from ..records.hidden_attributes import patches_of, whole_form_of
 from ..records.record import require_record, write_record
 from ..words.advice import all_advised
-from ..words.wording import told
+from ..words.wording import listed, told
 from .companions import companions_of, lead
 from .in_betweens import (
     PROPERTY,
@@ -161,7 +161,7 @@ class VariantTask:
                     raise CanonicalFormError(
                         told(
                             "Changed since they were made: {left}. Rename them to keep them, or delete them, first.",
-                            left=", ".join(left),
+                            left=listed(left),
                         )
                     )
             shapes = [list(each) for each in zip(*self._shapes, strict=True)]

@@ -19,7 +19,7 @@ from ..objects.object_states import object_mode
 from ..records.form_key import form_key
 from ..records.transfer_record import Written, make_room, read_transfers, write_transfers
 from ..results.in_betweens import PROPERTY, has_in_betweens
-from ..words.wording import told
+from ..words.wording import listed, told
 
 if TYPE_CHECKING:
     from ...core import Match
@@ -205,7 +205,7 @@ class TransferItem:
                     "take over those of {source}.",
                     name=obj.name,
                     kind=told(CALLED[kind]),
-                    left=", ".join(left),
+                    left=listed(left),
                     source=source.name,
                 )
             )

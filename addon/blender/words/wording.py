@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 import bpy
@@ -13,6 +14,7 @@ if TYPE_CHECKING:
 
 CONTEXT = "Canonical Form"  # translation context of our messages, apart from Blender's own: its "Normal" is a direction
 NAMED_STAGE = "{name}: {stage}"
+_FEW = 6  # names that a sentence lists at most
 
 
 def told(sentence: str, /, **values: Any) -> str:
@@ -37,6 +39,31 @@ def told(sentence: str, /, **values: Any) -> str:
     """
     found = _translated(sentence)
     return found.format(**values) if values else found
+
+
+def listed(names: Iterable[str]) -> str:
+    """List names, the first ones if there are many.
+
+    Parameters
+    ----------
+    names : iterable of str
+        The names.
+
+    Returns
+    -------
+    str
+        The names, separated by commas.
+
+    Examples
+    --------
+    >>> listed("ABC"), listed("ABCDEFGHIJ")
+    ('A, B, C', 'A, B, C, D, E and 5 more')
+    """
+    every = list(names)
+    if len(every) <= _FEW:
+        return ", ".join(every)
+    first = every[: _FEW - 1]
+    return told("{names} and {count} more", names=", ".join(first), count=len(every) - len(first))
 
 
 def told_message(message: str) -> str:
