@@ -111,6 +111,12 @@ def test_what_was_measured_takes_the_places_of_what_is_told():
     assert release_figures.rewritten(TOLD, "| other |\n| --- |\n| 1 |") == TOLD
 
 
+def test_items_of_lists_stay_indented():
+    item = "- It takes 3 s\n  for 2,000 vertices.\n"
+    assert release_figures.rewritten(item, item) == item
+    assert release_figures.rewritten(item, item.replace("3", "4")) == item.replace("3", "4")
+
+
 def test_every_tolerance_names_a_column_of_its_page():
     for page, sections in tomllib.loads(TOLERANCES.read_text(encoding="utf-8")).items():
         for heading, columns in sections.items():
