@@ -170,7 +170,7 @@ class OBJECT_OT_canonical_form_match_colours(bpy.types.Operator):
         if shown:
             show_colours(context)
         if kept:
-            self.report({"WARNING"}, told("{name} was changed since and is kept.", name=kept))
+            self.report({"WARNING"}, told("Kept, since they may hold your changes: {left}.", left=kept))
         return {"FINISHED"}
 
 

@@ -233,12 +233,13 @@ class FormItem:
             for obj in former
         ]
         warnings += object_warnings(objects, self.readings[0].deformed, scaled=len(objects) > 1)
-        if self.resized and not new:
+        resized = [] if new else self.resized
+        if resized:
             warnings.append(
                 told(
                     "Modifiers change the number of vertices of {resized}, so that no shape key can "
                     "hold the form: it is on a new object.",
-                    resized=listed(self.resized),
+                    resized=listed(resized),
                 )
             )
             new = True

@@ -63,7 +63,7 @@ def toggle_source_colours(obj: bpy.types.Object | None) -> tuple[bool, str]:
         mesh, colours = obj.data, obj.data.color_attributes
         shown = source_colours(mesh)
         if shown is not None:
-            unchanged = _recorded(mesh)[1] == _fingerprint(colours[shown])
+            unchanged = _recorded(mesh)[1] == colour_fingerprint(colours[shown])
             del mesh[SOURCE_PROPERTY]
             if unchanged:
                 colours.remove(colours[shown])
@@ -73,7 +73,7 @@ def toggle_source_colours(obj: bpy.types.Object | None) -> tuple[bool, str]:
         shades = np.append(places(vertices), np.ones((len(vertices), 1)), axis=1)
         attribute.data.foreach_set("color", shades.astype(np.float32).ravel())
         colours.active_color_name = attribute.name
-        mesh[SOURCE_PROPERTY] = [attribute.name, _fingerprint(attribute)]
+        mesh[SOURCE_PROPERTY] = [attribute.name, colour_fingerprint(attribute)]
     return True, ""
 
 
@@ -82,9 +82,3 @@ def _recorded(mesh: bpy.types.Mesh) -> tuple[str, str]:
     value = mesh.get(SOURCE_PROPERTY)
     texts = list(value) if isinstance(value, list) else []
     return (texts[0], texts[1]) if len(texts) == 2 and all(isinstance(each, str) for each in texts) else ("", "")
-
-
-def _fingerprint(attribute: bpy.types.Attribute) -> str:
-    """Hash colours; empty if they are no longer one per vertex."""
-    same = attribute.domain == "POINT" and attribute.data_type == "FLOAT_COLOR"
-    return colour_fingerprint(attribute) if same else ""
