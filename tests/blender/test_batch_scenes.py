@@ -132,6 +132,31 @@ def test_frames_leave_no_curves_behind_and_those_of_other_keys_stay(figure, tmp_
     assert [curve.data_path for curve in _curves(obj.data.shape_keys.animation_data.action)] == [mine]
 
 
+def test_one_frame_as_a_key_leaves_no_curves_behind(figure, tmp_path):
+    code, lines = run(saved(tmp_path), "--frames", "5:5", "--frames-as", "keys", "--output", tmp_path / "out")
+    assert code == 0
+    bpy.ops.wm.open_mainfile(filepath=lines[0]["output"])
+    obj = bpy.data.objects["Figure"]
+    action = obj.data.shape_keys.animation_data.action
+    assert [curve.data_path for curve in _curves(action)] == ['key_blocks["Canonical Form 5"].value']
+    bpy.context.view_layer.objects.active = obj
+    bpy.ops.object.canonical_form(max_iterations=2, eigenpairs=20, landmark_count=12)
+    assert [key.name for key in obj.data.shape_keys.key_blocks] == ["Basis", "Canonical Form"]
+    assert list(_curves(action)) == []
+    assert clear_from(obj) == []
+    assert obj.data.shape_keys is None
+
+
+def test_one_frame_as_a_key_can_be_cleared(figure, tmp_path):
+    code, lines = run(saved(tmp_path), "--frames", "5:5", "--frames-as", "keys", "--output", tmp_path / "out")
+    assert code == 0
+    bpy.ops.wm.open_mainfile(filepath=lines[0]["output"])
+    obj = bpy.data.objects["Figure"]
+    action = obj.data.shape_keys.animation_data.action
+    assert clear_from(obj) == []
+    assert list(_curves(action)) == []
+
+
 def test_hidden_files_beside_meshes_are_no_meshes(blender, tmp_path):
     for name in ("figure.off", "._figure.off"):
         shapes.write_off(tmp_path / name, *shapes.figure(12))

@@ -86,6 +86,8 @@ class Record:
         For each patch, whether the key removes its pose; empty if it does so for all.
     in_betweens : InBetweens or None
         The keys between pose and form, if any.
+    keyframed : bool
+        Whether the run keyframed its keys, one per frame.
     part : Part or None
         The part of a body of several objects that this mesh is; None if the form is of this object alone.
     """
@@ -101,6 +103,7 @@ class Record:
     palette: list[list[float]] = field(default_factory=list)
     limbs: list[bool] = field(default_factory=list)
     in_betweens: InBetweens | None = None
+    keyframed: bool = False
     part: Part | None = None
 
     @property
@@ -179,6 +182,7 @@ class Record:
                 hidden=_fingerprints(data.get("hidden", {})),
                 palette=listed(lambda colour: listed(real, colour, 3), data.get("palette", [])),
                 limbs=listed(flag, data.get("limbs", [])),
+                keyframed=flag(data.get("keyframed", len(data["key"]) > 1)),
             )
             if "between" in data:
                 animated, value = flag(data["animated_before"]), real(data["value"])
@@ -226,6 +230,8 @@ class Record:
             data["between"] = self.in_betweens.keys
             data["animated_before"] = self.in_betweens.animated_before
             data["value"] = self.in_betweens.value
+        if self.keyframed:
+            data["keyframed"] = True
         if self.part is not None:
             data["part"] = self.part._asdict()
         return data

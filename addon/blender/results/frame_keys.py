@@ -43,4 +43,5 @@ def keep_for_frame(obj: bpy.types.Object, frame: int, frames: Sequence[int]) -> 
         blocks, record = obj.data.shape_keys.key_blocks, require_record(obj.data)
         names = [name for each in frames if (name := f"{base} {each}") in blocks]
         record.keys = {name: key_fingerprint(blocks[name]) for name in names}
+        record.keyframed = True
         write_record(obj.data, record)

@@ -125,7 +125,7 @@ def _remove_keys(obj: bpy.types.Object, record: Record, unconfirmed: bool) -> li
             continue
         if key != keys.reference_key and _is_ours(known, key_fingerprint(key), unconfirmed):
             remove_drivers(key)
-            if len(record.keys) > 1:  # of several frames: the run keyframed them
+            if record.keyframed:
                 remove_curves(key)
             obj.shape_key_remove(key)
         else:

@@ -87,7 +87,7 @@ def write_results(
     form = None if isinstance(found, FeaturePatches) else found.vertices
     old, active, elsewhere = read_record(mesh), active_items(obj), active_keys_elsewhere(obj)
     same = old is not None and key_name(old.report) == key_name(report)
-    one_form = old is not None and len(old.keys) == 1  # the command line can write one a frame
+    one_form = old is not None and not old.keyframed  # the command line can write one a frame
     kept_key = unchanged_form_key(mesh) if form is not None and same and one_form else None
     record = Record(report, active, part=part)
     if old is not None:
