@@ -129,6 +129,20 @@ def test_the_code_that_figures_depend_on_is_there():
     assert all((release_figures.ROOT / each).exists() for each in release_figures.MEASURED_BY)
 
 
+def test_a_figure_depends_on_its_scripts_and_on_those_that_they_import():
+    found = {
+        name: {path.name for path in release_figures.code_of(benchmark) if path.parent == ROOT / "tools" / "benchmarks"}
+        for name, benchmark in BENCHMARKS.items()
+    }
+    assert found["forms"] == {"form_tables.py", "scale_tables.py", "remeshing.py", "convergence.py"}
+    assert found["evaluation"] == {"derived_datasets.py", "evaluation_page.py", "characters.py"}
+    assert found["weights"] == {"carried_weights.py", "characters.py", "two_meshes.py"}
+    for benchmark in BENCHMARKS.values():
+        assert {"canonical.py", "off_format.py", "shapes.py"} <= {
+            path.name for path in release_figures.code_of(benchmark)
+        }
+
+
 def test_a_release_is_checked_in_words_and_exit_codes(tmp_path, monkeypatch, capsys):
     data = tmp_path / "meshes"
     for folder in (tmp_path / "tools", data):

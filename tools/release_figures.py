@@ -3,8 +3,8 @@
 Each benchmark writes its tables as Markdown. Every table, and every sentence with figures, must be on its page of the
 documents, with the same words and with figures within their tolerance of the measured ones. The tolerances are
 defined in tools/release_tolerances.toml; any other figure must agree to one unit of its last digit. Results are
-stored in build/release by the state of code, packages and meshes, so that a stopped run can be resumed, and a
-corrected page needs no new measurement.
+stored in build/release by benchmark and the state of its code, packages and meshes, so that a stopped run can be
+resumed, and a corrected page needs no new measurement.
 
 With ``--write`` the measured tables and sentences replace those on the pages; other text is kept.
 
@@ -34,14 +34,16 @@ MEASURED_BY = (
     "addon/blender/files/off_format.py",
     "addon/blender/files/reading_files.py",
     "addon/blender/objects/mesh_reading.py",
-    "tools/benchmarks",
     "tests/meshes",
 )
-"""The code on which a figure depends: folders and files. A changed word of the panel repeats no measurement."""
+"""The code on which every figure depends, besides its benchmark: folders and files. The panel is not among it."""
+
+SCRIPTS = "tools/benchmarks"
 
 PACKAGES = ("numpy", "scipy", "bpy", "scikit-learn", "potpourri3d")
 """The packages on which a figure depends."""
 
+_IMPORTED = re.compile(r"from tools\.benchmarks\.(\w+) import")
 _NUMBER = re.compile(r"(?<![\w.,])(?:(?<![^\s(|*])[-+])?(?:\d[\d,]*\.?\d+|\d|\.\d+)(?:e[-+]?\d+)?(?!\w)")
 
 
@@ -267,7 +269,18 @@ def _differing(told: str, measured: str, tolerance: float, where: str) -> list[s
     ]
 
 
-def state_of(data: Path) -> str:
+def code_of(benchmark: Benchmark) -> list[Path]:
+    """Return the code that the figures of a benchmark depend on, with the scripts that its scripts import."""
+    found = {path for each in MEASURED_BY for path in [ROOT / each, *(ROOT / each).rglob("*.py")] if path.is_file()}
+    scripts = {ROOT / word for command in benchmark.commands for word in command if word.startswith(SCRIPTS)}
+    while scripts:
+        found |= scripts
+        names = {name for path in scripts for name in _IMPORTED.findall(path.read_text(encoding="utf-8"))}
+        scripts = {ROOT / SCRIPTS / f"{name}.py" for name in names} - found
+    return sorted(found)
+
+
+def state_of(benchmark: Benchmark, data: Path) -> str:
     """Return a digest of all that figures depend on: code, Python, packages, and names, sizes and times of meshes."""
     digest = hashlib.sha256(sys.version.encode())
     for name in PACKAGES:
@@ -275,9 +288,8 @@ def state_of(data: Path) -> str:
     for path in sorted(each for each in data.rglob("*") if each.is_file()):
         there = path.stat()
         digest.update(f"{path.relative_to(data)} {there.st_size} {there.st_mtime_ns}\0".encode())
-    for each in MEASURED_BY:
-        for path in sorted(path for path in [ROOT / each, *(ROOT / each).rglob("*.py")] if path.is_file()):
-            digest.update(f"{path.relative_to(ROOT)}\0".encode() + path.read_bytes())
+    for path in code_of(benchmark):
+        digest.update(f"{path.relative_to(ROOT)}\0".encode() + path.read_bytes())
     return digest.hexdigest()[:12]
 
 
@@ -314,14 +326,14 @@ def main(arguments: Sequence[str]) -> int:
     parser.add_argument("--only", nargs="*", choices=BENCHMARKS, help="benchmarks to run (default: all)")
     parser.add_argument("--write", action="store_true", help="put what was measured onto the pages")
     options = parser.parse_args(arguments)
-    work = ROOT / "build" / "release" / state_of(options.data.resolve())
-    work.mkdir(parents=True, exist_ok=True)
     tolerances = tomllib.loads(TOLERANCES.read_text(encoding="utf-8"))
     sentences = []
     for name in options.only or BENCHMARKS:
-        benchmark = BENCHMARKS[name]
+        benchmark, data = BENCHMARKS[name], options.data.resolve()
+        work = ROOT / "build" / "release" / f"{name}-{state_of(benchmark, data)}"
+        work.mkdir(parents=True, exist_ok=True)
         try:
-            measured = measured_by(benchmark, options.data.resolve(), work, work / f"{name}.md")
+            measured = measured_by(benchmark, data, work, work / f"{name}.md")
         except subprocess.CalledProcessError as error:
             print(f"The benchmark {name} failed: {error}", file=sys.stderr)
             return 2

@@ -1,6 +1,6 @@
 """Time and memory of the form from ten thousand vertices to a million, by stage; one process per size.
 
-`form_tables.py` writes the tables; ``scale_tables.py DATA COUNT FILE`` measures one size and stores its form.
+`form_tables.py` writes the tables; ``scale_tables.py MESH FORM`` measures the mesh of one file and stores its form.
 """
 
 import json
@@ -40,10 +40,10 @@ def nearest_apart(one, two):
     return float(np.sqrt((there**2).mean() / 2 + (back**2).mean() / 2))
 
 
-def one_size(data, count, keep):
-    """Measure one size in a separate process, for a separate peak memory."""
-    vertices, faces = read_obj(data / "man" / "rest.obj")
-    mesh = noisy(*resized(unit(vertices, faces), faces, count), 0.0002)
+def one_size(source, keep):
+    """Measure one mesh in a process that did not create it: the form would reuse the memory that this took."""
+    with np.load(source) as stored:
+        mesh = stored["vertices"], stored["faces"]
     Path("/proc/self/clear_refs").write_text("5")  # reset the peak
     before = gigabytes("VmRSS")
     began = time.perf_counter()
@@ -63,12 +63,14 @@ def gigabytes(name):
 
 def scale_table(data, work):
     rows, points, stages = [], [], []
+    vertices, faces = read_obj(data / "man" / "rest.obj")
     for count in SIZES:
-        keep = work / f"form-{count}.npz"
+        source, keep = work / f"mesh-{count}.npz", work / f"form-{count}.npz"
+        mesh = noisy(*resized(unit(vertices, faces), faces, count), 0.0002)
+        np.savez(source, vertices=mesh[0], faces=mesh[1])
         done = subprocess.run(
-            [sys.executable, __file__, str(data), str(count), str(keep)],
-            capture_output=True, text=True, check=True,
-        )  # fmt: skip
+            [sys.executable, __file__, str(source), str(keep)], capture_output=True, text=True, check=True
+        )
         figures, timings = done.stdout.splitlines()
         n, seconds, before, peak, features, estimate = (float(word) for word in figures.split())
         stages.append((n, json.loads(timings)))
@@ -112,4 +114,4 @@ def stage_table(stages):
 
 
 if __name__ == "__main__":
-    one_size(Path(sys.argv[1]), int(sys.argv[2]), sys.argv[3])
+    one_size(*sys.argv[1:])
