@@ -326,10 +326,11 @@ def main(arguments: Sequence[str]) -> int:
     parser.add_argument("--only", nargs="*", choices=BENCHMARKS, help="benchmarks to run (default: all)")
     parser.add_argument("--write", action="store_true", help="put what was measured onto the pages")
     options = parser.parse_args(arguments)
+    data = options.data.resolve()
     tolerances = tomllib.loads(TOLERANCES.read_text(encoding="utf-8"))
     sentences = []
     for name in options.only or BENCHMARKS:
-        benchmark, data = BENCHMARKS[name], options.data.resolve()
+        benchmark = BENCHMARKS[name]
         work = ROOT / "build" / "release" / f"{name}-{state_of(benchmark, data)}"
         work.mkdir(parents=True, exist_ok=True)
         try:

@@ -117,14 +117,19 @@ def test_frames_are_computed_again_on_their_own_result(figure, tmp_path):
     assert obj.data.shape_keys is None
 
 
+def with_keys_of_frames(frames, tmp_path):
+    """The figure in the file that a run with a key per frame wrote."""
+    code, lines = run(saved(tmp_path), "--frames", frames, "--frames-as", "keys", "--output", tmp_path / "out")
+    assert code == 0
+    bpy.ops.wm.open_mainfile(filepath=lines[0]["output"])
+    return bpy.data.objects["Figure"]
+
+
 def test_frames_leave_no_curves_behind_and_those_of_other_keys_stay(figure, tmp_path):
     figure.shape_key_add(name="Basis")
     own = figure.shape_key_add(name="Smile")
     own.keyframe_insert("value", frame=1)
-    code, lines = run(saved(tmp_path), "--frames", "1:3:2", "--frames-as", "keys", "--output", tmp_path / "first")
-    assert code == 0
-    bpy.ops.wm.open_mainfile(filepath=lines[0]["output"])
-    obj = bpy.data.objects["Figure"]
+    obj = with_keys_of_frames("1:3:2", tmp_path)
     animated = ['key_blocks["Canonical Form 1"].value', 'key_blocks["Canonical Form 3"].value']
     mine = 'key_blocks["Smile"].value'
     assert sorted(curve.data_path for curve in _curves(obj.data.shape_keys.animation_data.action)) == [*animated, mine]
@@ -133,10 +138,7 @@ def test_frames_leave_no_curves_behind_and_those_of_other_keys_stay(figure, tmp_
 
 
 def test_one_frame_as_a_key_leaves_no_curves_behind(figure, tmp_path):
-    code, lines = run(saved(tmp_path), "--frames", "5:5", "--frames-as", "keys", "--output", tmp_path / "out")
-    assert code == 0
-    bpy.ops.wm.open_mainfile(filepath=lines[0]["output"])
-    obj = bpy.data.objects["Figure"]
+    obj = with_keys_of_frames("5:5", tmp_path)
     action = obj.data.shape_keys.animation_data.action
     assert [curve.data_path for curve in _curves(action)] == ['key_blocks["Canonical Form 5"].value']
     bpy.context.view_layer.objects.active = obj
@@ -148,10 +150,7 @@ def test_one_frame_as_a_key_leaves_no_curves_behind(figure, tmp_path):
 
 
 def test_one_frame_as_a_key_can_be_cleared(figure, tmp_path):
-    code, lines = run(saved(tmp_path), "--frames", "5:5", "--frames-as", "keys", "--output", tmp_path / "out")
-    assert code == 0
-    bpy.ops.wm.open_mainfile(filepath=lines[0]["output"])
-    obj = bpy.data.objects["Figure"]
+    obj = with_keys_of_frames("5:5", tmp_path)
     action = obj.data.shape_keys.animation_data.action
     assert clear_from(obj) == []
     assert list(_curves(action)) == []
