@@ -1,5 +1,6 @@
 """A figure of the documents that differs from the measured one by more than its tolerance stops a release."""
 
+import os
 import tomllib
 from pathlib import Path
 
@@ -167,5 +168,13 @@ def test_a_release_is_checked_in_words_and_exit_codes(tmp_path, monkeypatch, cap
     assert "one failed" in capsys.readouterr().err
     (tmp_path / "addon" / "core" / "changed.py").unlink()
     assert main([str(data)]) == 1
-    (data / "another.obj").write_text("", encoding="utf-8")
+    mesh = data / "one.obj"
+    mesh.write_text("v 0 0 0", encoding="utf-8")
     assert main([str(data)]) == 2  # other meshes have other figures
+    script.write_text(f"print({TOLD!r})", encoding="utf-8")
+    assert main([str(data)]) == 1
+    script.write_text("raise SystemExit(1)", encoding="utf-8")
+    os.utime(mesh, (0, 0))
+    assert main([str(data)]) == 1  # the same meshes, copied anew
+    mesh.write_text("v 0 0 1", encoding="utf-8")
+    assert main([str(data)]) == 2

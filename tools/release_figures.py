@@ -281,13 +281,12 @@ def code_of(benchmark: Benchmark) -> list[Path]:
 
 
 def state_of(benchmark: Benchmark, data: Path) -> str:
-    """Return a digest of all that figures depend on: code, Python, packages, and names, sizes and times of meshes."""
+    """Return a digest of all that figures depend on: code, Python, packages, and names and contents of meshes."""
     digest = hashlib.sha256(sys.version.encode())
     for name in PACKAGES:
         digest.update(f"{name} {importlib.metadata.version(name)}\0".encode())
     for path in sorted(each for each in data.rglob("*") if each.is_file()):
-        there = path.stat()
-        digest.update(f"{path.relative_to(data)} {there.st_size} {there.st_mtime_ns}\0".encode())
+        digest.update(f"{path.relative_to(data)}\0".encode() + hashlib.sha256(path.read_bytes()).digest())
     for path in code_of(benchmark):
         digest.update(f"{path.relative_to(ROOT)}\0".encode() + path.read_bytes())
     return digest.hexdigest()[:12]
