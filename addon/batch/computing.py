@@ -8,6 +8,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
+from ..blender.files.face_indices import require_whole_faces
 from ..blender.files.kinds_of_files import WRITTEN
 from ..blender.files.reading_files import open_meshes, scripts_left_off
 from ..blender.files.writing_files import Shown, save_blend, save_forms
@@ -157,6 +158,7 @@ def _opened(path: Path, wanted: Wanted) -> list[bpy.types.Object]:
     """Open a file; objects that share a mesh count once if the mesh holds their result, or if their forms are equal."""
     held = wanted.format == "blend" if wanted.together else not wanted.shown
     objects = open_meshes(path, wanted.objects, shared=held, trusted=wanted.trusted)
+    require_whole_faces(objects)
     for obj in objects if wanted.together and not held else ():  # two eyes: each has a form of its own
         if obj.data.users > 1:
             obj.data = obj.data.copy()
@@ -166,6 +168,7 @@ def _opened(path: Path, wanted: Wanted) -> list[bpy.types.Object]:
 def _opened_reference(path: Path, trusted: bool) -> list[bpy.types.Object]:
     """Open the reference file; blocked scripts are reported at once, as the reference has no result line."""
     objects = open_meshes(path, trusted=trusted)
+    require_whole_faces(objects)
     edited = bpy.context.object
     if edited is not None and edited.mode != "OBJECT":  # as the file was saved; several objects may be in that mode
         bpy.ops.object.mode_set(mode="OBJECT")

@@ -142,6 +142,31 @@ def test_small_files_that_ask_for_much_cost_their_own_line_alone(sound, tmp_path
     assert len(list((tmp_path / "out").glob("*.obj"))) == 1
 
 
+@pytest.mark.parametrize(
+    ("part", "value"),
+    [("loop_start", -25085), ("vertex_index", 2**30), ("edge_index", -1)],
+)
+def test_faces_of_what_does_not_exist_are_refused_before_blender_follows_them(tmp_path, sound, part, value):
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    mesh, whole = (bpy.data.meshes.new(name) for name in ("Damaged", "Whole"))
+    for each in (mesh, whole):
+        vertices, faces = shapes.figure(12)
+        each.from_pydata(vertices.tolist(), [], faces.tolist())
+        bpy.context.scene.collection.objects.link(bpy.data.objects.new(each.name, each))
+    setattr((mesh.polygons if part == "loop_start" else mesh.loops)[7], part, value)
+    path = tmp_path / "damaged.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path), copy=True)
+    code, lines, _ = run(path, sound, "--output", tmp_path / "out")
+    assert code == 1
+    assert "Damaged: the mesh is damaged" in lines[0]["error"]
+    assert "error" not in lines[1]
+    code, lines, complaints = run(sound, "--reference", path, "--output", tmp_path / "out")
+    assert code != 0
+    assert not lines
+    assert "Damaged: the mesh is damaged" in complaints
+    assert run(path, "--objects", "Whole", "--output", tmp_path / "out")[0] == 0
+
+
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux keeps a process below a limit of its data")
 def test_a_worker_is_refused_more_memory_than_there_is():
     steps = "from addon.scheduling.attempts import keep_below; import numpy as np; keep_below(1.0)\n"
