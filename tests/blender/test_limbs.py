@@ -238,6 +238,18 @@ def test_in_betweens_of_which_one_was_renamed_can_be_removed_anyway(formed, name
     assert not bpy.ops.object.canonical_form_remove_in_betweens.poll()
 
 
+def test_a_renamed_in_between_stays_hidden_if_the_key_of_the_form_was_removed(formed):
+    bpy.ops.object.canonical_form_in_betweens(count=2)
+    keys = formed.data.shape_keys
+    formed.active_shape_key_index = keys.key_blocks.find("Canonical Form")
+    bpy.ops.object.shape_key_remove()
+    keys.key_blocks["Canonical Form 67%"].name = "Mine"
+    bpy.context.view_layer.update()
+    assert keys.key_blocks["Mine"].value == 0.0  # the slider is at the form
+    bpy.ops.object.canonical_form_remove_in_betweens()
+    assert {key.name: key.value for key in keys.key_blocks if key.name != "Basis"} == {"Mine": 0.0}
+
+
 def test_limbs_and_in_betweens_of_what_is_shown_are_shapes_of_what_is_shown(figure_object):
     bent(figure_object)
     pose, faces = read_evaluated(figure_object)

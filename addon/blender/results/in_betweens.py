@@ -104,7 +104,7 @@ def remove_in_betweens(obj: bpy.types.Object) -> list[str]:
         active = obj.active_shape_key
         active_name = active.name if active else None
         value = keys.get(PROPERTY, record.in_betweens.value)
-        _remove_own_drivers(keys, value)
+        _remove_own_drivers(keys, value, steps=len(record.in_betweens.keys) + 1)
         for name, known in record.in_betweens.keys.items():
             key = keys.key_blocks.get(name)
             if key is None:
@@ -333,14 +333,14 @@ def _drive(key: bpy.types.ShapeKey, keys: bpy.types.Key, expression: str) -> Non
     driver.expression = expression
 
 
-def _remove_own_drivers(keys: bpy.types.Key, value: float) -> None:
+def _remove_own_drivers(keys: bpy.types.Key, value: float, steps: int) -> None:
     """Remove the drivers that `_drive` added; the form's key, even if renamed, gets `value`, the others 0."""
     own = [curve for curve in keys.animation_data.drivers if _is_own_driver(curve, keys)] if keys.animation_data else []
-    last = [curve.driver.expression for curve in own][-1:]  # that of the form's key
+    last = _EXPRESSION.format(steps, steps)  # that of the form's key, which the user may have removed
     for curve in own:
         with suppress(ValueError):  # the key was removed
             key = keys.path_resolve(curve.data_path.rpartition(".")[0])
-            key.value = value if [curve.driver.expression] == last else 0.0
+            key.value = value if curve.driver.expression == last else 0.0
         keys.animation_data.drivers.remove(curve)
 
 
