@@ -163,8 +163,8 @@ class Walk:
             "basis": points.tobytes(),
             "polygons": [tuple(polygon.vertices) for polygon in mesh.polygons],
             "selected": [vertex.select for vertex in mesh.vertices] if self.steps[-1] != "select_patch" else None,
-            # the value of a form's key is driven by ours where there are in-betweens
-            "keys": {key.name: (positions(key), key.name.startswith("Canonical Form") or round(key.value, 6),
+            # the value of a form's key is driven by ours where there are in-betweens; if it is kept, it becomes 0
+            "keys": {key.name: (positions(key), key.name.startswith(("Canonical Form", "Like ")) or round(key.value, 6),
                                 key.mute, key.lock_shape)
                      for key in keys if key.name not in ours["keys"]},
             "groups": sorted(groups.values()),
