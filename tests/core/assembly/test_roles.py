@@ -142,14 +142,16 @@ def test_an_arm_is_part_wherever_its_hand_lies():
 
 
 @pytest.mark.parametrize(
-    ("radius", "start", "role"),
+    ("radius", "length", "start", "role"),
     [
-        (0.015, -0.7, "rides"),  # a spear in a fist
-        (0.015, 0.2, "part"),  # a tail
-        (0.060, -0.7, "part"),  # arms, one mesh, through a trunk
+        (0.015, 1.4, -0.7, "rides"),  # a spear in a fist
+        (0.015, 1.4, 0.2, "part"),  # a tail
+        (0.060, 1.4, -0.7, "part"),  # arms, one mesh, through a trunk
+        (0.022, 0.9, -0.45, "part"),  # shorter ones: thickness counts relative to length
+        (0.010, 0.9, -0.45, "rides"),
     ],
 )
-def test_a_stick_held_in_the_middle_rides_and_what_is_thick_or_held_at_its_end_is_part(radius, start, role):
-    found, _ = roles(ball(0.25), tube(radius, start, 1.4))
+def test_a_stick_held_in_the_middle_rides_and_what_is_thick_or_held_at_its_end_is_part(radius, length, start, role):
+    found, _ = roles(ball(0.25), tube(radius, start, length))
     assert found.bodies == ([[0]] if role == "rides" else [[0, 1]])
     assert found.riders == ([(1, 0)] if role == "rides" else [])
