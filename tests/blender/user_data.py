@@ -1,5 +1,7 @@
 """What of a file is the user's: read to be compared."""
 
+import re
+
 import bpy
 import numpy as np
 
@@ -18,6 +20,14 @@ def differing(before, after):
         return str(before)[:80], str(after)[:80]
     return {name: [str(each.get(name))[-60:] for each in (before, after)] for name in before.keys() | after.keys()
             if before.get(name) != after.get(name)}  # fmt: skip
+
+
+def driven_keys(obj):
+    """Name the shape keys with a driver, and whether it is that of the form at the end of in-betweens."""
+    keys = obj and obj.type == "MESH" and obj.data.shape_keys
+    curves = keys.animation_data.drivers if keys and keys.animation_data else []
+    return {curve.data_path.split('"')[1]: bool(re.search(r"\* (\d+) - \1\)", curve.driver.expression))
+            for curve in curves if curve.data_path.endswith(".value")}  # fmt: skip
 
 
 def positions(key):
