@@ -166,6 +166,16 @@ def test_extrapolation_gets_further_than_plain_steps():
     assert fast[-1] - longest < 0.2 * (plain[-1] - longest)
 
 
+@pytest.mark.parametrize("fit", [smacof, unit_smacof])
+def test_it_stops_at_the_first_step_that_gains_less_than_a_millionth(fit):
+    rng = np.random.default_rng(8)
+    cloud = rng.normal(size=(60, 5))
+    wanted = np.linalg.norm(cloud[:, None] - cloud, axis=2)
+    history = fit(wanted, rng.normal(size=(60, 3)), max_iterations=2000, extrapolation=0)[1]
+    gains = -np.diff(history) / history[:-1]
+    assert gains[-1] < 1e-6 <= gains[:-1].min() < 1.2e-6
+
+
 def test_plain_steps_are_those_of_scikit_learn():
     rng = np.random.default_rng(0)
     cloud = rng.normal(size=(60, 5))

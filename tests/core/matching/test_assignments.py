@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.distance import cdist
 
+from addon.core.matching import assignments
 from addon.core.matching.assignments import MOST_FEATURES, feature_assignments
 from addon.core.symmetry.limbs import limbs_of, sided
 
@@ -11,11 +12,13 @@ FOUR_LEGS = np.array([[1.0, 3, 0], [-1, 3, 0], [1.2, -3, 0], [-1.2, -3, 0], [0, 
 
 
 def limbs(points, adf=None, handedness=None):
-    count = len(points)
+    return limbs_among(cdist(points, points), adf, handedness)
+
+
+def limbs_among(distances, adf=None, handedness=None):
+    count = len(distances)
     flat = np.zeros((count,) * 3) if handedness is None else handedness
-    return limbs_of(
-        cdist(points, points), flat, np.ones(count) if adf is None else adf, lambda: np.arange(float(count))
-    )
+    return limbs_of(distances, flat, np.ones(count) if adf is None else adf, lambda: np.arange(float(count)))
 
 
 def volumes(points):
@@ -59,6 +62,16 @@ def test_dozens_of_like_limbs_take_no_longer_than_a_moment():
     angle = np.linspace(0, 2 * np.pi, 30, endpoint=False)
     star = limbs(np.column_stack([np.cos(angle), np.sin(angle), 0 * angle]))
     assert len(feature_assignments(star, star)) <= 6
+
+
+def test_a_narrow_beam_keeps_the_least_sum_of_squares(monkeypatch):
+    monkeypatch.setattr(assignments, "_BEAM", 1)
+    own = np.ones((3, 3)) - np.eye(3)
+    others = np.ones((4, 4)) - np.eye(4)
+    others[2, :2] = others[:2, 2] = 1.075  # two changes: .01125
+    others[3, 0] = others[0, 3] = 1.1  # one: .01
+    found = feature_assignments(*(limbs_among(far) for far in (own, others)))
+    assert [ways.tolist() for ways, _ in found] == [[0, 1, 3]]
 
 
 def test_thickness_that_differs_speaks_against_an_assignment():
