@@ -74,6 +74,10 @@ def test_vertices_beyond_the_last_are_refused_and_the_last_is_named(made, bodies
             bodies.sources(given)
         assert raised.value.kind == "source_range"
         assert raised.value.numbers["last"] == last
+        with pytest.raises(InvalidSettingsError) as raised:
+            bodies_of(made.vertices, made.faces, features=given)
+        assert raised.value.kind == "feature_range"
+        assert raised.value.numbers["last"] == last
 
 
 def test_a_stiff_piece_is_carried_where_it_touches():
