@@ -30,6 +30,17 @@ def driven_keys(obj):
             for curve in curves if curve.data_path.endswith(".value")}  # fmt: skip
 
 
+def leave_out_results(before, after, written, driven):
+    """Leave out of views the new keys that were written, and values that follow from removing in-betweens."""
+    for keys in after.keys() & {"keys", "hat keys"}:
+        after[keys] = {name: value for name, value in after[keys].items()
+                       if name in before[keys] or name not in written}  # fmt: skip
+        for name in driven.keys() & before[keys].keys() & after[keys].keys():
+            old, new = before[keys][name], after[keys][name]
+            if driven[name] or new[1] == 0:  # without in-betweens, the form has the value of the slider
+                before[keys][name] = (old[0], new[1], *old[2:])
+
+
 def positions(key):
     points = np.empty(3 * len(key.data), dtype=np.float32)
     key.data.foreach_get("co", points)

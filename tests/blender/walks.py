@@ -14,7 +14,7 @@ import bmesh
 import bpy
 import numpy as np
 
-from tests.blender.user_data import colours, differing, driven_keys, orphans, positions
+from tests.blender.user_data import colours, differing, driven_keys, leave_out_results, orphans, positions
 from tests.meshes import shapes
 
 QUICK: dict[str, Any] = {"max_iterations": 2, "eigenpairs": 20, "landmark_count": 10, "quality": "draft"}
@@ -78,13 +78,7 @@ class Walk:
                 bpy.ops.ed.undo_push(message=step.__name__)
             if mine:
                 after = self.view()
-                for keys in after.keys() & {"keys", "hat keys"}:
-                    after[keys] = {name: value for name, value in after[keys].items()
-                                   if name in before[keys] or name not in written}  # fmt: skip
-                    for name in driven.keys() & before[keys].keys() & after[keys].keys():
-                        old, new = before[keys][name], after[keys][name]
-                        if driven[name] or new[1] == 0:  # without in-betweens, the form has the value of the slider
-                            before[keys][name] = (old[0], new[1], *old[2:])
+                leave_out_results(before, after, written, driven)
                 assert orphans() <= unused, self.steps[-8:]
                 for part, value in before.items():
                     assert after[part] == value, (part, differing(value, after[part]), self.steps[-8:])

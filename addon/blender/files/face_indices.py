@@ -26,7 +26,8 @@ def require_whole_faces(objects: Sequence[bpy.types.Object]) -> None:
     InvalidMeshError
         If a mesh is damaged.
     """
-    damaged = [obj.name for obj in objects if not _is_whole(obj.data)]
+    # Blender has made a mesh in Edit Mode anew, and its attributes are empty
+    damaged = [obj.name for obj in objects if not obj.data.is_editmode and not _is_whole(obj.data)]
     if damaged:
         raise InvalidMeshError(
             f"{', '.join(damaged)}: the mesh is damaged; its faces refer to corners, edges or vertices that do not "
