@@ -22,22 +22,26 @@ def differing(before, after):
             if before.get(name) != after.get(name)}  # fmt: skip
 
 
-def driven_keys(obj):
-    """Name the shape keys with a driver, and whether it is that of the form at the end of in-betweens."""
-    keys = obj and obj.type == "MESH" and obj.data.shape_keys
-    curves = keys.animation_data.drivers if keys and keys.animation_data else []
-    return {curve.data_path.split('"')[1]: bool(re.search(r"\* (\d+) - \1\)", curve.driver.expression))
-            for curve in curves if curve.data_path.endswith(".value")}  # fmt: skip
+def valued_keys(objects, read_record):
+    """Name the keys whose value a step may set: to 0, or (True) to that of the slider, at the end of in-betweens."""
+    found: dict[str, bool] = {}
+    for mesh in [obj.data for obj in objects if obj is not None]:
+        record, keys = read_record(mesh), mesh.shape_keys
+        found |= dict.fromkeys(record.keys if record else (), False)
+        curves = keys.animation_data.drivers if keys and keys.animation_data else []
+        found |= {curve.data_path.split('"')[1]: bool(re.search(r"\* (\d+) - \1\)", curve.driver.expression))
+                  for curve in curves if curve.data_path.endswith(".value")}  # fmt: skip
+    return found
 
 
-def leave_out_results(before, after, written, driven):
-    """Leave out of views the new keys that were written, and values that follow from removing in-betweens."""
+def leave_out_results(before, after, written, valued):
+    """Leave out of views the new keys that were written, and values that a step may set."""
     for keys in after.keys() & {"keys", "hat keys"}:
         after[keys] = {name: value for name, value in after[keys].items()
                        if name in before[keys] or name not in written}  # fmt: skip
-        for name in driven.keys() & before[keys].keys() & after[keys].keys():
+        for name in valued.keys() & before[keys].keys() & after[keys].keys():
             old, new = before[keys][name], after[keys][name]
-            if driven[name] or new[1] == 0:  # without in-betweens, the form has the value of the slider
+            if valued[name] or new[1] == 0:
                 before[keys][name] = (old[0], new[1], *old[2:])
 
 

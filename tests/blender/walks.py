@@ -14,7 +14,7 @@ import bmesh
 import bpy
 import numpy as np
 
-from tests.blender.user_data import colours, differing, driven_keys, leave_out_results, orphans, positions
+from tests.blender.user_data import colours, differing, leave_out_results, orphans, positions, valued_keys
 from tests.meshes import shapes
 
 QUICK: dict[str, Any] = {"max_iterations": 2, "eigenpairs": 20, "landmark_count": 10, "quality": "draft"}
@@ -64,7 +64,7 @@ class Walk:
             self.counts[step.__name__] = self.counts.get(step.__name__, 0) + 1
             before: Any = self.view() if mine else None
             written: Any = self.ours()["keys"] | self.ours(self.hat)["keys"] if mine else None
-            driven = {**driven_keys(self.obj), **driven_keys(self.hat)} if mine else {}
+            valued = valued_keys([self.obj, self.hat] if mine else [], self.read_record)
             unused = orphans() if mine else None
             try:
                 step()
@@ -78,7 +78,7 @@ class Walk:
                 bpy.ops.ed.undo_push(message=step.__name__)
             if mine:
                 after = self.view()
-                leave_out_results(before, after, written, driven)
+                leave_out_results(before, after, written, valued)
                 assert orphans() <= unused, self.steps[-8:]
                 for part, value in before.items():
                     assert after[part] == value, (part, differing(value, after[part]), self.steps[-8:])
@@ -162,8 +162,8 @@ class Walk:
             "basis": points.tobytes(),
             "polygons": [tuple(polygon.vertices) for polygon in mesh.polygons],
             "selected": [vertex.select for vertex in mesh.vertices] if self.steps[-1] != "select_patch" else None,
-            # the value of a form's key is driven by ours where there are in-betweens; if it is kept, it becomes 0
-            "keys": {key.name: (positions(key), key.name.startswith(("Canonical Form", "Like ")) or round(key.value, 6),
+            # the value of a form's key is driven by ours where there are in-betweens
+            "keys": {key.name: (positions(key), key.name.startswith("Canonical Form") or round(key.value, 6),
                                 key.mute, key.lock_shape)
                      for key in keys if key.name not in ours["keys"]},
             "groups": sorted(groups.values()),

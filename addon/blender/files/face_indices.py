@@ -26,7 +26,7 @@ def require_whole_faces(objects: Sequence[bpy.types.Object]) -> None:
     InvalidMeshError
         If a mesh is damaged.
     """
-    # Blender has made a mesh in Edit Mode anew, and its attributes are empty
+    # Blender has made a mesh in Edit Mode anew, and it has no such attributes
     damaged = [obj.name for obj in objects if not obj.data.is_editmode and not _is_whole(obj.data)]
     if damaged:
         raise InvalidMeshError(
@@ -43,18 +43,17 @@ def _is_whole(mesh: bpy.types.Mesh) -> bool:
     return (
         bool((counts > 0).all())
         and np.array_equal(np.cumsum(np.append(0, counts), dtype=np.int64), np.append(starts, len(mesh.loops)))
-        and _refers(mesh, ".corner_vert", len(mesh.loops), len(mesh.vertices))
-        and _refers(mesh, ".corner_edge", len(mesh.loops), len(mesh.edges))
-        and _refers(mesh, ".edge_verts", 2 * len(mesh.edges), len(mesh.vertices))
+        and _refers(mesh, ".corner_vert", len(mesh.vertices))
+        and _refers(mesh, ".corner_edge", len(mesh.edges))
+        and _refers(mesh, ".edge_verts", len(mesh.vertices), each=2)
     )
 
 
-def _refers(mesh: bpy.types.Mesh, name: str, count: int, targets: int) -> bool:
-    """Return whether an attribute is that many indices of existing targets; it is read at once, items are not."""
+def _refers(mesh: bpy.types.Mesh, name: str, targets: int, each: int = 1) -> bool:
+    """Return whether an attribute exists and all its indices refer to a target."""
     attribute = mesh.attributes.get(name)
-    width = 2 if name == ".edge_verts" else 1
-    if attribute is None or width * len(attribute.data) != count:
+    if attribute is None:
         return False
-    indices = np.empty(count, dtype=np.int32)
-    attribute.data.foreach_get("value", indices)
-    return not count or bool(indices.min() >= 0 and indices.max() < targets)
+    indices = np.empty(each * len(attribute.data), dtype=np.int32)
+    attribute.data.foreach_get("value", indices)  # all at once; properties of corners would be copied one by one
+    return not len(indices) or bool(indices.min() >= 0 and indices.max() < targets)
