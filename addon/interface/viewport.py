@@ -53,7 +53,7 @@ def restore_shading(context: bpy.types.Context) -> None:
 
 
 def any_result() -> bool:
-    """Return whether any mesh of the file has colours written by this extension.
+    """Return whether any mesh of the file that has a user has colours written by this extension.
 
     Returns
     -------
@@ -61,7 +61,7 @@ def any_result() -> bool:
         True for the result of a run and for distances.
     """
     ours = {RECORD_PROPERTY, FORMER_PROPERTY, DISTANCES_PROPERTY}
-    return any(not ours.isdisjoint(mesh.keys()) for mesh in bpy.data.meshes)
+    return any(mesh.users and not ours.isdisjoint(mesh.keys()) for mesh in bpy.data.meshes)
 
 
 @bpy.app.handlers.persistent

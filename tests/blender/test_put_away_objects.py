@@ -1,4 +1,4 @@
-"""Objects that Blender does not evaluate, as in an excluded collection, stand where the file says."""
+"""Objects that Blender does not evaluate, as in an excluded collection, stand where the file says; deleted ones."""
 
 import bpy
 import numpy as np
@@ -7,8 +7,9 @@ from mathutils import Euler, Matrix
 
 from addon.blender.objects.mesh_reading import read_object
 from addon.blender.objects.placement import placement_of
+from addon.interface.viewport import any_result
 
-from .conftest import add_object
+from .conftest import QUICK, add_object
 
 PLACE = Matrix.LocRotScale((5.0, 0.0, 1.0), Euler((1.5, 0.0, 0.7)), (2.0, 2.0, 2.0))
 
@@ -101,3 +102,10 @@ def test_an_animated_object_stands_where_the_frame_says(blender, arrays, tmp_pat
     bpy.ops.wm.save_as_mainfile(filepath=str(path))
     bpy.ops.wm.open_mainfile(filepath=str(path))
     assert placement_of(bpy.data.objects["Base"], False)[0, 3] == pytest.approx(10.0)
+
+
+def test_a_deleted_object_is_no_result(figure_object):
+    bpy.ops.object.canonical_form(**QUICK)
+    assert any_result()
+    bpy.data.objects.remove(figure_object)
+    assert not any_result()
