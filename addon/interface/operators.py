@@ -12,7 +12,7 @@ from ..blender.objects.mesh_reading import refusal
 from ..blender.records.record import read_record
 from ..blender.results.new_objects import make_active
 from ..blender.words.advice import explained
-from ..blender.words.wording import CONTEXT, listed, told
+from ..blender.words.wording import CONTEXT, counted_points, listed, told
 from ..core import CanonicalFormError
 from .job_operator import JobOperator, kept_stages
 from .properties import FormerProperties, MethodProperties, RequestProperties, list_patches, settings_of
@@ -258,11 +258,11 @@ def _told_result(report: "FormReport", seconds: float) -> str:
     if report.like is not None:
         return told("{key}: {confidence:.0%} match confidence, {seconds:.1f} s.", key=report.like.key,
                     confidence=report.like.confidence, seconds=report.seconds)  # fmt: skip
-    count = len(report.feature_points)
-    if report.has_form:
-        return told("{count} feature points, {seconds:.1f} s, {saved:.1%} of the pairs saved.", count=count,
+    points = counted_points(len(report.feature_points))
+    if report.has_form and report.pair_reduction > 0:
+        return told("{points}, {seconds:.1f} s, {saved:.1%} of the pairs saved.", points=points,
                     seconds=seconds, saved=report.pair_reduction)  # fmt: skip
-    return told("{count} feature points, {seconds:.1f} s.", count=count, seconds=seconds)
+    return told("{points}, {seconds:.1f} s.", points=points, seconds=seconds)
 
 
 CLASSES = (OBJECT_OT_canonical_form, OBJECT_OT_canonical_form_clear)

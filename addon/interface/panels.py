@@ -11,7 +11,7 @@ from ..blender.records.record import Record, require_record
 from ..blender.results.companions import companions_of, slider_is_gone
 from ..blender.results.in_betweens import PROPERTY, has_in_betweens, renamed_keys
 from ..blender.results.limb_states import limbs_of
-from ..blender.words.wording import CONTEXT, told, told_stage
+from ..blender.words.wording import CONTEXT, counted_points, told, told_stage
 from ..core import Settings
 from ..core.method_api.catalogue import FEATURE_OPTIONS, methods
 from ..core.method_api.costs import PIECE_SECONDS, memory_estimate, time_estimate
@@ -288,25 +288,24 @@ def _slider(record: Record) -> str:
 def _draw_report(column: bpy.types.UILayout, record: Record) -> None:
     """Draw the results and measures, one per line."""
     report = record.report
-    count, seconds = len(report.feature_points), report.seconds
+    seconds = report.seconds
     distortion = told("Edge distortion: median {distortion:.1%}", distortion=report.edge_distortion or 0.0)
     if report.like is not None:
         sure = told("{confidence:.0%} match confidence, {seconds:.1f} s", confidence=report.like.confidence,
                     seconds=seconds)  # fmt: skip
         lines = [sure, distortion]
     else:
-        if record.has_patches:
-            lines = [told("{count} feature points and patches, {seconds:.1f} s", count=count, seconds=seconds)]
-        else:
-            lines = [told("{count} feature points, {seconds:.1f} s", count=count, seconds=seconds)]
+        found = counted_points(len(report.feature_points), record.has_patches)
+        lines = [told("{points}, {seconds:.1f} s", points=found, seconds=seconds)]
         if report.has_form:
             if report.method != OURS:
                 known = methods().get(report.method)  # a file may be from a later version
                 label = report.method if known is None else told(known.label)
                 lines.insert(0, told("Method: {method}", method=label))
             saved = report.pair_reduction
-            pairs = report.pair_count / (1 - saved) if saved < 1 else report.pair_count
-            lines.append(told("{saved:.1%} of {pairs:.3g} million pairs saved", saved=saved, pairs=pairs / 1e6))
+            if saved > 0:  # a mesh of a few vertices has more distances than pairs
+                pairs = report.pair_count / (1 - saved) if saved < 1 else report.pair_count
+                lines.append(told("{saved:.1%} of {pairs:.3g} million pairs saved", saved=saved, pairs=pairs / 1e6))
             if report.edge_distortion is not None:
                 lines.append(distortion)
             if report.compactness_error is not None:

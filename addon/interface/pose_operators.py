@@ -72,12 +72,12 @@ class OBJECT_OT_canonical_form_pose_like(JobOperator, MethodProperties, RequestP
         """Read the reference, then the active and the other selected meshes."""
         from ..blender.jobs.form_task import FormTask
         from ..blender.jobs.likeness import Likeness
-        from ..blender.jobs.pose_reading import read_likeness
+        from ..blender.jobs.pose_reading import named_reference, read_likeness
         from ..blender.jobs.request import Request
 
         likeness = Likeness(self.pose, side=self.side)
         if self.pose == "OBJECT":
-            likeness = read_likeness(bpy.data.objects.get(self.like), self.side)
+            likeness = read_likeness(named_reference(self.like), self.side)
         objects, self._refused = chosen_objects(context)
         objects = [obj for obj in objects if self.pose != "OBJECT" or obj.name != self.like]
         if not objects:
@@ -133,11 +133,12 @@ class OBJECT_OT_canonical_form_transfer(JobOperator, MethodProperties, bpy.types
 
     def task(self, context: bpy.types.Context) -> "TransferTask":
         """Read the reference, then the active and the other selected meshes."""
+        from ..blender.jobs.pose_reading import named_reference
         from ..blender.transfer.transfer_task import TransferTask, side_of
 
         objects, self._refused = chosen_objects(context)
         side = side_of(objects[0], self.like) if self.side < 0 else self.side
-        return TransferTask(objects, bpy.data.objects.get(self.like), self.kinds, settings_of(self), side)
+        return TransferTask(objects, named_reference(self.like), self.kinds, settings_of(self), side)
 
     def written(self, context: bpy.types.Context, task: "TransferTask", outcome: None, interactive: bool) -> None:
         """Report the warnings, then what was transferred."""
@@ -160,10 +161,11 @@ class OBJECT_OT_canonical_form_match_colours(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Show or remove them."""
+        from ..blender.jobs.pose_reading import named_reference
         from ..blender.results.match_colours import toggle_source_colours
 
         try:
-            shown, kept = toggle_source_colours(bpy.data.objects.get(self.like))
+            shown, kept = toggle_source_colours(named_reference(self.like))
         except CanonicalFormError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}

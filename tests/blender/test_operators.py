@@ -365,6 +365,20 @@ def test_the_panel_shows_what_was_found(figure_object):
     assert "feature_group" in drawn(panels.VIEW3D_PT_canonical_form_features)
 
 
+def test_on_a_cube_the_panel_counts_one_point_and_shows_no_negative_share(blender, capfd):
+    bpy.ops.mesh.primitive_cube_add()
+    compute()
+    record = require_record(bpy.context.object.data)
+    assert record.report.pair_reduction < 0
+    assert len(record.report.feature_points) == 1
+    lines = drawn(panels.VIEW3D_PT_canonical_form_result)
+    assert any(line.startswith("1 feature point and patch,") for line in lines)
+    assert not any("pairs saved" in line for line in lines)
+    told = capfd.readouterr().out
+    assert "1 feature point," in told
+    assert "pairs saved" not in told
+
+
 def test_the_record_is_json(figure_object):
     compute()
     report = require_record(figure_object.data).report

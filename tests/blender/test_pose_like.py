@@ -116,8 +116,13 @@ def test_the_reference_can_show_the_colours_too(pair):
     for shown in (["Match Source Colours"], []):
         bpy.ops.object.canonical_form_match_colours(like="Other")
         assert [each.name for each in reference.data.color_attributes] == shown
-    with pytest.raises(RuntimeError, match="The reference is gone"):
+    with pytest.raises(RuntimeError, match="There is no object Nobody"):
         bpy.ops.object.canonical_form_match_colours(like="Nobody")
+
+
+def test_a_source_that_does_not_exist_is_named(figure_object):
+    with pytest.raises(RuntimeError, match="There is no object Nobody"):
+        bpy.ops.object.canonical_form_transfer(like="Nobody")
 
 
 def test_colours_of_that_name_that_are_not_ours_stay_on_the_reference(pair):
@@ -232,6 +237,7 @@ def test_an_a_pose_needs_no_reference(blender):
     ("kind", "sentence"),
     [
         ("none", "Choose an object"),
+        ("nobody", "There is no object Nobody"),
         ("empty", "not a mesh"),
         ("bare", "no faces"),
         ("itself", "reference itself"),
@@ -239,7 +245,7 @@ def test_an_a_pose_needs_no_reference(blender):
 )
 def test_what_cannot_be_a_reference_is_told(pair, kind, sentence):
     figure, _ = pair
-    name = {"none": "Nobody", "itself": "Figure"}.get(kind, "Odd")
+    name = {"none": "", "nobody": "Nobody", "itself": "Figure"}.get(kind, "Odd")
     if name == "Odd":
         mesh = bpy.data.meshes.new("Odd") if kind == "bare" else None
         bpy.context.scene.collection.objects.link(bpy.data.objects.new("Odd", mesh))

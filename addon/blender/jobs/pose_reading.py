@@ -38,6 +38,30 @@ def read_likeness(obj: bpy.types.Object | None, side: int = -1) -> Likeness:
     return Likeness("OBJECT", obj.name, _read(obj), side)
 
 
+def named_reference(name: str) -> bpy.types.Object | None:
+    """Find an object by its name, for `read_likeness` and the like.
+
+    Parameters
+    ----------
+    name : str
+        Name of the object; may be empty.
+
+    Returns
+    -------
+    bpy.types.Object or None
+        The object; None without a name.
+
+    Raises
+    ------
+    CanonicalFormError
+        If no object of the file has the name.
+    """
+    obj = bpy.data.objects.get(name)
+    if obj is None and name:
+        raise CanonicalFormError(told("There is no object {name}. Choose another reference.", name=name))
+    return obj
+
+
 def reference_refusal(obj: bpy.types.Object | None) -> str | None:
     """Return why the pose of an object cannot be applied to others.
 

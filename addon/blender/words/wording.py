@@ -41,6 +41,33 @@ def told(sentence: str, /, **values: Any) -> str:
     return found.format(**values) if values else found
 
 
+def counted_points(count: int, patches: bool = False) -> str:
+    """Say how many feature points were found.
+
+    Parameters
+    ----------
+    count : int
+        Number of feature points.
+    patches : bool
+        Whether each has a patch.
+
+    Returns
+    -------
+    str
+        The number with its noun.
+
+    Examples
+    --------
+    >>> counted_points(1), counted_points(5, patches=True)
+    ('1 feature point', '5 feature points and patches')
+    """
+    if patches:
+        return (
+            told("1 feature point and patch") if count == 1 else told("{count} feature points and patches", count=count)
+        )
+    return told("1 feature point") if count == 1 else told("{count} feature points", count=count)
+
+
 def listed(names: Iterable[str]) -> str:
     """List names, the first ones if there are many.
 
