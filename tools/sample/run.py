@@ -30,9 +30,7 @@ def main(levels: int) -> None:
     bpy.ops.wm.read_factory_settings(use_empty=True)
     addon.register()
     figure = build(levels=levels)
-    posed, _ = read_mesh(figure.data)
-    plain = Shown(figure, posed, np.full(len(posed), -1), np.ones((len(posed), 4)))
-    save_forms(OUTPUT / "figure-posed.obj", [plain])  # for any Blender
+    save_upright(OUTPUT / "figure-posed.obj", figure)  # for any Blender
     print(f"Built a posed figure of {len(figure.data.vertices):,} vertices. Taking its pose out …", flush=True)
     bpy.ops.object.canonical_form()
     report = require_record(figure.data).report
@@ -41,10 +39,11 @@ def main(levels: int) -> None:
     print(
         f"{len(report.feature_points)} feature points; stress {stress.first:.4g} to {stress.last:.4g} in "
         f"{stress.steps} steps; {report.pair_count / 1e6:.1f} million pair distances, "
-        f"{report.pair_reduction:.0%} less than all; {report.seconds:.1f} s"
+        f"{report.pair_reduction:.0%} less than all; {report.seconds:.1f} s",
+        flush=True,  # Blender's files are written with standard output closed
     )
     for warning in report.warnings:
-        print(f"Warning: {warning}")
+        print(f"Warning: {warning}", flush=True)
     blend, picture = OUTPUT / "figure.blend", OUTPUT / "figure.png"
     bpy.ops.wm.save_as_mainfile(filepath=str(blend))
     render(figure, picture)
@@ -61,6 +60,13 @@ def main(levels: int) -> None:
         f"A clothed character under a rig, to import: {OUTPUT / 'clothed.glb'}\n"
         f"Before and after: {picture}"
     )
+
+
+def save_upright(path: Path, figure: bpy.types.Object) -> None:
+    """Write an object to an .obj file with Y up, as importers expect it."""
+    vertices, _ = read_mesh(figure.data)
+    turned = vertices[:, [0, 2, 1]] * (1.0, 1.0, -1.0)
+    save_forms(path, [Shown(figure, turned, np.full(len(vertices), -1), np.ones((len(vertices), 4)))])
 
 
 if __name__ == "__main__":
