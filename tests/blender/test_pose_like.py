@@ -120,11 +120,6 @@ def test_the_reference_can_show_the_colours_too(pair):
         bpy.ops.object.canonical_form_match_colours(like="Nobody")
 
 
-def test_a_source_that_does_not_exist_is_named(figure_object):
-    with pytest.raises(RuntimeError, match="There is no object Nobody"):
-        bpy.ops.object.canonical_form_transfer(like="Nobody")
-
-
 def test_colours_of_that_name_that_are_not_ours_stay_on_the_reference(pair):
     """A user's own, those that were painted over since, and those of a copied property."""
     _, reference = pair

@@ -265,7 +265,8 @@ def test_the_side_is_that_of_the_pose(pair):
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [
-        ({"like": "Nobody"}, "Choose an object"),
+        ({"like": ""}, "Choose an object"),
+        ({"like": "Nobody"}, "There is no object Nobody"),
         ({"like": "Scan"}, "the reference itself"),
         ({"kinds": set()}, "Nothing is chosen"),
     ],
