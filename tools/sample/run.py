@@ -40,7 +40,7 @@ def main(levels: int) -> None:
         f"{len(report.feature_points)} feature points; stress {stress.first:.4g} to {stress.last:.4g} in "
         f"{stress.steps} steps; {report.pair_count / 1e6:.1f} million pair distances, "
         f"{report.pair_reduction:.0%} less than all; {report.seconds:.1f} s",
-        flush=True,  # Blender's files are written with standard output closed
+        flush=True,  # `quiet` discards what is still in the buffer
     )
     for warning in report.warnings:
         print(f"Warning: {warning}", flush=True)
