@@ -1,4 +1,4 @@
-"""Objects that Blender does not evaluate, as in an excluded collection, stand where the file says; deleted ones are out."""
+"""Objects that Blender does not evaluate, as in an excluded collection, stand where the file says. And deleted ones."""
 
 import bpy
 import numpy as np
