@@ -25,6 +25,7 @@ def test_landmark_scaling_places_the_rest():
     wanted = np.linalg.norm(points[:, None] - points, axis=2)
     embedding = landmark_scaling(wanted[:, :9], np.arange(9))
     np.testing.assert_allclose(np.linalg.norm(embedding[:, None] - embedding, axis=2), wanted, atol=1e-9)
+    np.testing.assert_allclose(embedding[:9], classical_scaling(wanted[:9, :9])[0], atol=1e-9)
 
 
 def test_landmark_scaling_of_a_plane_is_flat():
