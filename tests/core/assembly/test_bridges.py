@@ -173,3 +173,22 @@ def test_a_hole_narrower_than_what_touches_is_no_open_end():
     ring = np.column_stack([np.cos(angles), np.sin(angles), 0 * angles])
     points, loop = np.concatenate([0.005 * ring, 0.02 * ring + 1]), np.repeat([0, 1], 6)
     assert module._open_ends(points, loop).tolist() == [-1] * 6 + [1] * 6
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "label"),
+    [
+        (7, 3, [0, 1]),  # the first holds the end alone
+        (6, 4, [0, 0]),
+        (4, 3, [0, 0]),
+        (4, 2, [0, 1]),
+    ],
+)
+def test_contacts_are_one_where_only_together_they_hold_seven_tenths_of_an_end(first, second, label):
+    """An end of ten vertices, all on the border, and two contacts with as many others."""
+    loop, part = np.repeat([0, -1], 10), np.repeat([0, 1], 10)
+    here = np.arange(first + second)
+    links = np.column_stack([here, here + 10])
+    found = module._rings_closed(links, np.repeat([0, 1], [first, second]), loop, np.array([10]), part)
+    assert found[[0, first]].tolist() == label
+    assert len(np.unique(found)) == len(set(label))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from addon.core.assembly.contacts import contacts_between, sampled
+from addon.core.assembly.contacts import Contact, Samples, contacts_between, sampled
 from addon.core.assembly.pieces import Piece
 from addon.core.assembly.roles import roles_of
 from addon.core.mesh.geometry import of_unit_area
@@ -13,7 +13,13 @@ from tests.meshes.tubes import akimbo
 
 
 def roles(*meshes):
-    """Roles of some meshes, the largest first, with all lengths in the square root of their whole area."""
+    """Roles of some meshes, the largest first, and their unit of length."""
+    pieces, samples, unit = put_together(*meshes)
+    return roles_of(pieces, samples, contacts_between(pieces, samples, Monitor())), unit
+
+
+def put_together(*meshes):
+    """Some meshes as pieces, with all lengths in the square root of their whole area: pieces, samples, that unit."""
     starts = np.cumsum([0, *(len(vertices) for vertices, _ in meshes)])
     faces = np.concatenate([own + start for (_, own), start in zip(meshes, starts[:-1], strict=True)])
     points, _, unit = of_unit_area(np.concatenate([vertices for vertices, _ in meshes]), faces)
@@ -21,8 +27,7 @@ def roles(*meshes):
         Piece(np.arange(start, end), points[start:end], own)
         for start, end, (_, own) in zip(starts[:-1], starts[1:], meshes, strict=True)
     ]
-    samples = [sampled(piece.points, piece.faces) for piece in pieces]
-    return roles_of(pieces, samples, contacts_between(pieces, samples, Monitor())), unit
+    return pieces, [sampled(piece.points, piece.faces) for piece in pieces], unit
 
 
 def ball(radius, x=0.0, y=0.0, z=0.0):
@@ -155,3 +160,17 @@ def test_a_stick_held_in_the_middle_rides_and_what_is_thick_or_held_at_its_end_i
     found, _ = roles(ball(0.25), tube(radius, start, length))
     assert found.bodies == ([[0]] if role == "rides" else [[0, 1]])
     assert found.riders == ([(1, 0)] if role == "rides" else [])
+
+
+@pytest.mark.parametrize(("fewer", "role"), [(0, "rides"), (1, "part")])
+def test_what_others_cover_to_three_quarters_rides(fewer, role):
+    """An arm in a sleeve that exactly three quarters of its samples touch, the lower ones, and one fewer."""
+    pieces, (first, second), _ = put_together(tube(0.2, 0.0, 6.0), tube(0.17, 3.75, 3.0))
+    count = 4 * (len(second.points) // 4)
+    second = Samples(*(each[:count] for each in second[:4]), second.area)
+    order = np.argsort(np.argsort(second.points[:, 2]))
+    contacts = contacts_between(pieces, [first, second], Monitor())
+    touching = order < 3 * count // 4 - fewer
+    contacts[1, 0] = Contact(np.where(touching, 0.01, 0.5), contacts[1, 0].nearest[:count])
+    found = roles_of(pieces, [first, second], contacts)
+    assert found == (([[0]], [(1, 0)]) if role == "rides" else ([[0, 1]], []))

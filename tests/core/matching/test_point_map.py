@@ -73,6 +73,26 @@ def test_normals_that_disagree_make_it_less_sure(body, cosine, expected):
     )
 
 
+def test_where_the_triangles_have_no_area_the_map_is_not_sure(body):
+    """All triangles at a vertex end in one point: no area is left, and the logarithm of that stays finite."""
+    places = body.form.copy()
+    tip = int(body.features[0])
+    around = np.unique(body.faces[(body.faces == tip).any(axis=1)])
+    places[around] = places[tip]
+    sure = confidence(body, body, np.arange(len(places)), places)
+    assert sure[tip] == 0.0
+    assert np.isfinite(sure).all()
+
+
+def test_what_has_no_area_on_either_side_is_finite(body):
+    """Triangles without area that stay without area have not grown; what they face decides."""
+    form = body.form.copy()
+    tip = int(body.features[0])
+    form[np.unique(body.faces[(body.faces == tip).any(axis=1)])] = form[tip]
+    flat = body._replace(form=form)
+    assert np.isfinite(confidence(flat, body, np.arange(len(form)), body.form)).all()
+
+
 def test_triangles_turned_over_count_by_their_share(body):
     places = body.form.copy()
     tip = int(body.features[0])
