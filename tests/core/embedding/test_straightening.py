@@ -7,8 +7,13 @@ import numpy as np
 import pytest
 
 from addon.core import Settings, canonical_form
+from addon.core.deformation.elastic_body import ElasticBody
+from addon.core.embedding import straightening as module
 from addon.core.measures.alignment import rigid_fit
 from addon.core.measures.form_measures import edge_stretch
+from addon.core.mesh.edges import pairs_across_edges
+from addon.core.run.monitor import Monitor
+from addon.core.surface.triangulation import triangulated
 from tests.meshes import shapes, tubes
 from tests.meshes.shapes import Mesh
 
@@ -70,3 +75,24 @@ def test_a_start_from_the_pose_and_a_bare_form_are_not_straightened():
             canonical_form(*figure, Settings(arrangement=each, **options)).vertices for each in ("straight", "stress")
         )
         np.testing.assert_array_equal(straight, stress)
+
+
+def test_edges_of_needles_are_no_stiffer_than_fifty_equilateral_ones(monkeypatch: pytest.MonkeyPatch):
+    vertices, faces = shapes.sphere(2)
+    vertices = vertices * [1, 1, 100]
+    body = ElasticBody(triangulated(vertices, faces), vertices, faces)
+    given: list[np.ndarray] = []
+
+    class Seen(module.Pushing):
+        def __init__(self, *args, **options):
+            given.append(options["stiffness"])
+            super().__init__(*args, **options)
+
+    monkeypatch.setattr(module, "Pushing", Seen)
+    module.straightened(
+        body, faces, vertices, np.arange(4), 1.0, np.arange(1), vertices[:, :1], max_iterations=1, monitor=Monitor()
+    )
+    cotangents = np.sqrt(3) * body.shell()[1]
+    assert cotangents.max() > 100
+    expected = [*np.where(cotangents > 50, 50, cotangents), *np.full(len(pairs_across_edges(faces)), 2.0)]
+    np.testing.assert_allclose(given[0], expected, rtol=1e-12)
