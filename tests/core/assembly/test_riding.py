@@ -149,3 +149,24 @@ def test_a_cloth_hands_its_monitor_on(monkeypatch):
     piece = Piece(np.arange(len(points)), points, faces)
     ridden([piece], [sampled(points, faces)], ground_under(bent), rigid=False, monitor=monitor)
     assert handed == [monitor]
+
+
+def test_a_cloth_gives_way_to_a_wave_of_the_ground_as_its_stiffness_allows(monkeypatch):
+    """Where a cloth of unit area is to stretch by a wave cos(kx), it does so by the share p / (p + k²), p = 60."""
+    seen = []
+
+    def spy(body, target, **options):
+        seen.append((body.points, target, towards(body, target, **options)))
+        return seen[-1][2]
+
+    towards = module.ElasticBody.deformed_towards
+    monkeypatch.setattr(module.ElasticBody, "deformed_towards", spy)
+
+    def stretched(points):
+        return points + np.column_stack([0.01 * np.cos(np.pi * (points[:, 0] / 0.4 + 0.5)), 0 * points[:, 1:]])
+
+    moved(plate(0.4, 24, 0.0, 0.0, 0.008), ground_under(stretched), rigid=False)
+    ((points, target, placed),) = seen
+    wave = np.cos(np.pi * (points[:, 0] - points[:, 0].min()))
+    asked, given = ((each[:, 0] - points[:, 0]) @ wave for each in (target, placed))
+    assert given / asked == pytest.approx(60 / (60 + np.pi**2), rel=0.01)
