@@ -109,3 +109,13 @@ def test_left_and_right_of_the_same_body_are_the_same():
     own = limbs(raised, np.array([2.0, 2, 3, 3, 1, 4]), volumes(raised))
     assert sided(own.handedness, own.side, own.along) > 0.1
     assert feature_assignments(own, own)[0][1] < 1e-9
+
+
+def test_handedness_that_differs_speaks_against_an_assignment():
+    """A body and its mirror image, point by point: handedness counts four times, that of all pairs once and a half."""
+    raised = FOUR_LEGS + np.array([0, 0, 0.3])
+    own = limbs(raised, np.array([2.0, 2, 3, 3, 1, 4]), volumes(raised))
+    every = feature_assignments(own, own._replace(handedness=-own.handedness), most=500)
+    mismatch = next(each for image, each in every if (image == np.arange(6)).all())
+    expected = 4 * 2 * np.sqrt((own.handedness**2).mean())
+    assert mismatch == pytest.approx(expected + 1.5 * 2 * sided(own.handedness, own.side, own.along))

@@ -48,6 +48,16 @@ def test_where_a_limb_has_no_like_the_match_is_unsure(gathered, body):
     assert found.confidence[~limb].mean() > 0.5
 
 
+def test_the_confidence_is_smoothed_by_one_step_of_the_heat_flow(body, monkeypatch):
+    """For a time of 2e-4 of the area: (M + t L) x = M c."""
+    rough = np.random.default_rng(0).uniform(0.3, 0.7, len(body.form))
+    monkeypatch.setattr(module, "_confidence", lambda *given: rough)
+    sure = point_map(body, body, sides(body, body, Monitor())[0], Monitor()).confidence
+    mass, flow = body.found.mass, 2e-4 * body.found.mass.sum() * body.found.stiffness
+    assert np.ptp(sure) < 0.9 * np.ptp(rough)
+    np.testing.assert_allclose(mass * sure + flow @ sure, mass * rough, atol=1e-9 * mass.max())
+
+
 def test_nothing_is_less_sure_on_the_map_to_itself(body):
     every = np.arange(len(body.form))
     np.testing.assert_allclose(confidence(body, body, every, body.form), 1.0, atol=1e-9)
