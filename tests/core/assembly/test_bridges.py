@@ -6,7 +6,8 @@ import pytest
 from addon.core.assembly import bridges as module
 from addon.core.assembly.bridges import bridges_between
 from addon.core.assembly.contacts import sampled
-from addon.core.mesh.edges import vertex_pairs
+from addon.core.mesh.connectivity import border_labels
+from addon.core.mesh.edges import edge_table, vertex_pairs
 from addon.core.mesh.geometry import of_unit_area, vertex_normals
 from tests.meshes import shapes
 from tests.meshes.tubes import akimbo
@@ -88,6 +89,9 @@ def test_each_part_is_linked_to_the_nearest_of_those_that_hang_together():
 def test_one_part_has_no_bridges():
     points, faces, part, surfaces = put_together(ball([0, 0, 0]))
     assert bridges_between(points, faces, part, surfaces).shape == (0, 3)
+    links, lengths = module._links(points, module._within_two_edges(len(points), vertex_pairs(faces)), part, surfaces)
+    assert links.shape == (0, 2)
+    assert lengths.shape == (0,)
 
 
 def half_ring(turn, radius, gap=0.0):
@@ -173,6 +177,8 @@ def test_a_hole_narrower_than_what_touches_is_no_open_end():
     ring = np.column_stack([np.cos(angles), np.sin(angles), 0 * angles])
     points, loop = np.concatenate([0.005 * ring, 0.02 * ring + 1]), np.repeat([0, 1], 6)
     assert module._open_ends(points, loop).tolist() == [-1] * 6 + [1] * 6
+    exact = np.array([[0.0, 0, 0], [module.TOUCH, 0, 0]])  # what is as far away as that does not touch
+    assert module._open_ends(exact, np.zeros(2, dtype=np.int64)).tolist() == [0, 0]
 
 
 @pytest.mark.parametrize(
@@ -192,3 +198,17 @@ def test_contacts_are_one_where_only_together_they_hold_seven_tenths_of_an_end(f
     found = module._rings_closed(links, np.repeat([0, 1], [first, second]), loop, np.array([10]), part)
     assert found[[0, first]].tolist() == label
     assert len(np.unique(found)) == len(set(label))
+
+
+@pytest.mark.parametrize(("open_ends", "factor"), [(True, 10), (False, 1)])
+def test_a_contact_that_holds_an_open_end_counts_ten_times(open_ends, factor):
+    """Its score: vertices, those of a border four times more, and how far around and how near they are."""
+    points, faces, part, surfaces = put_together(half_ring(0, 6.0, 0.002), half_ring(np.pi, 6.0, 0.002))
+    loop = border_labels(faces, edge_table(faces)) if open_ends else np.full(len(points), -1)
+    contacts = module._contacts(points, vertex_pairs(faces), vertex_normals(points, faces), loop, part, surfaces)
+    assert len(contacts) == 2
+    for contact in contacts:
+        ends = np.concatenate([np.unique(side) for side in contact.links.T])
+        vertices = len(ends) + 4 * (loop[ends] >= 0).sum()
+        near = 1 / (1 + (contact.lengths.min() / 0.02) ** 2)
+        assert contact.score == pytest.approx(factor * vertices * contact.around**2 * near)
