@@ -167,8 +167,9 @@ def test_what_others_cover_to_three_quarters_rides(fewer, role):
     """An arm in a sleeve that exactly three quarters of its samples touch, the lower ones, and one fewer."""
     pieces, (first, second), _ = put_together(tube(0.2, 0.0, 6.0), tube(0.17, 3.75, 3.0))
     count = 4 * (len(second.points) // 4)
-    second = Samples(*(each[:count] for each in second[:4]), second.area)
-    order = np.argsort(np.argsort(second.points[:, 2]))
+    corners, weights, points, normals = (each[:count] for each in second[:4])
+    second = Samples(corners, weights, points, normals, second.area)
+    order = np.argsort(np.argsort(points[:, 2]))
     contacts = contacts_between(pieces, [first, second], Monitor())
     touching = order < 3 * count // 4 - fewer
     contacts[1, 0] = Contact(np.where(touching, 0.01, 0.5), contacts[1, 0].nearest[:count])

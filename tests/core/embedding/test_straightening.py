@@ -79,7 +79,7 @@ def test_a_start_from_the_pose_and_a_bare_form_are_not_straightened():
 
 def test_edges_of_needles_are_no_stiffer_than_fifty_equilateral_ones(monkeypatch: pytest.MonkeyPatch):
     vertices, faces = shapes.sphere(2)
-    vertices = vertices * [1, 1, 100]
+    vertices = vertices * np.array([1.0, 1.0, 100.0])
     body = ElasticBody(triangulated(vertices, faces), vertices, faces)
     given: list[np.ndarray] = []
 
