@@ -69,9 +69,11 @@ def test_turns_about_the_axes_tell_the_tips_by_their_places(body):
         along=body.limbs.along[:count],
     )
     some = body._replace(features=body.features[:count], to_features=body.to_features[:, :count], limbs=limbs)
-    ways = starts(some, body, rows_of(body), Monitor())
+    away = body._replace(form=body.form + np.array([0.0, 3.0, 0.0]))
+    ways = starts(some, away, rows_of(body), Monitor())
     nearest = min(ways, key=lambda way: angle(way.rotation, np.eye(3)))
     assert angle(nearest.rotation, np.eye(3)) < 1e-3
+    np.testing.assert_allclose(nearest.shift, [0, 3, 0], atol=1e-6)
     assert nearest.image.tolist() == list(range(len(some.features)))
 
 
