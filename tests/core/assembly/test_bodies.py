@@ -195,3 +195,5 @@ def test_feature_points_of_several_bodies_are_numbered_body_by_body(figure):
     bodies = bodies_of(beside, np.vstack([faces, faces + len(vertices)]))
     numbers = feature_numbers(bodies, [np.array([7, 3]), np.array([5, 1, 2])])  # whatever order they come in stays
     assert [each.tolist() for each in numbers] == [[0, 1], [2, 3, 4]]
+    with pytest.raises(ValueError, match="argument 3 is longer"):
+        feature_numbers(bodies, [np.array([7, 3])])

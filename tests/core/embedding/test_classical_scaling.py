@@ -85,6 +85,13 @@ def test_the_leading_axes_are_those_of_all_whatever_the_size_and_the_same_each_t
     np.testing.assert_array_equal(leading_scaling(wanted), embedding)
 
 
+def test_up_to_four_hundred_points_all_axes_are_computed():
+    points = np.random.default_rng(3).normal(size=(401, 3))
+    wanted = np.linalg.norm(points[:, None] - points, axis=2)
+    np.testing.assert_array_equal(leading_scaling(wanted[:400, :400]), classical_scaling(wanted[:400, :400])[0])
+    assert (leading_scaling(wanted) != classical_scaling(wanted)[0]).any()
+
+
 def test_axes_that_are_none_have_no_length():
     """Points on a line have one axis."""
     line = np.linspace(0, 1, 450)

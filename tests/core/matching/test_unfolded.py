@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from addon.core.matching import unfolded as module
 from addon.core.matching.unfolded import _mean_curvature, unfolded
 from addon.core.run.errors import CancelledError
 from addon.core.run.monitor import Monitor
@@ -72,3 +73,10 @@ def test_more_eigenpairs_are_computed_where_there_are_too_few_and_that_can_be_ca
     assert len(few.eigenvalues) < 120
     with pytest.raises(CancelledError):
         unfolded(body.found, body.found.whole_points, Monitor(cancelled=lambda: True))
+
+
+def test_a_spectrum_that_is_whole_is_not_computed_again(gathered, monkeypatch):
+    small = gathered(*shapes.sphere(1))
+    assert len(small.found.spectrum.eigenvalues) == len(small.form) - 1
+    monkeypatch.delattr(module, "compute_spectrum")
+    assert unfolded(small.found, small.whole_form, Monitor()).eigenvectors.shape == (42, 41)
