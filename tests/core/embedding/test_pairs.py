@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from addon.core.distances.spectral import GreensFunction
+from addon.core.embedding import pairs as module
 from addon.core.embedding.pairs import arrangement_pairs, balanced, patch_pairs
 from addon.core.embedding.stress import PairList, Stress, pair_set
 from addon.core.embedding.weight_inverse import WeightInverse
@@ -151,3 +152,19 @@ def test_a_small_patch_has_some_sources(side):
         points, [whole], lambda vertices: 1.0 - np.eye(len(vertices)), source_share=0.01, monitor=Monitor()
     )
     assert pairs.source_count == min(40, len(points))
+
+
+@pytest.mark.parametrize(("distance", "failed"), [(0.0, True), (0.9e-6, True), (1.1e-6, False)])
+def test_a_pair_whose_distance_failed_gets_a_thousandth_of_the_mean_and_it_is_told(monkeypatch, distance, failed):
+    """One pair has less than a millionth of the mean distance, which is 1."""
+    points, faces = shapes.grid(2, 2, 1.0, 1.0)
+    given = np.where(np.eye(4, dtype=bool), 0.0, 4 / 3)
+    given[0, 1] = given[1, 0] = distance
+    given[2, 3] = given[3, 2] = 8 / 3 - distance
+    monkeypatch.setattr(module, "geodesics", lambda *_, **options: given.copy())
+    monitor = Monitor()
+    (pairs,) = patch_pairs(points, [Patch(faces, np.arange(4))], lambda vertices: np.ones((4, 4)), monitor=monitor)
+    expected = 1e-3 if failed else distance
+    assert pairs.targets[0][0, 1] == pytest.approx(expected)
+    assert pairs.weights[0][0, 1] == pytest.approx(1 / expected**2)
+    assert [(each.kind, each.numbers) for each in monitor.warnings] == [("zero_distances", {"count": 1})] * failed
