@@ -83,24 +83,23 @@ def test_normals_that_disagree_make_it_less_sure(body, cosine, expected):
     )
 
 
-def test_where_the_triangles_have_no_area_the_map_is_not_sure(body):
-    """All triangles at a vertex end in one point: no area is left, and the logarithm of that stays finite."""
+def without_area_at(body, tip):
+    """Places of the vertices, with all triangles at one of them drawn together into it."""
     places = body.form.copy()
+    places[np.unique(body.faces[(body.faces == tip).any(axis=1)])] = places[tip]
+    return places
+
+
+def test_where_the_triangles_end_without_area_the_map_is_not_sure(body):
     tip = int(body.features[0])
-    around = np.unique(body.faces[(body.faces == tip).any(axis=1)])
-    places[around] = places[tip]
-    sure = confidence(body, body, np.arange(len(places)), places)
+    sure = confidence(body, body, np.arange(len(body.form)), without_area_at(body, tip))
     assert sure[tip] == 0.0
     assert np.isfinite(sure).all()
 
 
-def test_what_has_no_area_on_either_side_is_finite(body):
-    """Triangles without area that stay without area have not grown; what they face decides."""
-    form = body.form.copy()
-    tip = int(body.features[0])
-    form[np.unique(body.faces[(body.faces == tip).any(axis=1)])] = form[tip]
-    flat = body._replace(form=form)
-    assert np.isfinite(confidence(flat, body, np.arange(len(form)), body.form)).all()
+def test_where_the_triangles_begin_without_area_the_confidence_is_a_number(body):
+    flat = body._replace(form=without_area_at(body, int(body.features[0])))
+    assert np.isfinite(confidence(flat, body, np.arange(len(body.form)), body.form)).all()
 
 
 def test_triangles_turned_over_count_by_their_share(body):
