@@ -99,7 +99,6 @@ def canonical_form(
     form = shaped(bodies, [each.points for each in forms], monitor, area_kept=True)
     features = gathered_features(bodies, [each.features for each in forms])
     histories = [each.embedded.history for each in forms]
-    steps = max(map(len, histories))  # a history that has ended keeps its last value
     pair_count = sum(each.embedded.pair_count for each in forms)
     return CanonicalForm(
         form,
@@ -107,14 +106,22 @@ def canonical_form(
         features.points,
         features.patches,
         features.adf,
-        np.sum([np.pad(each, (0, steps - len(each)), mode="edge") for each in histories], axis=0),
+        _summed(histories),
         pair_count,
-        1 - pair_count / len(form) ** 2,
+        1 - pair_count / len(form) ** 2 if pair_count else 0.0,
         monitor.timings,
         monitor.warnings,
         float(np.fmax.reduce([each.embedded.asymmetry for each in forms])),
         features.bodies,
     )
+
+
+def _summed(histories: list[FloatArray]) -> FloatArray:
+    """Sum the stresses of bodies, step by step; a history that has ended keeps its last value."""
+    steps = max(map(len, histories))
+    if steps == 0:
+        return np.empty(0)
+    return np.asarray(np.sum([np.pad(each, (0, steps - len(each)), mode="edge") for each in histories], axis=0))
 
 
 class _BodyForm(NamedTuple):

@@ -126,7 +126,7 @@ def _posed(one: Unfolded, other: Unfolded, pose: FloatArray, found: PointMap, mo
     """Transfer the pose of another body to a body, around its own centre, in its own unit."""
     own, there = one.found, other.found
     surface = own.surface
-    struts = struts_through(surface.points, surface.faces, own.to_features, monitor)
+    struts = struts_through(surface.points, surface.faces, own.limbs.to_features, monitor)
     body = ElasticBody(surface.triangulation, surface.points, surface.faces, struts)
     kept = surface.kept
     corners = pose[there.whole_faces[found.points.faces[kept]]]  # (c, 3, 3)
@@ -134,7 +134,7 @@ def _posed(one: Unfolded, other: Unfolded, pose: FloatArray, found: PointMap, mo
     confidence = found.confidence[kept]
     posed = taken_pose(body, places, confidence)
     planes = mirror_planes(pose, there.whole_faces, monitor)
-    mirror = _mirror(one, monitor) if planes else None
+    mirror = _mirror(one, body, monitor) if planes else None
     if mirror is not None:
         posed = symmetric_pose(body, posed, confidence, mirror, planes)
     monitor.check()
@@ -147,17 +147,7 @@ def _posed(one: Unfolded, other: Unfolded, pose: FloatArray, found: PointMap, mo
     return centred * own.unit + own.centre
 
 
-def _mirror(one: Unfolded, monitor: Monitor) -> MirrorMap | None:
+def _mirror(one: Unfolded, body: ElasticBody, monitor: Monitor) -> MirrorMap | None:
     """Find left and right on a body."""
     samples = np.arange(0, len(one.form), _SAMPLED)
-    return mirror_partners(
-        one.form,
-        one.faces,
-        one.areas,
-        one.eigenvectors,
-        one.features,
-        one.to_features,
-        one.limbs,
-        samples,
-        monitor,
-    )
+    return mirror_partners(body, one.form, one.found.spectrum.eigenvectors, one.limbs, samples, monitor)

@@ -70,13 +70,13 @@ class CanonicalForm(_Summarised):
     adf : (n,) ndarray of float
         Auto Diffusion Function of each piece scaled to unit area; 0 at vertices of no face.
     stress : (s + 1,) ndarray of float
-        Stress (equation 10) before each of the s steps and after the last, on the surface scaled to unit area; summed
-        over the pieces.
+        Stress before each of the s steps and after the last, on the surface scaled to unit area; summed over the
+        pieces. Empty for a method whose form is not the minimum of one stress, such as the default.
     pair_count : int
-        Entries of the distance matrices that the stress uses, counted as the paper does: Σ p² over the patches and
-        the feature points, less (p - s)² where only s of the p are sources. Each pair of points is kept once.
+        Entries of the distance matrices that the method uses, counted as the paper does: Σ p² over the patches and
+        the feature points; 0 where it uses none.
     pair_reduction : float
-        ``1 - pair_count / n²``.
+        ``1 - pair_count / n²``; 0 without such pairs.
     timings : dict of str to float
         Seconds by stage.
     warnings : list of Message

@@ -55,7 +55,6 @@ def test_it_has_a_form(name, forms):
     assert (form.adf[on_surface] > 0).all()
     area = [surface_area(each / family.scale, form.faces) for each in (vertices, form.vertices)]
     assert area[1] == pytest.approx(area[0], rel=1e-6)
-    assert (np.diff(form.stress) <= 1e-9 * form.stress[0]).all()
     with np.errstate(divide="ignore", invalid="ignore"):
         stretch = edge_stretch(vertices, form.vertices, form.faces)
     assert np.nanmedian(np.abs(stretch - 1)) < 0.12

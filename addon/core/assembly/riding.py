@@ -250,9 +250,7 @@ def _draped(points: FloatArray, faces: IntArray, ground: Ground, monitor: Monito
     motion = spread[:, :12] / spread[:, 12:]
     monitor.check()
     target = moved_by_frames(kept, motion[:, :9].reshape(-1, 3, 3), motion[:, 9:])
-    placed = body.deformed_towards(
-        target / unit, pull=_PULL, steps=_STEPS, monitor=Monitor(cancelled=monitor.is_cancelled)
-    )
+    placed = body.towards(target / unit, _PULL, _STEPS, monitor=Monitor(cancelled=monitor.is_cancelled))
     rotation, shift = surface.prolong_frames(*body.frames(placed))
     return moved_by_frames(scaled, rotation, shift) * unit if surface.coarse else placed * unit
 

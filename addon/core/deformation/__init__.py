@@ -1,1 +1,1 @@
-"""The mesh as an elastic body: rotations, twists of limbs, struts through the interior, the detail pass."""
+"""The mesh as an elastic body: rotations, stretches, struts through the interior, pressure."""

@@ -61,36 +61,6 @@ def farthest_points(
     return np.array(points), np.column_stack(columns)
 
 
-def farthest_of(apart: FloatArray, count: int) -> IntArray:
-    """Choose points that lie far from each other, one by one, where all distances are known.
-
-    Parameters
-    ----------
-    apart : (n, n) ndarray of float
-        Distances, or what grows with them.
-    count : int
-        Number l of points wanted, at least 1.
-
-    Returns
-    -------
-    (l,) ndarray of int
-        The points; the first is the one that is nearest to all.
-
-    Examples
-    --------
-    >>> places = np.array([0.0, 1.0, 5.0, 6.0, 9.0])
-    >>> farthest_of(np.abs(places[:, None] - places), 3).tolist()
-    [2, 0, 4]
-    """
-    total = apart.sum(axis=1)
-    points = [_farthest(total.max() - total)]
-    nearest = apart[points[0]]
-    while len(points) < min(count, len(apart)):
-        points.append(_farthest(nearest))
-        nearest = np.minimum(nearest, apart[points[-1]])
-    return np.array(points)
-
-
 def _farthest(nearest: FloatArray) -> int:
     """Find the largest distance; of mirrored pairs the first, on every machine."""
     return int(np.flatnonzero(nearest >= nearest.max() * (1 - 1e-7))[0])

@@ -1,1 +1,1 @@
-"""Classical scaling, the stress and its pairs, SMACOF, the start, landmarks that push each other apart."""
+"""Classical scaling, the layout, the push, SMACOF, the pairs of equation 10."""

@@ -70,7 +70,7 @@ def elastic_fit(
     own = Monitor(cancelled=monitor.is_cancelled)
     for _ in range(_ROUNDS):
         target = points.on(other.form, other.faces)
-        placed = body.deformed_towards(target, pull=_PULL, steps=_STEPS, monitor=own)
+        placed = body.towards(target, _PULL, _STEPS, monitor=own)
         wanted = with_normals(placed, vertex_normals(placed, one.faces))
         points = closest_points(others, other.faces, wanted, monitor)
     return placed, points

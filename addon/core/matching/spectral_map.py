@@ -62,7 +62,7 @@ def first_map(
     near, facing = (_NEAR, _FACING) if len(known) else (1.0, _FACING / _NEAR)
     here = [near * (one.form @ start.rotation + start.shift), facing * one.normals @ start.rotation]
     there = [near * other.form, facing * other.normals]
-    own, others = one.to_features[:, known], other.to_features[:, start.image[known]]
+    own, others = one.limbs.to_features[:, known], other.limbs.to_features[:, start.image[known]]
     return nearest_rows(np.column_stack([own, *here])[rows], np.column_stack([others, *there]), monitor)
 
 

@@ -39,12 +39,8 @@ class Unfolded(NamedTuple):
         Mean curvature of the pose, smoothed over wide and over narrower neighbourhoods.
     signature : (c, 40) ndarray of float
         Logarithm of the wave kernel signature, over the root of their number.
-    features : (k,) ndarray of int
-        Feature points.
-    to_features : (c, k) ndarray of float
-        Geodesic distances from them.
     limbs : Limbs
-        The limbs identified among them.
+        Feature points, distances from them, and the limbs identified among them.
     whole_form : (n, 3) ndarray of float
         The form of all vertices.
     found : SurfaceFeatures
@@ -58,11 +54,14 @@ class Unfolded(NamedTuple):
     eigenvectors: FloatArray
     curvature: FloatArray
     signature: FloatArray
-    features: IntArray
-    to_features: FloatArray
     limbs: Limbs
     whole_form: FloatArray
     found: SurfaceFeatures
+
+    @property
+    def features(self) -> IntArray:
+        """Feature points, (k,)."""
+        return self.limbs.features
 
 
 def unfolded(found: SurfaceFeatures, form: FloatArray, monitor: Monitor) -> Unfolded:
@@ -120,8 +119,6 @@ def unfolded(found: SurfaceFeatures, form: FloatArray, monitor: Monitor) -> Unfo
         eigenvectors,
         np.column_stack(smooth),
         _signature(spectrum.eigenvalues[:_SIGNED], eigenvectors[:, :_SIGNED]),
-        found.features,
-        found.to_features,
         found.limbs,
         form,
         found,

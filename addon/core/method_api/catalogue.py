@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from .settings import Settings
     from .surface_features import SurfaceFeatures
 
-FEATURE_OPTIONS = ("prominence", "feature_count", "merge_distance", "diffusion_time", "eigenpairs")  # of every method
-MINIMISATION_OPTIONS = ("max_iterations", "tolerance", "extrapolation")
+FEATURE_OPTIONS = ("prominence", "feature_count", "diffusion_time")  # of every method
+PATIENT = 1e-5  # relative decrease of the stress in a step at which the rivals and the paper to the letter stop
 # stages of every run, before those of its method
 DETECTION: Plan = {"Coarse mesh": 28, "Triangulation": 2, "Spectrum": 7, "Feature points": 2, "Patches": 1}
 
@@ -40,8 +40,9 @@ class Method(NamedTuple):
         Its stages in their order, with weights; feature detection weighs 40.
     uses : tuple of str
         Names of the options that it uses, besides those of the feature points.
-    pairs : {'patches', 'all', 'landmarks'}
-        Vertices between which it keeps distances at quality 'full': those of each patch, all, or all and landmarks.
+    pairs : {'none', 'patches', 'all', 'landmarks'}
+        Vertices between which it keeps distances at quality 'full': none but landmarks, those of each patch, all; or
+        all and landmarks at any quality.
         Determines the estimates of memory and time.
     rank : int
         Its position in lists, and its number in saved files; unique.
@@ -56,7 +57,7 @@ class Method(NamedTuple):
     unfold: Callable[[SurfaceFeatures, Settings, Monitor], MethodResult]
     stages: Plan
     uses: tuple[str, ...] = ()
-    pairs: Literal["patches", "all", "landmarks"] = "landmarks"
+    pairs: Literal["none", "patches", "all", "landmarks"] = "landmarks"
     rank: int = 100
     fixed: Mapping[str, Any] = MappingProxyType({})
 
@@ -87,7 +88,7 @@ def methods() -> dict[str, Method]:
     Examples
     --------
     >>> list(methods())[:3]
-    ['local_features', 'classical', 'least_squares']
+    ['straight', 'classical', 'least_squares']
     """
     return declared_methods()
 

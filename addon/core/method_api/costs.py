@@ -5,7 +5,6 @@ from __future__ import annotations
 from ..run.errors import TooLargeError
 from ..run.memory import limit_in_words, memory_limit, pair_memory
 from .catalogue import method_named
-from .registry import OURS
 from .settings import Settings
 
 _SMALL = (0.08, 0.4e-6)  # gigabytes, and per vertex: the work on the coarse mesh, measured
@@ -13,6 +12,7 @@ _LARGE = (0.02, 0.77e-6)  # the rounds of coarsening, which take more from about
 _MATCH = 0.5e-6  # gigabytes in addition to the larger form, per vertex of both, measured with a pose
 _MATCH_SECONDS = (1.0, 4e-5)  # in addition to the two forms, and per vertex
 _LANDMARK_BYTES = 40.0  # a distance of each vertex from each landmark, and the work to place the vertex by them
+_WHOLE = 1.5e-5  # gigabytes per vertex where all are working vertices of an elastic body, measured
 _USUAL_PATCHES = 5
 PIECE_SECONDS = 0.25  # time that a loose part with a form of its own takes at least, measured
 
@@ -42,6 +42,8 @@ def memory_estimate(vertex_count: int, settings: Settings) -> float:
     estimate = max(base + each * vertex_count for base, each in (_SMALL, _LARGE))
     if method.pairs == "all" and settings.whole:
         return estimate + pair_memory([float(vertex_count)])
+    if method.pairs == "none":
+        return estimate + (_WHOLE * vertex_count if settings.whole else 0.0)
     if method.pairs != "patches":
         return estimate + 1e-9 * _LANDMARK_BYTES * vertex_count * settings.landmark_count
     if settings.whole:
@@ -178,7 +180,5 @@ def require_match_memory(count: int, other_count: int, settings: Settings) -> No
 
 def _grows_squared(settings: Settings) -> bool:
     """Check whether a run keeps all pairs of vertices, of each patch or of the mesh."""
-    if settings.method == OURS:
-        return settings.whole
     method = method_named(settings.method)
     return method.pairs != "landmarks" and method.settings(settings).whole

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+import numpy as np
+
 from ..numerics.arrays import FloatArray, IntArray
 from ..run.monitor import Monitor
-from .settings import Settings
 
 
 class MethodResult(NamedTuple):
@@ -17,7 +18,7 @@ class MethodResult(NamedTuple):
     points : (n, 3) ndarray of float
         All vertices, at any scale and position, not mirrored.
     history : (s + 1,) ndarray of float
-        The objective before each of the s steps and after the last; one value for a method without steps.
+        The stress before each of the s steps and after the last; empty if the form is not the minimum of one stress.
     pair_count : int
         Entries of the distance matrices that the method uses.
     asymmetry : float
@@ -27,34 +28,22 @@ class MethodResult(NamedTuple):
     """
 
     points: FloatArray
-    history: FloatArray
-    pair_count: int
+    history: FloatArray = np.empty(0)
+    pair_count: int = 0
     asymmetry: float = float("nan")
     partner: IntArray | None = None
 
 
-def warn_if_still_falling(history: FloatArray, settings: Settings, monitor: Monitor) -> None:
-    """Warn if the minimisation ran out of steps before it met the tolerance, if one is set.
-
-    Parameters
-    ----------
-    history : (s + 1,) ndarray of float
-        Stress before each step and after the last.
-    settings : Settings
-        Number of steps and tolerance.
-    monitor : Monitor
-        Receives the warning.
+def warn_if_still_falling(history: FloatArray, tolerance: float, most: int, monitor: Monitor) -> None:
+    """Warn if the minimisation ran out of its most steps before one lowered the stress by less than the tolerance.
 
     Examples
     --------
-    >>> import numpy as np
     >>> monitor = Monitor()
-    >>> warn_if_still_falling(np.array([3.0, 2.0, 1.0]), Settings(max_iterations=2), monitor)
+    >>> warn_if_still_falling(np.array([3.0, 2.0, 1.0]), 1e-3, 2, monitor)
     >>> monitor.warnings[0].kind
     'still_falling'
     """
     steps = len(history) - 1
-    if settings.tolerance == 0 or not 0 < steps == settings.max_iterations:
-        return
-    if history[-2] - history[-1] >= settings.tolerance * history[-2]:
+    if 0 < steps == most and history[-2] - history[-1] >= tolerance * history[-2]:
         monitor.warn("still_falling", steps=steps)

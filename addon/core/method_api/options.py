@@ -48,8 +48,6 @@ class Option(NamedTuple):
         Decimal places shown.
     choices : tuple of Choice
         The allowed values, if they are a fixed set.
-    former : str
-        Its name in the previous version.
     """
 
     label: str
@@ -60,7 +58,6 @@ class Option(NamedTuple):
     soft_high: float | None = None
     digits: int = 2
     choices: tuple[Choice, ...] = ()
-    former: str = ""
 
     @property
     def range(self) -> str:

@@ -7,7 +7,7 @@ from typing import Any
 
 from ..run.errors import InvalidSettingsError
 
-OURS = "local_features"  # the default
+OURS = "straight"  # the default
 
 
 def declared_methods() -> dict[str, Any]:
@@ -21,7 +21,7 @@ def declared_methods() -> dict[str, Any]:
     Examples
     --------
     >>> list(declared_methods())[:3]
-    ['local_features', 'classical', 'least_squares']
+    ['straight', 'classical', 'least_squares']
     """
     from pkgutil import iter_modules
 

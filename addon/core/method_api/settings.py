@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import wraps
-from typing import Any
 
-from ..run.errors import InvalidSettingsError
-from .options import Choice, option, options_of, require_allowed
+from .options import Choice, option, require_allowed
 from .registry import OURS, declared_method
 
 _COARSE = {"draft": 700, "normal": 1600}  # working vertices
@@ -22,52 +18,35 @@ class Settings:
     Attributes
     ----------
     method : str
-        Name of a method of `addon.core.methods`: 'local_features', the method of this project, the paper to the
-        letter ('as_published', 'as_published_closed'), or a rival to compare with. Rivals work on all vertices: from
-        all pairs of them at quality 'full', otherwise from landmarks.
+        Name of a method of `addon.core.methods`: 'straight', the default; 'local_features', the paper's stress with
+        repairs; the paper to the letter ('as_published', 'as_published_closed'); or a rival to compare with. Rivals
+        work on all vertices: from all pairs of them at quality 'full', otherwise from landmarks.
     quality : {'draft', 'normal', 'full'}
         Number of working vertices. Draft: 700 vertices; normal: 1,600; the result is interpolated to all vertices, at a
         cost that grows linearly with their number. Full: all vertices, at a cost and memory that grow with the square
         of their number.
     preserve_detail : float
-        From 0, plain multidimensional scaling, to 1, the surface kept as rigid as possible.
+        From 0, the arrangement alone, without the detail of the input, to 1, the surface kept as rigid as possible.
     diffusion_time : float
         t of the Auto Diffusion Function (equation 7), in multiples of 1/λ_1. Larger: fewer, broader features.
-    eigenpairs : int
-        Number K of eigenpairs in the Auto Diffusion Function.
     prominence : float
         Minimum prominence of a feature point: the logarithm of the ratio of the Auto Diffusion Function there to that
         at the pass to a higher point. Larger: fewer features.
     feature_count : int
         Number of feature points, the most prominent; 0 to select by `prominence`.
-    merge_distance : float
-        Feature points closer than this share of the geodesic diameter become one, 0 to 1.
     feature_points : sequence of int, optional
         Vertices to use as feature points instead of those detected, in the order of their patches.
-    start : {'intrinsic', 'input'}
-        Start of the minimisation: landmark classical scaling, which depends on the surface alone, or the input, whose
-        pose the result then keeps in part.
     landmark_count : int
-        Number of landmarks of the intrinsic start, and of rivals below quality 'full'.
+        Number of landmarks that lay the surface out, and of rivals below quality 'full'.
     smoothing : float
-        Diffusion time of the geodesics inside patches, as a share of the area; those between landmarks use a fiftieth
-        of it and are averaged with biharmonic ones. Such distances hardly shorten where a joint bends. 0: geodesics
-        alone, as accurate as the heat method, and no struts through the interior: for sheets to be unrolled.
-    arrangement_share : float
-        Weight of the other landmarks on a landmark, relative to the weight of its patch.
-    arrangement : {'straight', 'stress'}
-        Whether limbs are straightened and pushed apart before the lengths of the surface are restored, or left as the
-        stress places them. With `start` 'input' or `preserve_detail` 0, always the latter.
+        Diffusion time of the geodesics inside patches ('local_features'), as a share of the area. Such distances
+        hardly shorten where a joint bends. 0: as accurate as the heat method, and no struts through the interior.
     symmetry : {'hold', 'ignore'}
         Whether the straight form of a mirror-symmetric surface is kept symmetric.
     orientation : {'posed', 'upright', 'two_legs', 'all_fours'}
         Orientation of the form: that of the input, or determined by the surface, equal for all poses: Z up, facing -Y.
     max_iterations : int
         Maximum number of majorisation steps.
-    tolerance : float
-        Stop when a step reduces the stress by less than this fraction.
-    extrapolation : int
-        Number of earlier steps from which the next is extrapolated; 0 for plain steps. The stress never increases.
     pieces : {'together', 'apart'}
         Whether loose parts that lie on, in or inside each other are one body, or each has a form of its own.
     memory_limit : float
@@ -101,7 +80,7 @@ class Settings:
         ),
     )
     preserve_detail: float = option(
-        0.5, "Preserve Detail", "0: plain multidimensional scaling; 1: as rigid as possible", low=0, high=1
+        0.5, "Preserve Detail", "0: only the arrangement of the limbs; 1: as rigid as possible", low=0, high=1
     )
     diffusion_time: float = option(
         0.15,
@@ -113,41 +92,21 @@ class Settings:
         soft_high=1.0,
         digits=3,
     )
-    eigenpairs: int = option(
-        80, "Eigenpairs", "Number of Laplacian eigenpairs in the Auto Diffusion Function", low=1, soft_high=400
-    )
     prominence: float = option(
         0.5, "Prominence", "How far a feature point must stand out; larger gives fewer patches", low=0, soft_high=3.0
     )
     feature_count: int = option(
         0, "Number", "Number of feature points, the most prominent ones; 0 to go by prominence", low=0, soft_high=30
     )
-    merge_distance: float = option(
-        0.05,
-        "Merge Distance",
-        "Feature points closer than this fraction of the geodesic diameter are merged",
-        low=0,
-        high=1,
-    )
     feature_points: Sequence[int] | None = option(
         None, "Feature Points", "Vertex indices to use as feature points, separated by commas; empty to detect them"
-    )
-    start: str = option(
-        "intrinsic",
-        "Start",
-        "Where the minimisation of the stress starts",
-        choices=(
-            Choice("intrinsic", "Surface", "From a layout computed from the surface only, independent of the pose"),
-            Choice("input", "Pose", "From the input mesh; the result keeps part of its pose"),
-        ),
     )
     landmark_count: int = option(
         100,
         "Landmarks",
-        "Number of points in the initial layout",
+        "Number of points that lay the surface out",
         low=4,
         soft_high=500,
-        former="landmarks",
     )
     smoothing: float = option(
         0.1,
@@ -158,23 +117,6 @@ class Settings:
         high=10,
         soft_high=1.0,
         digits=3,
-    )
-    arrangement_share: float = option(
-        10.0,
-        "Arrangement Weight",
-        "Weight of the landmarks relative to the patches",
-        low=0,
-        high=100,
-        soft_high=20.0,
-    )
-    arrangement: str = option(
-        "straight",
-        "Arrangement",
-        "Arrangement of the limbs",
-        choices=(
-            Choice("straight", "Straight", "Limbs straight and as far apart as their lengths allow"),
-            Choice("stress", "Stress", "As the stress leaves them: slightly curved, and closer to the pose"),
-        ),
     )
     symmetry: str = option(
         "hold",
@@ -196,24 +138,7 @@ class Settings:
             Choice("all_fours", "On All Fours", "Upright, with the head to the front and the belly down"),
         ),
     )
-    max_iterations: int = option(
-        300, "Iterations", "Maximum number of minimisation steps", low=0, soft_high=1000, former="iterations"
-    )
-    tolerance: float = option(
-        1e-3,
-        "Tolerance",
-        "Stop when the relative decrease of the stress per step is below this",
-        low=0,
-        soft_high=0.01,
-        digits=8,
-    )
-    extrapolation: int = option(
-        6,
-        "Extrapolation",
-        "Number of earlier steps from which the next is extrapolated; 0 for plain steps",
-        low=0,
-        soft_high=12,
-    )
+    max_iterations: int = option(300, "Iterations", "Maximum number of minimisation steps", low=0, soft_high=1000)
     pieces: str = option(
         "together",
         "Loose Parts",
@@ -248,103 +173,6 @@ class Settings:
         return _COARSE.get(self.quality)
 
     @property
-    def straight(self) -> bool:
-        """Whether limbs are straightened: not from the input, whose pose is kept in part, and not in a plain form."""
-        return self.arrangement == "straight" and self.start == "intrinsic" and self.preserve_detail > 0
-
-    @property
     def together(self) -> bool:
         """Whether loose parts that belong together are one body."""
         return self.pieces == "together"
-
-    @property
-    def heat_time(self) -> float | None:
-        """Diffusion time of the geodesics inside patches, a squared length on a surface of unit area; None: minimal."""
-        return self.smoothing or None
-
-    @property
-    def minimisation(self) -> dict[str, Any]:
-        """Options of `minimise_stress`."""
-        return {name: getattr(self, name) for name in ("max_iterations", "tolerance", "extrapolation")}
-
-
-_GONE: dict[str, Any] = {"as_published": False, "unbending": 0.0}  # options of version 0.1 without a replacement
-
-
-def former_options() -> dict[str, Any]:
-    """List the options of version 0.1 that were removed or renamed, with a value of the type of each.
-
-    Returns
-    -------
-    dict
-        Values by name.
-
-    Examples
-    --------
-    >>> sorted(former_options())
-    ['as_published', 'iterations', 'landmarks', 'unbending']
-    """
-    default = Settings()
-    renamed = {about.former: getattr(default, name) for name, about in options_of(Settings).items() if about.former}
-    return renamed | _GONE
-
-
-def current_options(given: dict[str, Any]) -> dict[str, Any]:
-    """Translate options of version 0.1 that were renamed or removed, with a warning.
-
-    Parameters
-    ----------
-    given : dict
-        Options by name.
-
-    Returns
-    -------
-    dict
-        The same under their current names.
-
-    Raises
-    ------
-    InvalidSettingsError
-        If a former option has a value of the wrong type.
-
-    Examples
-    --------
-    >>> with warnings.catch_warnings():
-    ...     warnings.simplefilter("ignore")
-    ...     current_options({"landmarks": 50, "as_published": True})
-    {'landmark_count': 50, 'method': 'as_published'}
-    """
-    today = {about.former: name for name, about in options_of(Settings).items() if about.former}
-    # `dataclasses.replace` passes all current names besides the former one, which takes precedence
-    result = {name: value for name, value in given.items() if name not in (*today, *_GONE)}
-    for name, value in given.items():
-        if name == "unbending":
-            _warn_former(name, "limbs are straight without it")
-        elif name == "as_published":
-            _warn_former(name, 'use method="as_published"')
-            if not isinstance(value, bool):
-                raise InvalidSettingsError("setting_range", name=name, range="True or False", value=value)
-            if value:
-                result["method"] = "as_published"
-        elif name in today:
-            _warn_former(name, f"use {today[name]}")
-            result[today[name]] = value
-    return result
-
-
-def _warn_former(name: str, advice: str) -> None:
-    sentence = f"The setting {name} is deprecated and will be removed in version 2.0; {advice}."
-    warnings.warn(sentence, FutureWarning, stacklevel=4)
-
-
-def _accepting_former_names(initialise: Callable[..., None]) -> Callable[..., None]:
-    """Let scripts written for version 0.1 run for one more version."""
-
-    @wraps(initialise)
-    def accepting(self: Settings, *values: Any, **given: Any) -> None:
-        initialise(self, *values, **current_options(given))
-
-    return accepting
-
-
-Settings.__init__ = _accepting_former_names(Settings.__init__)  # type: ignore[method-assign]

@@ -26,6 +26,8 @@ from .settings import Settings
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
 
+_EIGENPAIRS = 80  # K of the Auto Diffusion Function: more change nothing, λ_80 is 200 times λ_1
+_MERGED = 0.05  # share of the geodesic diameter within which two feature points are one
 _SPARE = 4  # candidates per feature point requested, since some lie too close to others
 _MORE_SLACK = (0.01, 0.1)  # slack of every triangle inequality, in mean edges, tried in turn where the spectrum fails
 
@@ -75,14 +77,10 @@ class SurfaceFeatures:
         Eigenpairs of L and M.
     adf : (c,) ndarray of float
         Auto Diffusion Function.
-    features : (k,) ndarray of int
-        Feature points, as indices of working vertices.
-    to_features : (c, k) ndarray of float
-        Geodesic distances from them.
     cells : (c,) ndarray of int
         Patch of every working vertex.
     limbs : Limbs
-        Head, tail and sides among the feature points.
+        The feature points among the working vertices, distances from them, head, tail and sides.
     """
 
     whole_points: FloatArray
@@ -94,10 +92,13 @@ class SurfaceFeatures:
     mass: FloatArray
     spectrum: Spectrum
     adf: FloatArray
-    features: IntArray
-    to_features: FloatArray
     cells: IntArray
     limbs: Limbs
+
+    @property
+    def features(self) -> IntArray:
+        """Feature points, as indices of working vertices, (k,)."""
+        return self.limbs.features
 
     @property
     def joined_faces(self) -> IntArray:
@@ -136,7 +137,7 @@ class SurfaceFeatures:
         """
         features, cells, adf = self.whole_features, self.cells, self.adf
         if self.surface.coarse:
-            cells = voronoi_cells(self.surface.prolong(self.to_features), features, self.joined_faces)
+            cells = voronoi_cells(self.surface.prolong(self.limbs.to_features), features, self.joined_faces)
             monitor.check()
             adf = self.surface.prolong(self.adf)
         if order is None:
@@ -206,16 +207,14 @@ def detected(
     )
     if reduction.stuck:
         monitor.warn("coarse_mesh_stuck", count=len(reduction.points))
-    surface, L, M, spectrum = monitor.kept(
-        "spectrum", [reduction, settings.eigenpairs], lambda: _analysed(reduction, settings.eigenpairs, monitor)
-    )
+    surface, L, M, spectrum = monitor.kept("spectrum", [reduction], lambda: _analysed(reduction, monitor))
     with monitor.stage("Feature points"):
         adf = monitor.kept(
             "adf", [spectrum, settings.diffusion_time], lambda: auto_diffusion(spectrum, settings.diffusion_time)
         )
         features, to_features, prominence = monitor.kept(
             "maxima",
-            [surface, adf, chosen, settings.prominence, settings.feature_count, settings.merge_distance],
+            [surface, adf, chosen, settings.prominence, settings.feature_count],
             lambda: _feature_points(adf, surface, chosen, settings, monitor),
         )
         monitor.check()
@@ -223,19 +222,15 @@ def detected(
     def numbered() -> SurfaceFeatures:
         """Sort the feature points and grow the patches around them."""
         with monitor.stage("Feature points"):
-            order, distances, limbs = _in_lasting_order(features, to_features, prominence, adf, surface, monitor)
+            limbs = _in_lasting_order(features, to_features, prominence, adf, surface, monitor)
         with monitor.stage("Patches"):
-            cells = voronoi_cells(distances, order, surface.faces)
-        return SurfaceFeatures(
-            whole_points, faces, centre, unit, surface, L, M, spectrum, adf, order, distances, cells, limbs
-        )
+            cells = voronoi_cells(limbs.to_features, limbs.features, surface.faces)
+        return SurfaceFeatures(whole_points, faces, centre, unit, surface, L, M, spectrum, adf, cells, limbs)
 
     return monitor.kept("features", [surface, adf, features, prominence], numbered)
 
 
-def _analysed(
-    surface: WorkingSurface, eigenpairs: int, monitor: Monitor
-) -> tuple[WorkingSurface, csr_matrix, FloatArray, Spectrum]:
+def _analysed(surface: WorkingSurface, monitor: Monitor) -> tuple[WorkingSurface, csr_matrix, FloatArray, Spectrum]:
     """Compute eigenpairs, on slightly longer edges where degenerate triangles disturb the solver."""
     with monitor.stage("Spectrum"):
         for slack in (0.0, *_MORE_SLACK):
@@ -243,14 +238,14 @@ def _analysed(
                 surface = surface.with_slack(slack, monitor)
             L, M = stiffness(surface.triangulation), mass(surface.triangulation)
             try:
-                spectrum = compute_spectrum(L, M, eigenpairs, monitor)
+                spectrum = compute_spectrum(L, M, _EIGENPAIRS, monitor)
                 break
             except SolverError:
                 if slack == _MORE_SLACK[-1]:
                     raise
     if slack:
         monitor.warn("flat_triangles", share=slack)
-    if len(spectrum.eigenvalues) < eigenpairs:
+    if len(spectrum.eigenvalues) < _EIGENPAIRS:
         monitor.warn("few_eigenpairs")
     return surface, L, M, spectrum
 
@@ -268,7 +263,7 @@ def _feature_points(
         features = features[: _SPARE * settings.feature_count]
     monitor.check()
     to_features = heat.distances(features)
-    kept = merged(features, to_features[features], settings.merge_distance * float(to_features.max()))
+    kept = merged(features, to_features[features], _MERGED * float(to_features.max()))
     kept = kept[: settings.feature_count or None]
     if len(kept) < settings.feature_count:
         monitor.warn("few_features", count=len(kept))
@@ -282,7 +277,7 @@ def _in_lasting_order(
     adf: FloatArray,
     surface: WorkingSurface,
     monitor: Monitor,
-) -> tuple[IntArray, FloatArray, Limbs]:
+) -> Limbs:
     """Identify limbs and number them; those without a prominence were chosen by hand and keep their order."""
     between = (to_features[features] + to_features[features].T) / 2
     vertices = surface.kept[features]
@@ -304,7 +299,5 @@ def _in_lasting_order(
         return first
 
     limbs = limbs_of(between, handedness, adf[features], places, joined=len(surface.bridges) > 0, monitor=monitor)
-    if prominence is None:
-        return features, to_features, limbs
-    order = lasting_order(limbs, prominence, vertices)
-    return features[order], to_features[:, order], limbs.sorted_by(order)
+    limbs = limbs.on_surface(features, to_features)
+    return limbs if prominence is None else limbs.sorted_by(lasting_order(limbs, prominence, vertices))

@@ -10,19 +10,17 @@ from __future__ import annotations
 from functools import partial
 
 from ..distances.spectral import biharmonic_squared, commute_time_squared
-from ..embedding.pairs import feature_pairs, patch_pairs
-from ..embedding.smacof import minimise_stress
-from ..embedding.stress import Stress
-from ..embedding.weight_inverse import WeightInverse
-from ..method_api.catalogue import Method
+from ..embedding.patch_pairs import feature_pairs, patch_pairs
+from ..method_api.catalogue import PATIENT, Method
 from ..method_api.method_result import MethodResult, warn_if_still_falling
 from ..method_api.settings import Settings
 from ..method_api.surface_features import SurfaceFeatures
 from ..patching.cells import patches_of
 from ..run.memory import require_pair_memory
 from ..run.monitor import Monitor
+from ..stress.majorisation import Majorisation
 
-_LETTER = {"quality": "full", "diffusion_time": 0.1, "eigenpairs": 80, "extrapolation": 0}
+_LETTER = {"quality": "full", "diffusion_time": 0.1}
 
 
 def _form(found: SurfaceFeatures, settings: Settings, monitor: Monitor, *, closed: bool) -> MethodResult:
@@ -36,18 +34,19 @@ def _form(found: SurfaceFeatures, settings: Settings, monitor: Monitor, *, close
             surface.points,
             patches,
             lambda vertices: commute_time_squared(spectrum, vertices, vertices),  # c_ij², [8]
-            monitor=monitor,
+            None,
+            monitor,
         )
         if len(features) > 1:
             biharmonic = biharmonic_squared(spectrum, features, features) ** 0.5  # dB_ij, [9]
             sets.append(feature_pairs(features, biharmonic, found.adf))
     with monitor.stage("Factorisation"):
-        inverse = WeightInverse(count, sets, monitor)
+        stress = Majorisation(sets)  # [10]
     with monitor.stage("Embedding"):
-        stress = Stress(count, sets, monitor)  # [10]
-        form, history = minimise_stress(stress, inverse, surface.points, **settings.minimisation, monitor=monitor)
-        warn_if_still_falling(history, settings, monitor)
-    return MethodResult(form, history, sum(pairs.pair_count for pairs in sets))
+        most = settings.max_iterations
+        form, history = stress.lowered(surface.points, most, tolerance=PATIENT, momentum=False, monitor=monitor)
+        warn_if_still_falling(history, PATIENT, most, monitor)
+    return MethodResult(form, history, sum(len(pairs.chosen) ** 2 for pairs in sets))
 
 
 def _method(name: str, label: str, help: str, source: str, closed: bool, rank: int) -> Method:  # noqa: A002
@@ -58,7 +57,7 @@ def _method(name: str, label: str, help: str, source: str, closed: bool, rank: i
         source,
         partial(_form, closed=closed),
         stages={"Distances": 25, "Factorisation": 4, "Embedding": 30},
-        uses=("max_iterations", "tolerance"),
+        uses=("max_iterations",),
         pairs="patches",
         rank=rank,
         fixed=_LETTER,

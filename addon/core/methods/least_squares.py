@@ -6,8 +6,8 @@ Elad and Kimmel, "On bending invariant signatures for surfaces", 2003, doi:10.11
 
 from __future__ import annotations
 
-from ..embedding.smacof import unit_smacof
-from ..method_api.catalogue import MINIMISATION_OPTIONS, Method
+from ..embedding.smacof import smacof
+from ..method_api.catalogue import PATIENT, Method
 from ..method_api.method_result import MethodResult
 from ..method_api.settings import Settings
 from ..method_api.surface_features import SurfaceFeatures
@@ -17,28 +17,7 @@ from ..run.monitor import Monitor
 
 
 def fitted(samples: Samples, settings: Settings, monitor: Monitor) -> tuple[FloatArray, FloatArray]:
-    """Embed all vertices by least squares, from the classical embedding.
-
-    Parameters
-    ----------
-    samples : Samples
-        Geodesic distances.
-    settings : Settings
-        Iterations, tolerance and extrapolation.
-    monitor : Monitor
-        Receives progress; polled for cancellation.
-
-    Returns
-    -------
-    form : (n, 3) ndarray of float
-        All vertices. Those that are not samples are placed by their distances from the samples.
-    history : (s + 1,) ndarray of float
-        Stress of the samples.
-
-    Raises
-    ------
-    CancelledError
-        If the run is cancelled.
+    """Embed all vertices by least squares, from the classical embedding; also the stress of the samples by step.
 
     Examples
     --------
@@ -51,7 +30,13 @@ def fitted(samples: Samples, settings: Settings, monitor: Monitor) -> tuple[Floa
     True
     """
     start = samples.classical_embedding()
-    placed, history = unit_smacof(samples.between, start[samples.vertices], **settings.minimisation, monitor=monitor)
+    placed, history = smacof(
+        samples.between,
+        start[samples.vertices],
+        max_iterations=settings.max_iterations,
+        tolerance=PATIENT,
+        monitor=monitor,
+    )
     placed = placed + start[samples.vertices].mean(axis=0)
     return samples.spread(placed, start), history
 
@@ -74,7 +59,7 @@ METHODS = (
         source="Elad and Kimmel 2003",
         unfold=_form,
         stages={"Distances": 25, "Embedding": 34},
-        uses=("landmark_count", *MINIMISATION_OPTIONS),
+        uses=("landmark_count", "max_iterations"),
         pairs="all",
         rank=2,
     ),

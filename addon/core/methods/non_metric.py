@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..method_api.catalogue import Method
+from ..method_api.catalogue import PATIENT, Method
 from ..method_api.method_result import MethodResult
 from ..method_api.settings import Settings
 from ..method_api.surface_features import SurfaceFeatures
@@ -121,7 +121,7 @@ def _form(found: SurfaceFeatures, settings: Settings, monitor: Monitor) -> Metho
             samples.between,
             start[samples.vertices],
             max_iterations=settings.max_iterations,
-            tolerance=settings.tolerance,
+            tolerance=PATIENT,
             monitor=monitor,
         )
         given = squareform(samples.between, checks=False)
@@ -140,7 +140,7 @@ METHODS = (
         source="Kruskal 1964",
         unfold=_form,
         stages={"Distances": 15, "Embedding": 44},
-        uses=("landmark_count", "max_iterations", "tolerance"),
+        uses=("landmark_count", "max_iterations"),
         pairs="all",
         rank=3,
     ),

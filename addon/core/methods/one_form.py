@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..deformation.rotations import nearest_rotations
-from ..method_api.catalogue import MINIMISATION_OPTIONS, Method
+from ..method_api.catalogue import Method
 from ..method_api.method_result import MethodResult
 from ..method_api.settings import Settings
 from ..method_api.surface_features import SurfaceFeatures
@@ -86,7 +86,7 @@ METHODS = (
         source="Cheng, Nie and Jin in SHREC'15",
         unfold=_form,
         stages={"Distances": 25, "Embedding": 29, "Detail": 5},
-        uses=("landmark_count", *MINIMISATION_OPTIONS),
+        uses=("landmark_count", "max_iterations"),
         pairs="all",
         rank=7,
     ),

@@ -15,7 +15,7 @@ from ..embedding.smacof import smacof
 from ..mesh.connectivity import component_labels
 from ..mesh.edges import vertex_pairs
 from ..mesh.geometry import vertex_areas
-from ..method_api.catalogue import MINIMISATION_OPTIONS, Method
+from ..method_api.catalogue import PATIENT, Method
 from ..method_api.method_result import MethodResult
 from ..method_api.settings import Settings
 from ..method_api.surface_features import SurfaceFeatures
@@ -157,9 +157,8 @@ def driven(body: ElasticBody, skeleton: CurveSkeleton, places: FloatArray, monit
     for number in range(_ROUNDS):
         centre = np.column_stack([np.bincount(skeleton.node_of, body.mass * form[:, axis]) for axis in range(3)])
         target = form + (places - centre / np.bincount(skeleton.node_of, body.mass)[:, None])[skeleton.node_of]
-        form = body.deformed_towards(
-            target, pull=_PULL, steps=_STEPS, monitor=monitor, done=number / _ROUNDS, share=1 / _ROUNDS
-        )
+        form = body.towards(target, _PULL, _STEPS)
+        monitor.tick((number + 1) / _ROUNDS)
     return form
 
 
@@ -177,7 +176,8 @@ def _form(found: SurfaceFeatures, settings: Settings, monitor: Monitor) -> Metho
                 wanted,
                 skeleton.nodes,
                 weights=np.outer(skeleton.areas, skeleton.areas),
-                **settings.minimisation,
+                max_iterations=settings.max_iterations,
+                tolerance=PATIENT,
             )
     with monitor.stage("Detail"):
         form = driven(whole.body, skeleton, places, monitor)
@@ -192,7 +192,7 @@ METHODS = (
         source="Pickup, Sun, Rosin and Martin 2016",
         unfold=_form,
         stages={"Skeleton": 10, "Embedding": 10, "Detail": 39},
-        uses=MINIMISATION_OPTIONS,
+        uses=("max_iterations",),
         rank=8,
     ),
 )

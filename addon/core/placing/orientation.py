@@ -90,8 +90,6 @@ def in_place(
         rotation = upright_rotation(
             form[found.surface.kept],
             found.mass,
-            found.features,
-            found.to_features,
             found.limbs,
             embedded.partner,
             stance=settings.orientation,

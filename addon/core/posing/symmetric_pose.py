@@ -110,7 +110,7 @@ def symmetric_pose(
     image = images[int(np.argmin(apart))]
     share = mirror.sure * confidence[mirror.partner]
     share /= np.maximum(confidence + confidence[mirror.partner], np.finfo(float).tiny)
-    own, other = (nearest_rotations(body.covariances(shape, _TURNS)) for shape in (posed, image))
+    own, other = (body.rotations(shape, _TURNS) for shape in (posed, image))
     between = nearest_rotations((1 - share)[:, None, None] * own + share[:, None, None] * other)
     way = body.smoothed(body.mass[:, None] * (image - posed), _SMOOTHING)
     alike = np.exp(-((np.linalg.norm(way, axis=1) / (_ALIKE * np.sqrt(body.mass.sum()))) ** 2))

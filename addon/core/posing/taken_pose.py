@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from ..deformation.elastic_body import ElasticBody
-from ..deformation.rotations import nearest_rotations
 from ..numerics.arrays import FloatArray
 
 _EVEN = 1e-5  # diffusion time over which the positions are averaged by confidence, as a share of the area,
@@ -59,7 +58,7 @@ def taken_pose(body: ElasticBody, places: FloatArray, confidence: FloatArray) ->
     factor = _median(longer, body.mass)
     alike = np.exp(-(((longer - factor) / _ALIKE) ** 2))
     target *= np.exp(-factor)
-    rotation = nearest_rotations(body.covariances(target, _TURNS))
+    rotation = body.rotations(target, _TURNS)
     return body.turned_towards(rotation, target, _PULL * np.maximum(alike, _HARDLY))
 
 

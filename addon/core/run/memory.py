@@ -61,7 +61,7 @@ def limit_in_words(limit: float = 0.0) -> Message:
 
 
 def pair_memory(sizes: list[float]) -> float:
-    """Estimate the memory of all pairs inside patches: tiles and factors of each, three matrices of the largest.
+    """Estimate the memory of all pairs inside patches: two matrices and V with its factors, three of the largest.
 
     Parameters
     ----------
@@ -76,9 +76,9 @@ def pair_memory(sizes: list[float]) -> float:
     Examples
     --------
     >>> pair_memory([10_000.0])
-    4.0
+    8.8
     """
-    return 8e-9 * (2 * sum(size**2 for size in sizes) + 3 * max(sizes) ** 2)
+    return 8e-9 * (8 * sum(size**2 for size in sizes) + 3 * max(sizes) ** 2)
 
 
 def require_pair_memory(vertex_count: int, sizes: list[int], *, limit: float = 0.0, whole: bool = False) -> None:

@@ -34,51 +34,19 @@ class _Roll(NamedTuple):
     sure: float  # 0 to 1
 
 
-def limbs_rolled(
-    body: ElasticBody, form: FloatArray, features: IntArray, to_features: FloatArray, limbs: Limbs, depth: float
-) -> FloatArray:
-    """Roll arms and legs about their own axes until hands and feet lie the same way, whatever the pose was.
+def limbs_rolled(body: ElasticBody, form: FloatArray, limbs: Limbs, depth: float) -> FloatArray:
+    """Roll arms and legs of a form about their own axes until hands and feet lie the same way, whatever the pose was.
 
-    A roll of a limb hardly shears its skin, so neither the stress nor the push determines it: without this step, hands
-    are rolled by up to half a turn in the forms of two poses, and feet by a quarter. Arms are the pair of limbs nearest
-    to the head. A hand lies with its broad direction towards the front of the body, and its skewness, fingers and
-    thumb, away from the head: thumbs in front, palms down. Paws, hooves and stumps, which are not as flat or not as
-    skew, stay. Legs are the pair farthest from the head. Where the arrangement is flat, as that of humans is, their
-    toes come to point to the front: the side of the plane to which they point more already.
-
-    Parameters
-    ----------
-    body : ElasticBody
-        The surface.
-    form : (n, 3) ndarray of float
-        The form, its limbs straight.
-    features, to_features, limbs
-        As in `upright_rotation`.
-    depth : float
-        As in `straightened`: 0 where the arrangement is flat, 1 where it is deep and the legs stay.
-
-    Returns
-    -------
-    (n, 3) ndarray of float
-        The form with its limbs rolled; as given if there is no head, or no pair of arms.
-
-    Examples
-    --------
-    >>> from addon.core.surface.triangulation import triangulated
-    >>> from addon.core.symmetry.limbs import limbs_of
-    >>> points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
-    >>> faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
-    >>> body = ElasticBody(triangulated(points, faces), points, faces)
-    >>> far = np.linalg.norm(points[:, None] - points, axis=2)
-    >>> limbs = limbs_of(far, np.zeros((4, 4, 4)), np.array([1.0, 2, 3, 4]), lambda: np.arange(4.0))
-    >>> np.array_equal(limbs_rolled(body, points, np.arange(4), far, limbs, 0.0), points)
-    True
+    The palm of a hand faces the feet, as far as its shape tells palm from back. Toes point to the front, or to the
+    back where they do so more: it does not matter which side counts as left. Legs are rolled in flat layouts only
+    (depth below 1).
     """
+    to_features = limbs.to_features
     pairs = _arms_and_legs(limbs)
     if pairs is None:
         return form
     arms, legs = pairs
-    _, headward, front = body_axes(form, body.mass, features, to_features, limbs)
+    _, headward, front = body_axes(form, body.mass, limbs)
     length = nearest_others(limbs.distances) / 2
     rolls = [_arm(body, form, to_features[:, index], length[index], headward, front) for index in arms]
     if depth < 1:

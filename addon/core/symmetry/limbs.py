@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..numerics.arrays import FloatArray, IntArray
+from ..numerics.nearest import nearest_others
 from ..run.monitor import Monitor
 from .chirality import sided
 from .involutions import feature_involutions
@@ -36,8 +37,12 @@ class Limbs(NamedTuple):
         1 on the left, -1 on the right, 0 in the middle.
     along : (k,) ndarray of float
         Weights with which distances from the feature points add up to a function that increases towards the head.
-    lead : float
+    margin : float
         By how much the swap with the partners fits better than the next best, without unit; 0 without left and right.
+    features : (k,) ndarray of int
+        The feature points, among the n vertices of the surface.
+    to_features : (n, k) ndarray of float
+        Geodesic distances of all vertices from them.
     """
 
     distances: FloatArray
@@ -46,7 +51,23 @@ class Limbs(NamedTuple):
     partner: IntArray
     side: IntArray
     along: FloatArray
-    lead: float
+    margin: float
+    features: IntArray
+    to_features: FloatArray
+
+    def ends(self, share: float) -> list[IntArray]:
+        """List the vertices at the end of each limb: within a share of the way to the next feature point.
+
+        Empty where there is only one limb, which has no other to be pulled from.
+        """
+        if len(self.features) < 2:
+            return []
+        reach = share * nearest_others(self.distances)
+        return [np.flatnonzero(away <= most) for away, most in zip(self.to_features.T, reach, strict=True)]
+
+    def on_surface(self, features: IntArray, to_features: FloatArray) -> Limbs:
+        """Locate the feature points among the vertices of a surface."""
+        return self._replace(features=features, to_features=to_features)
 
     def sorted_by(self, order: IntArray) -> Limbs:
         """Reorder the feature points.
@@ -77,7 +98,9 @@ class Limbs(NamedTuple):
             place[self.partner[order]],
             self.side[order],
             self.along[order],
-            self.lead,
+            self.margin,
+            self.features[order],
+            self.to_features[:, order],
         )
 
 
@@ -158,9 +181,9 @@ def limbs_of(
     trusted = handedness * (_TRUST_JOINED if joined else 1.0)
     swaps = feature_involutions(distances, trusted, adf, most=2, monitor=monitor)
     mismatch = [each for _, each in swaps] + [np.inf] * 2
-    lead = 0.0
+    margin = 0.0
     if mismatch[0] < _SYMMETRIC:
-        partner, lead = swaps[0][0], mismatch[1] - mismatch[0]
+        partner, margin = swaps[0][0], mismatch[1] - mismatch[0]
     along = _along(partner, adf)
     ones = np.flatnonzero(partner > np.arange(count))
     others = partner[ones]
@@ -176,7 +199,7 @@ def limbs_of(
         if abs(told) < (_TOLD_WEAKLY if joined or count == 3 else _TOLD):
             told = float(places() @ -side)
         side = side if told >= 0 else -side
-    return Limbs(distances, handedness, adf, partner, side, along, lead)
+    return Limbs(distances, handedness, adf, partner, side, along, margin, np.arange(count), distances)
 
 
 def lasting_order(limbs: Limbs, prominence: FloatArray, vertices: IntArray) -> IntArray:

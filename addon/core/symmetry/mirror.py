@@ -9,7 +9,7 @@ import numpy as np
 from ..deformation.elastic_body import ElasticBody
 from ..numerics.arrays import FloatArray, IntArray
 
-_SMOOTHING = 0.003  # diffusion time of the displacement to the mean, as a share of the area: smaller details may differ
+_SMOOTHING = 0.01  # diffusion time of the displacement to the mean, as a share of the area: smaller details may differ
 _ROUNDS = 2  # each recomputes the plane
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..deformation.elastic_body import ElasticBody
 from ..mesh.geometry import vertex_normals
 from ..numerics.arrays import FloatArray, IntArray
 from ..numerics.nearest import nearest_rows
@@ -22,72 +23,21 @@ _ROUNDS = 2  # of plane and map, for each swap of the feature points
 
 
 def mirror_partners(
+    body: ElasticBody,
     form: FloatArray,
-    faces: IntArray,
-    weights: FloatArray,
     eigenvectors: FloatArray,
-    features: IntArray,
-    to_features: FloatArray,
     limbs: Limbs,
     samples: IntArray,
     monitor: Monitor,
 ) -> MirrorMap | None:
-    """Find the mirror symmetry of a surface.
+    """Find the mirror symmetry of a body from a form of it with straight limbs; None if it has none.
 
     Every swap of feature points that keeps their distances gives a mirror plane of the form. The partner of a vertex is
-    the one most similar to its mirror image, in position, normal and swapped distances from the feature points. The
-    best swap is refined: the map becomes one between eigenfunctions of the surface, which with the mirrored positions
-    gives a better map.
-
-    Parameters
-    ----------
-    form : (n, 3) ndarray of float
-        The surface with its limbs straight, of unit area.
-    faces : (m, 3) ndarray of int
-        Triangles.
-    weights : (n,) ndarray of float
-        Areas of the vertices.
-    eigenvectors : (n, K) ndarray of float
-        Eigenfunctions, orthonormal under the areas, lowest first.
-    features : (k,) ndarray of int
-        Feature points.
-    to_features : (n, k) ndarray of float
-        Geodesic distances from them.
-    limbs : Limbs
-        The limbs identified among the feature points.
-    samples : (s,) ndarray of int
-        Vertices spread over the surface, on which the swaps are compared.
-    monitor : Monitor
-        Polled for cancellation.
-
-    Returns
-    -------
-    MirrorMap or None
-        The map; None for a surface that is not its own mirror image.
-
-    Raises
-    ------
-    CancelledError
-        If the run is cancelled.
-
-    Examples
-    --------
-    >>> from addon.core.symmetry.limbs import limbs_of
-    >>> arms = np.array([[-2.0, 0, 0], [-1, 0, 0.1], [0, 0.5, 0], [0, -1, 0.2], [1, 0, 0.1], [2, 0, 0]])
-    >>> faces = np.array([[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 4], [2, 4, 5], [3, 5, 4]])
-    >>> far = np.abs(arms[:, :1] - [-2.0, 2.0])
-    >>> waves = np.linalg.qr(arms[:, :2])[0] * np.sqrt(6)
-    >>> limbs = limbs_of(far[[0, 5]] / 3, np.zeros((2, 2, 2)), np.ones(2), lambda: np.array([0.0, 5]))
-    >>> mirror = mirror_partners(
-    ...     arms / 3, faces, np.ones(6) / 6, waves, np.array([0, 5]), far / 3, limbs, np.arange(6), Monitor())
-    >>> mirror.partner.tolist()
-    [5, 4, 2, 3, 1, 0]
-
-    References
-    ----------
-    The map between eigenfunctions and its refinement: Melzi and others, "ZoomOut: Spectral Upsampling
-    for Efficient Shape Correspondence", 2019, doi:10.1145/3355089.3356524.
+    the one most similar to its mirror image, in position, normal and swapped distances from the feature points. Swaps
+    are compared on some samples, vertices spread over the surface. The best is refined: the map becomes one between
+    eigenfunctions (orthonormal under the areas), which with the mirrored positions gives a better map.
     """
+    faces, weights, features, to_features = body.faces, body.mass, limbs.features, limbs.to_features
     normals = vertex_normals(form, faces)
     best, least = None, _NONE
     here = np.column_stack([to_features, _NEAR * form, _FACING * normals])

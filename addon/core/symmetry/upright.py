@@ -22,8 +22,6 @@ _ON_ALL_FOURS = np.array([[1.0, 0, 0], [0, -1, 0], [0, 0, -1]])
 def upright_rotation(
     form: FloatArray,
     weights: FloatArray,
-    features: IntArray,
-    to_features: FloatArray,
     limbs: Limbs,
     partner: IntArray | None,
     *,
@@ -44,10 +42,6 @@ def upright_rotation(
         The form, of unit area, not mirrored.
     weights : (n,) ndarray of float
         Areas of the vertices.
-    features : (k,) ndarray of int
-        Feature points.
-    to_features : (n, k) ndarray of float
-        Geodesic distances from them.
     limbs : Limbs
         Head, tail and sides among them.
     partner : (n,) ndarray of int or None
@@ -67,17 +61,17 @@ def upright_rotation(
     >>> far = np.linalg.norm(body[:, None] - body, axis=2)
     >>> limbs = limbs_of(far, np.zeros((5, 5, 5)), np.array([2.0, 2, 2, 2, 1]), lambda: np.arange(5.0))
     >>> turned = body[:, [1, 2, 0]]
-    >>> upright = turned @ upright_rotation(turned, np.ones(5), np.arange(5), far, limbs, None)
+    >>> upright = turned @ upright_rotation(turned, np.ones(5), limbs, None)
     >>> bool(np.allclose(upright[:2, 0], [1 / 3, -1 / 3])), bool(upright[4, 2] > 1)
     (True, True)
     """
-    centred, share, ahead = placed = _placed(form, weights, to_features, limbs)
-    left, headward, front = _axes(placed, features, limbs, partner)
+    centred, share, ahead = placed = _placed(form, weights, limbs)
+    left, headward, front = _axes(placed, limbs, partner)
     paired = limbs.side != 0
-    underneath = (centred[features[paired]] @ front).mean() if paired.any() else 0.0
-    tailed = (limbs.along > 0).any() and (centred[features[np.argmax(limbs.along)]] @ headward) < -_TAIL
+    underneath = (centred[limbs.features[paired]] @ front).mean() if paired.any() else 0.0
+    tailed = (limbs.along > 0).any() and (centred[limbs.features[np.argmax(limbs.along)]] @ headward) < -_TAIL
     if underneath > _UNDERNEATH and np.ptp(ahead) > _UNTOLD:
-        low = np.exp(-to_features[:, paired].min(axis=1) / _NEAR_AN_END)
+        low = np.exp(-limbs.to_features[:, paired].min(axis=1) / _NEAR_AN_END)
         headward, front = _levelled(centred, share, (headward, front), (ahead, low))
     if stance == "upright":
         stance = "all_fours" if tailed or underneath > _UNDERNEATH else "two_legs"
@@ -85,14 +79,12 @@ def upright_rotation(
     return np.asarray(axes @ (_ON_ALL_FOURS if stance == "all_fours" else _STANDING))
 
 
-def body_axes(
-    form: FloatArray, weights: FloatArray, features: IntArray, to_features: FloatArray, limbs: Limbs
-) -> tuple[FloatArray, FloatArray, FloatArray]:
+def body_axes(form: FloatArray, weights: FloatArray, limbs: Limbs) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Find the directions of a form to its left, to its head and to its front; feature points determine the plane.
 
     Parameters
     ----------
-    form, weights, features, to_features, limbs
+    form, weights, limbs
         As in `upright_rotation`.
 
     Returns
@@ -106,11 +98,11 @@ def body_axes(
     >>> body = np.array([[1.0, 0, 2], [-1, 0, 2], [1.1, 0, -2], [-1.1, 0, -2], [0, 0.1, 4]]) / 3
     >>> far = np.linalg.norm(body[:, None] - body, axis=2)
     >>> limbs = limbs_of(far, np.zeros((5, 5, 5)), np.array([2.0, 2, 2, 2, 1]), lambda: np.arange(5.0))
-    >>> left, headward, front = body_axes(body, np.ones(5), np.arange(5), far, limbs)
+    >>> left, headward, front = body_axes(body, np.ones(5), limbs)
     >>> bool(left[0] > 0.99), bool(headward[2] > 0.99), bool(front[1] < -0.99)
     (True, True, True)
     """
-    return _axes(_placed(form, weights, to_features, limbs), features, limbs, None)
+    return _axes(_placed(form, weights, limbs), limbs, None)
 
 
 class _Placed(NamedTuple):
@@ -121,17 +113,15 @@ class _Placed(NamedTuple):
     ahead: FloatArray  # (n,) increases from tail to head
 
 
-def _placed(form: FloatArray, weights: FloatArray, to_features: FloatArray, limbs: Limbs) -> _Placed:
+def _placed(form: FloatArray, weights: FloatArray, limbs: Limbs) -> _Placed:
     """Centre a form, and weigh its distances from the feature points."""
     share = weights / weights.sum()
-    return _Placed(form - share @ form, share, to_features @ _poles(limbs))
+    return _Placed(form - share @ form, share, limbs.to_features @ _poles(limbs))
 
 
-def _axes(
-    placed: _Placed, features: IntArray, limbs: Limbs, partner: IntArray | None
-) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _axes(placed: _Placed, limbs: Limbs, partner: IntArray | None) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Find left, head and front; the mirror partners of all vertices, or the feature points, determine the plane."""
-    centred, share, ahead = placed
+    (centred, share, ahead), features = placed, limbs.features
     headward = centred.T @ (share * (ahead - share @ ahead))
     covariance = (centred * share[:, None]).T @ centred
     place = share * (np.arange(len(share)) - share @ np.arange(len(share)))  # the order of the vertices

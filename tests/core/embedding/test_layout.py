@@ -2,27 +2,33 @@
 
 import numpy as np
 import pytest
+from scipy.spatial.distance import cdist
 
 from addon.core import canonical_form
 from addon.core.distances.farthest_points import farthest_points
 from addon.core.distances.heat import HeatMethod
-from addon.core.embedding.layout import certainty, handedness, laid_out
-from addon.core.embedding.start import landmark_distances
+from addon.core.embedding.layout import handedness, laid_out
 from addon.core.measures.alignment import rigid_fit
 from addon.core.run.monitor import Monitor
-from addon.core.surface.laplacian import mass, stiffness
-from addon.core.surface.spectrum import compute_spectrum
+from addon.core.symmetry.limbs import Limbs
 from tests.meshes import shapes
 from tests.meshes.animals import giraffe
 from tests.meshes.shapes import prepared
 
 
+def limbs(partner, margin=0.1):
+    """Limbs of which only the partners count."""
+    count = len(partner)
+    nothing = np.zeros(count)
+    ways = np.zeros((count, count))
+    return Limbs(ways, np.zeros((count,) * 3), nothing, partner, partner, nothing, margin, np.arange(count), ways)
+
+
 def layout_of(vertices, faces):
     points, surface = prepared(vertices, faces)
-    spectrum = compute_spectrum(stiffness(surface), mass(surface), 60)
     heat = HeatMethod(surface, 0.005, refine=False)
     landmarks, distances = farthest_points(heat, np.array([0]), heat.distances([0]), 60, monitor=Monitor())
-    return laid_out(landmark_distances(distances, landmarks, spectrum), landmarks, points, faces, np.arange(1), 0.0)[0]
+    return laid_out(distances, landmarks, points, faces, limbs(np.arange(1))).points
 
 
 def test_handedness_tells_a_ball_from_a_tie():
@@ -49,43 +55,39 @@ def test_a_mirrored_mesh_has_the_mirrored_layout(figure):
     assert np.abs(mirrored @ turn + shift - layout * [-1, 1, 1]).max() < 1e-6
 
 
+SOLID = 0.3 * np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])  # a tetrahedron in the middle
+FACES = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
 TRUNK = np.array([[1.0, 2, 0], [-1, 2, 0], [1, -2, 0], [-1, -2, 0]])  # four ends: left and right, in front and behind
 ACROSS = np.array([1, 0, 3, 2])
 
 
-@pytest.mark.parametrize("volume", [0.3, 1.0, 5.0])
-def test_a_layout_that_a_half_turn_exchanges_is_a_tie_whatever_its_volume(volume):
+def depth_of(ends, partner, solid, margin=0.1):
+    """The depth of a layout of ends and a solid, whose distances are straight: scaling restores it."""
+    points = np.vstack([ends, solid])
+    landmarks = np.arange(len(points))
+    return laid_out(cdist(points, points), landmarks, points, FACES + len(ends), limbs(partner, margin)).depth
+
+
+@pytest.mark.parametrize("size", [0.01, 1.0, 3.0])
+def test_a_layout_that_a_half_turn_exchanges_is_a_tie_whatever_its_volume(size):
     twisted = TRUNK + np.outer([0.5, -0.5, -0.5, 0.5], [0, 0, 1])
-    assert certainty(volume, twisted, ACROSS, 0.1) == 0
-    assert certainty(volume, twisted * [1, 1, -1], ACROSS, 0.1) == 0
+    assert depth_of(twisted, ACROSS, size * SOLID) == 0
+    assert depth_of(twisted * [1, 1, -1], ACROSS, size * SOLID) == 0
 
 
-@pytest.mark.parametrize(("volume", "expected"), [(0.1, 0), (0.3, 0.5), (0.5, 1), (5.0, 1)])
-def test_a_layout_that_a_mirror_exchanges_is_told_by_a_small_volume(volume, expected):
+@pytest.mark.parametrize("size", [0.1, 1.0, 3.0])
+def test_a_layout_that_a_mirror_exchanges_is_real_whatever_its_volume(size):
     bowl = np.vstack([TRUNK + np.array([0, 0, 0.5]), [0, 4, -2]])
-    assert certainty(volume, bowl, np.append(ACROSS, 4), 0.1) == pytest.approx(expected)
+    assert depth_of(bowl, np.append(ACROSS, 4), size * SOLID) == 1
 
 
-@pytest.mark.parametrize(("volume", "expected"), [(0.5, 0), (1.2, 0.5), (2.0, 1)])
-def test_without_sides_or_with_all_ends_in_a_plane_only_the_volume_tells(volume, expected):
-    assert certainty(volume, TRUNK, ACROSS, 0.1) == pytest.approx(expected)
-    assert certainty(volume, np.random.default_rng(3).normal(size=(4, 3)), np.arange(4), 0.0) == pytest.approx(expected)
-    assert certainty(volume, np.zeros((2, 3)), np.array([1, 0]), 0.1) == pytest.approx(expected)
-
-
-@pytest.mark.parametrize(("lead", "expected"), [(0.0, 1), (0.01, 0.5), (0.05, 0)])
-def test_where_another_swap_fits_nearly_as_well_the_volume_tells(lead, expected):
-    twisted = TRUNK + np.outer([0.5, -0.5, -0.5, 0.5], [0, 0, 1])
-    assert certainty(5.0, twisted, ACROSS, lead) == pytest.approx(expected)
-
-
-@pytest.mark.parametrize("seed", range(20))
-def test_certainty_does_not_jump(seed):
-    one, other = np.random.default_rng(seed).normal(size=(2, 5, 3))
-    way = np.linspace(0, 1, 3001)
-    along = [certainty(0.1 + 2 * t, one * (1 - t) + other * t, np.append(ACROSS, 4), 0.1) for t in way]
-    assert np.abs(np.diff(along)).max() < 0.05
-    assert np.ptp(along) > 0.1
+@pytest.mark.parametrize(("size", "expected"), [(0.1, 0), (3.0, 1)])
+def test_without_sides_or_with_all_ends_in_a_plane_the_volume_tells(size, expected):
+    solid = size * SOLID
+    assert depth_of(TRUNK, ACROSS, solid) == expected
+    assert depth_of(TRUNK / 4, np.arange(4), solid) == expected
+    bowl = np.vstack([TRUNK + np.array([0, 0, 0.5]), [0, 4, -2]]) / 4
+    assert depth_of(bowl, np.append(ACROSS, 4), solid, margin=0.005) == expected  # another swap fits as well
 
 
 @pytest.mark.parametrize("neck", [0.0, 0.5])

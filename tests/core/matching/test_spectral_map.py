@@ -34,9 +34,9 @@ def test_the_first_map_goes_by_distances_places_and_normals(body, renumbered):
     way = Start(image, TURN, np.array([0.15, 0.2, 0.3]))  # not quite
     known = np.flatnonzero(image >= 0)
     here = np.column_stack(
-        [body.to_features[:, known], 0.3 * (body.form @ TURN + way.shift), 0.08 * body.normals @ TURN]
+        [body.limbs.to_features[:, known], 0.3 * (body.form @ TURN + way.shift), 0.08 * body.normals @ TURN]
     )
-    there = np.column_stack([other.to_features[:, image[known]], 0.3 * other.form, 0.08 * other.normals])
+    there = np.column_stack([other.limbs.to_features[:, image[known]], 0.3 * other.form, 0.08 * other.normals])
     expected = nearest(here, there)
     assert first_map(body, other, way, Monitor()).tolist() == expected.tolist()
     rows = np.arange(5, len(body.form), 4)
@@ -48,8 +48,8 @@ def test_one_common_feature_point_is_enough_for_its_distances(body):
     image = np.full(len(body.features), -1)
     image[2] = 0
     way = Start(image, np.eye(3), np.zeros(3))
-    here = np.column_stack([body.to_features[:, 2], 0.3 * body.form, 0.08 * body.normals])
-    there = np.column_stack([body.to_features[:, 0], 0.3 * body.form, 0.08 * body.normals])
+    here = np.column_stack([body.limbs.to_features[:, 2], 0.3 * body.form, 0.08 * body.normals])
+    there = np.column_stack([body.limbs.to_features[:, 0], 0.3 * body.form, 0.08 * body.normals])
     assert first_map(body, body, way, Monitor()).tolist() == nearest(here, there).tolist()
 
 

@@ -45,9 +45,7 @@ def test_another_numbering_is_seen_through(body, renumbered):
 
 
 def test_without_feature_points_the_four_turns_about_the_axes_are_left(body):
-    blind = body._replace(
-        features=body.features[:0], limbs=body.limbs.sorted_by(np.arange(0)), to_features=body.to_features[:, :0]
-    )
+    blind = body._replace(limbs=body.limbs.sorted_by(np.arange(0)))
     ways = starts(blind, blind, rows_of(body), Monitor())
     assert 1 < len(ways) <= 4
     assert min(angle(way.rotation, np.eye(3)) for way in ways) < 1e-3
@@ -67,8 +65,10 @@ def test_turns_about_the_axes_tell_the_tips_by_their_places(body):
         partner=np.arange(count),
         side=np.zeros(count, dtype=np.int64),
         along=body.limbs.along[:count],
+        features=body.features[:count],
+        to_features=body.limbs.to_features[:, :count],
     )
-    some = body._replace(features=body.features[:count], to_features=body.to_features[:, :count], limbs=limbs)
+    some = body._replace(limbs=limbs)
     away = body._replace(form=body.form + np.array([0.0, 3.0, 0.0]))
     ways = starts(some, away, rows_of(body), Monitor())
     nearest = min(ways, key=lambda way: angle(way.rotation, np.eye(3)))

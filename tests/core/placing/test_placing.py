@@ -102,10 +102,11 @@ def test_a_form_is_laid_onto_that_of_another_pose(bear):
         assert not form.warnings
 
 
-def test_a_form_is_laid_onto_that_of_another_mesh_of_the_body(real_mesh):
+@pytest.mark.parametrize("pose", ["dance1_00", "walk1_04"])
+def test_a_form_is_laid_onto_that_of_another_mesh_of_the_body(real_mesh, pose):
     rest, faces = real_mesh("man/rest.obj")
     reference = canonical_form(rest, faces)
-    vertices, _ = real_mesh("man/benchmark_00.obj")
+    vertices, _ = real_mesh(f"man/{pose}.obj")
     coarse = coarsened(vertices, faces, 7000)
     order = np.random.default_rng(0).permutation(len(coarse.kept))
     form = canonical_form(vertices[coarse.kept][order], np.argsort(order)[coarse.faces], reference=reference)
@@ -114,6 +115,15 @@ def test_a_form_is_laid_onto_that_of_another_mesh_of_the_body(real_mesh):
     tips = rest[coarse.kept][order][form.feature_points]
     nearest = np.linalg.norm(tips[:, None] - rest[reference.feature_points], axis=2).argmin(axis=1)
     assert nearest.tolist() == [0, 1, 2, 3, 4]
+    assert form.warnings == []
+
+
+def test_a_form_that_may_as_well_lie_the_other_way_round_is_told(real_mesh):
+    rest, faces = real_mesh("man/rest.obj")
+    vertices, _ = real_mesh("man/benchmark_00.obj")
+    coarse = coarsened(vertices, faces, 7000)
+    form = canonical_form(vertices[coarse.kept], coarse.faces, reference=canonical_form(rest, faces))
+    assert [each.kind for each in form.warnings] == ["reference_sides"]
 
 
 def test_limbs_are_numbered_as_in_the_reference(bear):

@@ -10,7 +10,7 @@ from addon.core import CancelledError, KeptStages, Settings, canonical_form
 from addon.core.run.messages import Message, message
 from tests.meshes import pieced, shapes
 
-QUICK = Settings(max_iterations=5, eigenpairs=30, landmark_count=20)
+QUICK = Settings(landmark_count=20)
 CHANGES: tuple[dict[str, Any], ...] = (
     {},
     {"preserve_detail": 0.2},
@@ -20,18 +20,15 @@ CHANGES: tuple[dict[str, Any], ...] = (
     {"feature_points": (5, 40, 200)},
     {"feature_points": [5, 40, 201]},
     {"diffusion_time": 0.05},
-    {"eigenpairs": 25},
     {"quality": "draft"},
     {"quality": "full"},
-    {"smoothing": 0.0},
-    {"start": "input"},
+    {"method": "local_features", "max_iterations": 5},
+    {"method": "local_features", "max_iterations": 5, "smoothing": 0.0},
+    {"method": "local_features", "max_iterations": 5, "preserve_detail": 0.2},
+    {"method": "local_features", "max_iterations": 2},
     {"landmark_count": 15},
-    {"arrangement_share": 2.0},
-    {"arrangement": "stress"},
     {"symmetry": "ignore"},
-    {"max_iterations": 2},
-    {"tolerance": 0.1},
-    {"extrapolation": 0},
+    {"symmetry": "ignore", "preserve_detail": 0.2},
     {"pieces": "apart"},
     {"orientation": "upright"},
     {"method": "classical"},
@@ -155,10 +152,10 @@ def test_only_what_depends_on_a_change_is_computed_again():
     canonical_form(vertices, faces, QUICK, keep=keep)
     stages = canonical_form(vertices, faces, replace(QUICK, preserve_detail=0.3), keep=keep).timings
     assert "Detail" in stages
-    assert not {"Spectrum", "Patches", "Distances", "Landmarks", "Start", "Embedding", "Straightening"} & stages.keys()
+    assert not {"Spectrum", "Patches", "Struts", "Landmarks", "Layout", "Push", "Lengths"} & stages.keys()
     stages = canonical_form(vertices, faces, replace(QUICK, landmark_count=15), keep=keep).timings
-    assert {"Landmarks", "Start", "Embedding", "Straightening"} <= stages.keys()
-    assert not {"Spectrum", "Patches", "Distances"} & stages.keys()
+    assert {"Landmarks", "Layout", "Push", "Lengths"} <= stages.keys()
+    assert not {"Spectrum", "Patches", "Struts"} & stages.keys()
 
 
 def test_warnings_come_with_what_is_kept():

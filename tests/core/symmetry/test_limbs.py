@@ -136,14 +136,14 @@ def test_a_swap_of_all_pairs_is_preferred_to_that_of_one():
     assert limbs.partner.tolist() == [1, 0, 3, 2, 4]
 
 
-def test_the_lead_of_a_swap_over_the_next_tells_how_sure_the_sides_are():
+def test_the_margin_of_a_swap_over_the_next_tells_how_sure_the_sides_are():
     ends = np.array([[1.0, 2, 0], [-1, 2, 0], [1.1, -2, 0], [-1.1, -2, 0], [0, 4, 0]]) / 3
     square = np.array([[1.0, 1, 0], [-1, 1, 0], [1, -1, 0], [-1, -1, 0], [0, 0, 1.5]]) / 2  # a swap as good as the next
     lead = [
-        limbs_of(cdist(each, each), np.zeros((5, 5, 5)), np.array([2.0, 2, 2, 2, 1]), lambda: np.arange(5.0)).lead
+        limbs_of(cdist(each, each), np.zeros((5, 5, 5)), np.array([2.0, 2, 2, 2, 1]), lambda: np.arange(5.0)).margin
         for each in (ends, square)
     ]
     assert lead[0] > 0.05
     assert lead[1] == pytest.approx(0, abs=1e-12)
     alone = limbs_of(np.array([[0.0, 1], [1, 0]]), np.zeros((2, 2, 2)), np.array([1.0, 9]), lambda: np.arange(2.0))
-    assert (alone.partner.tolist(), alone.lead) == ([0, 1], 0)
+    assert (alone.partner.tolist(), alone.margin) == ([0, 1], 0)
