@@ -48,7 +48,6 @@ def test_the_method_page_states_the_defaults():
     assert f"t = {settings.diffusion_time}" in text
     assert f"prominence ≥ {settings.prominence}" in text
     assert f"smoothing {settings.smoothing}" in text
-    assert f"share {settings.arrangement_share:g}" in text
 
 
 def test_the_core_imports_no_blender_and_files_stay_small():

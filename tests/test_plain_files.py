@@ -15,7 +15,7 @@ from addon.blender.files.kinds_of_files import PLAIN
 from addon.core import InvalidMeshError, Settings, pose_like
 from tests.meshes import shapes
 
-QUICK = ["--max-iterations", "2", "--eigenpairs", "20", "--landmark-count", "12"]
+QUICK = ["--max-iterations", "2", "--landmark-count", "12"]
 POINTS = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 2, 1]])
 POLYGONS = [[0, 1, 2, 3], [2, 4, 3]]
 
@@ -120,7 +120,7 @@ def test_a_mesh_is_posed_like_another_without_blender(two_files, tmp_path):
     assert code == 0
     posed, polygons = read_plain(tmp_path / "out" / "here.obj")
     (vertices, faces), (others, other_faces) = map(read_plain, two_files)
-    settings = Settings(max_iterations=2, eigenpairs=20, landmark_count=12)
+    settings = Settings(max_iterations=2, landmark_count=12)
     found = pose_like(vertices, np.array(faces), others, np.array(other_faces), settings)
     np.testing.assert_allclose(posed, found.vertices, atol=1e-5)
     assert polygons == faces

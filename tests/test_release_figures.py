@@ -135,7 +135,7 @@ def test_a_figure_depends_on_its_scripts_and_on_those_that_they_import():
         name: {path.name for path in release_figures.code_of(benchmark) if path.parent == ROOT / "tools" / "benchmarks"}
         for name, benchmark in BENCHMARKS.items()
     }
-    assert found["forms"] == {"form_tables.py", "scale_tables.py", "remeshing.py", "convergence.py"}
+    assert found["forms"] == {"form_tables.py", "scale_tables.py", "remeshing.py"}
     assert found["evaluation"] == {"derived_datasets.py", "evaluation_page.py", "characters.py"}
     assert found["weights"] == {"carried_weights.py", "characters.py", "two_meshes.py"}
     for benchmark in BENCHMARKS.values():

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import warnings
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -13,10 +12,9 @@ import numpy as np
 from ..blender.files.kinds_of_files import PLAIN, READ, WRITTEN
 from ..core.method_api.catalogue import methods
 from ..core.method_api.options import Option, options_of
-from ..core.method_api.settings import Settings, current_options, former_options
+from ..core.method_api.settings import Settings
 from ..core.numerics.arrays import FloatArray
 from ..core.run.errors import CanonicalFormError
-from .lines import complain
 from .plain_files import has_blender
 
 _PLAIN = tuple(kind[1:] for kind in PLAIN)
@@ -120,23 +118,14 @@ def parsed(words: list[str]) -> argparse.Namespace:
     Returns
     -------
     argparse.Namespace
-        The options under their current names; `wanted_of` interprets them. Former names are reported.
+        The options; `wanted_of` interprets them.
 
     Raises
     ------
     SystemExit
         If help was requested, or the arguments are invalid.
-    CanonicalFormError
-        If a former option has a value of the wrong type.
     """
-    options = _parser().parse_args(words)
-    former = {name: vars(options).pop(name) for name in former_options() if name in options}
-    with warnings.catch_warnings(record=True) as told:
-        warnings.simplefilter("always", FutureWarning)
-        vars(options).update(current_options(former))
-    for each in told:
-        complain(str(each.message))
-    return options
+    return _parser().parse_args(words)
 
 
 def wanted_of(options: argparse.Namespace, **more: Any) -> Wanted:
@@ -299,9 +288,6 @@ def _add_method(parser: argparse.ArgumentParser, placing: argparse._ArgumentGrou
     for name, about in options_of(Settings).items():
         group = placing if name == "orientation" and placing is not None else method
         _add_option(group, name, about, getattr(default, name))
-    for name, value in former_options().items():
-        told: dict[str, Any] = {"action": "store_true"} if isinstance(value, bool) else {"type": type(value)}
-        parser.add_argument(_flag(name), default=argparse.SUPPRESS, help=argparse.SUPPRESS, **told)
 
 
 class _Help(argparse.ArgumentDefaultsHelpFormatter, argparse.RawDescriptionHelpFormatter):

@@ -104,12 +104,10 @@ def _figures(vertices: np.ndarray, form: CanonicalForm | PosedLike, wanted: Want
     measures = summary(vertices, form.vertices, form.faces, True)
     own: Line = {}
     if isinstance(form, CanonicalForm):
-        own = {
-            "method": wanted.settings.method,
-            "stress": {"first": float(form.stress[0]), "last": float(form.stress[-1]), "steps": len(form.stress) - 1},
-            "pair_count": form.pair_count,
-            "pair_reduction": form.pair_reduction,
-        }
+        own = {"method": wanted.settings.method}
+        if len(form.stress):
+            stress = {"first": float(form.stress[0]), "last": float(form.stress[-1]), "steps": len(form.stress) - 1}
+            own |= {"stress": stress, "pair_count": form.pair_count, "pair_reduction": form.pair_reduction}
     return {
         **own,
         "pieces": wanted.settings.pieces,

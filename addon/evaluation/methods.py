@@ -8,9 +8,7 @@ from typing import Any
 from ..core import InvalidSettingsError, Settings
 from ..core.method_api.catalogue import methods
 from ..core.method_api.registry import OURS
-from ..core.method_api.settings import current_options, former_options
 
-_PATIENT = 1e-5  # tolerance of the other methods, which need more steps than ours to converge
 _TRUTH = {"true": True, "false": False}
 
 
@@ -43,14 +41,13 @@ def _known() -> dict[str, Method]:
     found = [
         Method("input", None, "the mesh in its pose"),
         Method("ours", Settings(), "this project, default"),
-        Method("ours-stress", Settings(arrangement="stress"), "this project, limbs as the stress leaves them"),
         Method("ours-full", Settings(quality="full"), "this project, quality Full"),
         Method("ours-draft", Settings(quality="draft"), "this project, quality Draft"),
     ]
     for each in methods().values():
         if each.name == OURS:
             continue
-        name, settings = each.name.replace("_", "-"), Settings(method=each.name, tolerance=_PATIENT)
+        name, settings = each.name.replace("_", "-"), Settings(method=each.name)
         if each.pairs == "all":
             found.append(Method(name, settings, f"{each.source}, landmarks"))
             found.append(Method(f"{name}-full", replace(settings, quality="full"), f"{each.source}, all pairs"))
@@ -64,7 +61,6 @@ DEFAULT = tuple(
     name for name in KNOWN if name not in ("input", "ours-draft") and not name.endswith("-full")
 )  # the fast ones
 INPUT = "input"
-_FORMER = {"ours-published": "as-published"}  # names of version 0.1, to be removed in version 2.0
 
 
 def chosen_methods(words: list[str]) -> list[Method]:
@@ -88,7 +84,6 @@ def chosen_methods(words: list[str]) -> list[Method]:
     chosen = {INPUT: KNOWN[INPUT]}
     for word in words:
         name, _, changes = word.partition(":")
-        name = _FORMER.get(name, name)
         if name not in KNOWN:
             raise InvalidSettingsError(f"There is no method {name!r}. There are: {', '.join(KNOWN)}.")
         method = KNOWN[name]
@@ -102,7 +97,6 @@ def chosen_methods(words: list[str]) -> list[Method]:
 
 def _changes(text: str) -> dict[str, Any]:
     known: dict[str, Any] = {each.name: each.default for each in fields(Settings)}
-    known |= former_options()
     changed: dict[str, Any] = {}
     for part in text.split(","):
         name, _, value = part.partition("=")
@@ -113,4 +107,4 @@ def _changes(text: str) -> dict[str, Any]:
             changed[name] = _TRUTH[value.lower()] if isinstance(default, bool) else type(default)(value)
         except (ValueError, KeyError) as error:
             raise InvalidSettingsError(f"{name} cannot be {value!r}.") from error
-    return current_options(changed)
+    return changed

@@ -15,7 +15,7 @@ from ..blender.words.advice import explained
 from ..blender.words.wording import CONTEXT, counted_points, listed, told
 from ..core import CanonicalFormError
 from .job_operator import JobOperator, kept_stages
-from .properties import FormerProperties, MethodProperties, RequestProperties, list_patches, settings_of
+from .properties import MethodProperties, RequestProperties, list_patches, settings_of
 from .viewport import any_result, restore_shading, show_colours
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from ..core import KeptStages
 
 
-class OBJECT_OT_canonical_form(JobOperator, MethodProperties, FormerProperties, RequestProperties, bpy.types.Operator):
+class OBJECT_OT_canonical_form(JobOperator, MethodProperties, RequestProperties, bpy.types.Operator):
     """Take the pose out of the selected meshes and keep the result as a shape key"""  # noqa: D400 (Blender's tooltip)
 
     bl_idname = "object.canonical_form"

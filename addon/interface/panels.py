@@ -298,7 +298,7 @@ def _draw_report(column: bpy.types.UILayout, record: Record) -> None:
         found = counted_points(len(report.feature_points), record.has_patches)
         lines = [told("{points}, {seconds:.1f} s", points=found, seconds=seconds)]
         if report.has_form:
-            if report.method != OURS:
+            if report.method is not None and report.method != OURS:
                 known = methods().get(report.method)  # a file may be from a later version
                 label = report.method if known is None else told(known.label)
                 lines.insert(0, told("Method: {method}", method=label))

@@ -24,7 +24,6 @@ from ..core import InvalidSettingsError, Settings
 from ..core.distances.kinds import KINDS
 from ..core.method_api.catalogue import methods
 from ..core.method_api.options import Option, options_of
-from ..core.method_api.settings import current_options, former_options
 
 _DEFAULT = Settings()
 DISTANCES = [(name, kind.label, kind.help) for name, kind in KINDS.items()]
@@ -91,15 +90,6 @@ def _property(name: str, about: Option, default: Any) -> Any:
         return IntProperty(default=default, **bounds, **words)
     subtype = "FACTOR" if (about.low, about.high) == (0, 1) else "NONE"
     return FloatProperty(default=default, precision=about.digits, subtype=subtype, **bounds, **words)
-
-
-class FormerProperties:
-    """Options under the names that they had in version 0.1, for scripts; to be removed in version 2.0."""
-
-    __annotations__ = {
-        name: {bool: BoolProperty, int: IntProperty, float: FloatProperty}[type(value)](options={"HIDDEN", "SKIP_SAVE"})
-        for name, value in former_options().items()
-    }
 
 
 class MethodProperties:
@@ -187,9 +177,7 @@ class TransferProperties:
     }
 
 
-class CanonicalFormProperties(
-    MethodProperties, FormerProperties, RequestProperties, TransferProperties, bpy.types.PropertyGroup
-):
+class CanonicalFormProperties(MethodProperties, RequestProperties, TransferProperties, bpy.types.PropertyGroup):
     """The choices made in the panel, kept with the scene."""
 
     feature_source: EnumProperty(  # type: ignore[valid-type]
@@ -301,7 +289,7 @@ def settings_of(owner: Any) -> Settings:
 
     Parameters
     ----------
-    owner : MethodProperties and FormerProperties
+    owner : MethodProperties
         An operator or the scene's properties.
 
     Returns
@@ -315,10 +303,6 @@ def settings_of(owner: Any) -> Settings:
         If the feature points are not a list of integers.
     """
     options = {name: chosen_value(owner, name) for name in METHOD_NAMES}
-    given = getattr(owner, "properties", owner)  # those of an operator, or of the scene
-    known = [name for name in FormerProperties.__annotations__ if hasattr(owner, name)]
-    former = [name for name in known if given.is_property_set(name)]
-    options |= current_options({name: getattr(owner, name) for name in former})
     try:
         options["feature_points"] = [int(word) for word in owner.feature_points.replace(",", " ").split()] or None
     except ValueError as error:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import bpy
 
 from ..blender.records.distance_record import DISTANCES_PROPERTY
-from ..blender.records.former_records import FORMER_PROPERTY
 from ..blender.records.record import RECORD_PROPERTY
 from .preferences import switches_shading
 
@@ -60,7 +59,7 @@ def any_result() -> bool:
     bool
         True for the result of a run and for distances.
     """
-    ours = {RECORD_PROPERTY, FORMER_PROPERTY, DISTANCES_PROPERTY}
+    ours = {RECORD_PROPERTY, DISTANCES_PROPERTY}
     return any(mesh.users and not ours.isdisjoint(mesh.keys()) for mesh in bpy.data.meshes)
 
 

@@ -20,7 +20,7 @@ PLACES = {  # of each object: turned, scaled, mirrored
     "shirt": Matrix.LocRotScale((-1.0, 0.0, 0.0), Euler((1.0, 0.0, 0.0)), (1.0, 0.25, 3.0)),
     "eye": Matrix.Translation((0.0, 5.0, 0.0)),
 }
-QUICK: dict[str, Any] = {"max_iterations": 3, "eigenpairs": 30, "landmark_count": 20}
+QUICK: dict[str, Any] = {"max_iterations": 3, "landmark_count": 20}
 
 
 @pytest.fixture(autouse=True)

@@ -16,7 +16,7 @@ from tests.meshes import shapes
 
 from .conftest import add_object
 
-QUICK = ["--max-iterations", "2", "--eigenpairs", "20", "--landmark-count", "12"]
+QUICK = ["--max-iterations", "2", "--landmark-count", "12"]
 KINDS = ("glb", "fbx", "usdc", "obj", "ply")
 
 
@@ -103,7 +103,8 @@ def test_every_reader_gives_the_same_form(kind, tmp_path):
     code, [read, plain] = run(path, tmp_path / "plain.off", "--output", tmp_path / "out", "--axes", "Z,-Y",
                               "--format", "ply")  # fmt: skip
     assert code == 0
-    assert read["stress"]["last"] == pytest.approx(plain["stress"]["last"], rel=1e-4)
+    distorted = "edge_distortion_median"
+    assert read["measures"][distorted] == pytest.approx(plain["measures"][distorted], rel=1e-2)
     forms = [told(Path(line["output"]))[0] for line in (read, plain)]
     near = np.linalg.norm(forms[0][:, None] - forms[1], axis=2)
     if kind != "fbx":  # the importer turns and scales it

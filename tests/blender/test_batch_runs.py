@@ -12,7 +12,7 @@ pytest.importorskip("psutil")
 pytest.importorskip("bpy")
 from tests.blender.batch_processes import busy_worker, ended, started
 
-QUICK = ["--max-iterations", "2", "--eigenpairs", "20", "--landmark-count", "12"]
+QUICK = ["--max-iterations", "2", "--landmark-count", "12"]
 # what Blender 5.2 says itself: of its colours, and of mounts where there is no list of them
 BLENDERS_OWN = re.compile(r"color_management|system\.path +\| WARNING Could not get a list of mounted file-systems")
 

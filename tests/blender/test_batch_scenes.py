@@ -99,7 +99,7 @@ def shown_by_frame(path):
 
 
 def test_frames_are_computed_again_on_their_own_result(figure, tmp_path):
-    bpy.ops.object.canonical_form(max_iterations=2, eigenpairs=20, landmark_count=12)
+    bpy.ops.object.canonical_form(max_iterations=2, landmark_count=12)
     bpy.ops.object.canonical_form_in_betweens(count=2)
     words = ("--frames", "1:3", "--frames-as", "keys", "--output")
     each = [{f"Canonical Form {frame}": 1.0} for frame in (1, 2, 3)]
@@ -111,7 +111,7 @@ def test_frames_are_computed_again_on_their_own_result(figure, tmp_path):
     assert shown_by_frame(lines[0]["output"]) == each
     obj = bpy.data.objects["Figure"]
     bpy.context.view_layer.objects.active = obj
-    bpy.ops.object.canonical_form(max_iterations=2, eigenpairs=20, landmark_count=12)
+    bpy.ops.object.canonical_form(max_iterations=2, landmark_count=12)
     assert [key.name for key in obj.data.shape_keys.key_blocks] == ["Basis", "Canonical Form"]
     assert clear_from(obj) == []
     assert obj.data.shape_keys is None
@@ -142,7 +142,7 @@ def test_one_frame_as_a_key_leaves_no_curves_behind(figure, tmp_path):
     action = obj.data.shape_keys.animation_data.action
     assert [curve.data_path for curve in _curves(action)] == ['key_blocks["Canonical Form 5"].value']
     bpy.context.view_layer.objects.active = obj
-    bpy.ops.object.canonical_form(max_iterations=2, eigenpairs=20, landmark_count=12)
+    bpy.ops.object.canonical_form(max_iterations=2, landmark_count=12)
     assert [key.name for key in obj.data.shape_keys.key_blocks] == ["Basis", "Canonical Form"]
     assert list(_curves(action)) == []
     assert clear_from(obj) == []

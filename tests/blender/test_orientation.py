@@ -37,7 +37,7 @@ def test_upright_is_upright_in_the_scene_whatever_the_objects_transform(figure_o
     turned = add_object("Turned", *arrays)
     turned.matrix_world = Matrix.LocRotScale((4.0, 1, 0), Euler((0.7, -0.3, 2.0)), (1, 1, 1))
     for obj in (figure_object, turned):
-        compute(obj, orientation="upright")
+        compute(obj, orientation="upright", landmark_count=100)
     one, two = (centred(in_scene(obj, form_of(obj))) for obj in (figure_object, turned))
     np.testing.assert_allclose(two, one, atol=2e-3 * np.ptp(one))
     compute(figure_object)  # as posed
@@ -49,9 +49,9 @@ def test_a_form_is_laid_onto_that_of_another_object(figure_object, arrays):
     turn = np.array(Euler((0.4, 1.1, -0.6)).to_matrix())
     other = add_object("Other", vertices @ turn.T + [0, 0, 3], faces)
     other.matrix_world = Matrix.LocRotScale((9.0, 0, 0), Euler((0.0, 0.0, 1.0)), (1, 1, 1))
-    compute(figure_object, orientation="upright")
+    compute(figure_object, orientation="upright", landmark_count=100)
     before = snapshot(figure_object)
-    compute(other, reference="Figure")
+    compute(other, reference="Figure", landmark_count=100)
     assert snapshot(figure_object)["keys"] == before["keys"]
     one, two = (in_scene(obj, form_of(obj)) for obj in (figure_object, other))
     np.testing.assert_allclose(two, one, atol=2e-3 * np.ptp(one))
@@ -85,7 +85,7 @@ def test_a_mirrored_base_mesh_is_refused_and_can_be_taken_as_shown(figure_object
     figure_object.modifiers.new("Mirror", "MIRROR").use_axis = (False, True, False)
     before = snapshot(figure_object)
     with pytest.raises(RuntimeError, match="has to stay on the mirror"):
-        compute(figure_object, orientation="upright")
+        compute(figure_object, orientation="upright", landmark_count=100)
     assert snapshot(figure_object) == before
     compute(figure_object, orientation="upright", mesh="SHOWN", result="OBJECT")
 
@@ -102,13 +102,13 @@ def test_a_body_of_several_objects_is_a_reference_as_a_whole(character):
 
 
 def test_a_reference_counts_with_all_limbs_straight(figure_object, arrays):
-    compute(figure_object, orientation="upright")
+    compute(figure_object, orientation="upright", landmark_count=100)
     other = add_object("Other", *arrays)
-    compute(other, reference="Figure")
+    compute(other, reference="Figure", landmark_count=100)
     whole = form_of(other)
     compute_limb(figure_object)
     assert np.abs(form_of(figure_object) - whole).max() > 0.5
-    compute(other, reference="Figure")
+    compute(other, reference="Figure", landmark_count=100)
     np.testing.assert_allclose(form_of(other), whole, atol=1e-4)
 
 
@@ -134,4 +134,4 @@ def test_a_form_under_modifiers_is_no_reference(figure_object, arrays):
     compute(figure_object, mesh="SHOWN")
     other = add_object("Other", *arrays)
     with pytest.raises(RuntimeError, match="under modifiers"):
-        compute(other, reference="Figure")
+        compute(other, reference="Figure", landmark_count=100)

@@ -10,7 +10,6 @@ import pytest
 
 from addon.blender.mesh_items.fingerprints import colour_fingerprint, group_fingerprints, key_fingerprint
 from addon.blender.records.distance_record import DISTANCES_PROPERTY, read_distances
-from addon.blender.records.former_records import FORMER_PROPERTY
 from addon.blender.records.record import RECORD_PROPERTY, Record, read_record, require_record
 from addon.blender.records.transfer_record import TRANSFERS_PROPERTY, read_transfers
 from addon.interface import panels
@@ -19,7 +18,7 @@ from addon.interface.properties import chosen_value, hand_over, settings_of
 from tests.blender.conftest import QUICK, drawn
 from tests.blender.test_tools import select
 
-VERSION_0_1: dict[str, Any] = {  # as that version wrote it, with a limb in its pose and in-betweens
+WRITTEN: dict[str, Any] = {  # with a limb in its pose and in-betweens
     "palette": [[0.77, 0.2, 0.16], [0.0, 0.28, 0.31]],
     "hidden": {".canonical_form_patch": "e1", ".canonical_form": "e2"},
     "report": {
@@ -28,6 +27,7 @@ VERSION_0_1: dict[str, Any] = {  # as that version wrote it, with a limb in its 
         "feature_points": [1123, 997],
         "patch_sizes": [560, 564],
         "method": "local_features",
+        "pieces": "apart",
         "stress": {"first": 5086.5, "last": 1992.25, "steps": 3},
         "pair_count": 345247,
         "pair_reduction": 0.7267,
@@ -53,9 +53,9 @@ VERSION_0_1: dict[str, Any] = {  # as that version wrote it, with a limb in its 
 }
 
 
-def test_a_record_of_version_0_1_is_read_and_written_back_the_same():
-    record = Record.from_json(json.loads(json.dumps(VERSION_0_1)))
-    assert record.as_json() == VERSION_0_1
+def test_a_record_is_read_and_written_back_the_same():
+    record = Record.from_json(json.loads(json.dumps(WRITTEN)))
+    assert record.as_json() == WRITTEN
     assert record.has_form
     assert record.has_patches
     assert record.patch_names == ["Patch 1", "Patch 2"]
@@ -69,10 +69,10 @@ def test_a_record_of_version_0_1_is_read_and_written_back_the_same():
 
 
 def test_a_record_of_feature_points_alone():
-    report = {name: VERSION_0_1["report"][name] for name in ("vertices", "faces", "feature_points", "patch_sizes")}
+    report = {name: WRITTEN["report"][name] for name in ("vertices", "faces", "feature_points", "patch_sizes")}
     data = {
         "report": {**report, "timings": {}, "warnings": []},
-        "before": VERSION_0_1["before"],
+        "before": WRITTEN["before"],
         "basis": None,
         "key": {},
         "groups": {"Feature Points": "a0"},
@@ -90,7 +90,7 @@ def test_a_record_of_feature_points_alone():
     "text",
     [
         *("", "{", "[]", "3", '"x"', "{}"),
-        *(json.dumps({**VERSION_0_1, **part}) for part in ({"report": 3}, {"before": {"other": 1}}, {"groups": 3})),
+        *(json.dumps({**WRITTEN, **part}) for part in ({"report": 3}, {"before": {"other": 1}}, {"groups": 3})),
     ],
 )
 def test_another_text_is_no_record(figure_object, text):
@@ -98,14 +98,14 @@ def test_another_text_is_no_record(figure_object, text):
     assert read_record(figure_object.data) is None
 
 
-def test_a_written_record_has_the_keys_of_version_0_1(figure_object):
-    bpy.ops.object.canonical_form(**QUICK)
+def test_a_written_record_has_these_keys(figure_object):
+    bpy.ops.object.canonical_form(**QUICK, method="local_features")
     bpy.ops.object.canonical_form_in_betweens(count=2)
     bpy.ops.object.canonical_form_limb(patch=1)
     data = json.loads(figure_object.data[RECORD_PROPERTY])
-    assert data.keys() == VERSION_0_1.keys()
-    assert data["report"].keys() == {*VERSION_0_1["report"].keys(), "pieces"}
-    assert data["before"].keys() == VERSION_0_1["before"].keys()
+    assert data.keys() == WRITTEN.keys()
+    assert data["report"].keys() == WRITTEN["report"].keys()
+    assert data["before"].keys() == WRITTEN["before"].keys()
 
 
 @pytest.mark.parametrize("value", ["mine", "[1]", '{"Heat Geodesic colours": ["a"]}', 3])
@@ -177,17 +177,10 @@ MADE_UP: dict[str, Any] = {  # as a stranger may write it: everything of the use
 }
 
 
-@pytest.mark.parametrize(
-    ("name", "record"),
-    [
-        (RECORD_PROPERTY, {**MADE_UP, "key": {"My Sculpt": None}}),
-        (FORMER_PROPERTY, {**MADE_UP, "shape_key": "My Sculpt", "groups": ["My Weights"], "colours": ["My Paint"]}),
-    ],
-)
-def test_a_made_up_record_takes_nothing_of_the_users(painted_object, name, record):
+def test_a_made_up_record_takes_nothing_of_the_users(painted_object):
     before = users_own(painted_object)
     for operator, options in ((bpy.ops.object.canonical_form_clear, {}), (bpy.ops.object.canonical_form, QUICK)):
-        painted_object.data[name] = json.dumps(record)
+        painted_object.data[RECORD_PROPERTY] = json.dumps({**MADE_UP, "key": {"My Sculpt": None}})
         assert read_record(painted_object.data) is not None
         assert operator(**options) == {"FINISHED"}
     warnings = require_record(painted_object.data).report.warnings

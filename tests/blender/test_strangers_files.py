@@ -20,7 +20,7 @@ from addon.blender.files.replacing_files import replaced
 from tests.meshes import shapes
 
 ROOT = Path(__file__).resolve().parents[2]
-QUICK = ["--max-iterations", "2", "--eigenpairs", "20", "--landmark-count", "12", "--format", "obj"]
+QUICK = ["--max-iterations", "2", "--landmark-count", "12", "--format", "obj"]
 
 
 def run(*words, command="compute"):

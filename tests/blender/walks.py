@@ -17,7 +17,7 @@ import numpy as np
 from tests.blender.user_data import colours, differing, leave_out_results, orphans, positions, valued_keys
 from tests.meshes import shapes
 
-QUICK: dict[str, Any] = {"max_iterations": 2, "eigenpairs": 20, "landmark_count": 10, "quality": "draft"}
+QUICK: dict[str, Any] = {"max_iterations": 2, "landmark_count": 10, "quality": "draft"}
 KEEPS = ("mode", "vertices", "edges", "polygons", "chosen", "materials", "pinned")
 
 

@@ -151,12 +151,10 @@ def test_methods_take_settings_on_the_command_line():
     assert chosen[3].settings is not None
     assert chosen[3].settings.landmark_count == 20
     assert chosen[3].rival
-    assert chosen_methods(["ours:as_published=True"])[1].settings == Settings(method="as_published")
     assert not chosen[1].rival
     assert len(chosen_methods(list(DEFAULT))) == 1 + len(DEFAULT)
     wrong = [("hers", "There is no method 'hers'"), ("ours:quality=best", "quality must be"),
              ("ours:speed=9", "not a setting"), ("ours:whole=true", "not a setting"),
-             ("ours:as_published=yes", "as_published cannot be 'yes'"),
              ("ours:landmark_count=x", "landmark_count cannot be 'x'")]  # fmt: skip
     for word, message in wrong:
         with pytest.raises(InvalidSettingsError, match=message):

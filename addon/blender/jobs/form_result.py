@@ -166,10 +166,10 @@ def _report(readings: Sequence[Reading], whole: Combined, found: AnyResult, requ
     report.measures = {name: None if np.isnan(value) else value for name, value in measures.items()}
     report.pieces = request.settings.pieces
     if isinstance(found, CanonicalForm):
-        stress = found.stress
-        report.stress = StressReport(float(stress[0]), float(stress[-1]), len(stress) - 1)
         report.method = request.settings.method
-        report.pair_count, report.pair_reduction = found.pair_count, found.pair_reduction
+        if len(found.stress):
+            report.stress = StressReport(float(found.stress[0]), float(found.stress[-1]), len(found.stress) - 1)
+            report.pair_count, report.pair_reduction = found.pair_count, found.pair_reduction
     elif request.likeness is not None:
         report.like = request.likeness.report(found)
     return report

@@ -68,13 +68,13 @@ class FormReport:
     warnings : list of str
         Sentences for the user.
     stress : StressReport or None
-        Stress of the embedding; None if the run stopped at the patches or feature points.
-    method : str
-        Method that computed the form. This attribute and the following ones are meaningful only with a form.
+        Stress of the embedding; None without a form, and for one that is not the minimum of a stress.
+    method : str or None
+        Method that computed the form; None if the run stopped at the patches or feature points, or made a pose.
     pieces : str
         Whether loose parts were treated as one body, 'together', or had separate forms, 'apart'.
     pair_count : int
-        Number of pair distances that the stress uses.
+        Number of pair distances that the stress uses; 0 without a stress.
     pair_reduction : float
         Share of all pairs that this saves.
     measures : dict of str to float or None
@@ -94,7 +94,7 @@ class FormReport:
     timings: dict[str, float]
     warnings: list[str]
     stress: StressReport | None = None
-    method: str = "local_features"
+    method: str | None = None
     pieces: str = "together"
     pair_count: int = 0
     pair_reduction: float = 0.0
@@ -106,7 +106,7 @@ class FormReport:
     @property
     def has_form(self) -> bool:
         """Whether the run computed a canonical form, and not a pose or only patches or feature points."""
-        return self.stress is not None
+        return self.method is not None
 
     @property
     def seconds(self) -> float:
@@ -151,11 +151,12 @@ class FormReport:
             timings=named(real, data["timings"]),
             warnings=listed(words, data["warnings"]),
         )
+        if "method" in data:
+            report.method = words(data["method"])
+            report.pieces = words(data.get("pieces", "apart"))
         if "stress" in data:
             stress = data["stress"]
             report.stress = StressReport(real(stress["first"]), real(stress["last"]), whole(stress["steps"]))
-            report.method = words(data.get("method", report.method))
-            report.pieces = words(data.get("pieces", "apart"))  # the only value in version 0.1
             report.pair_count = whole(data["pair_count"])
             report.pair_reduction = real(data["pair_reduction"])
         if "like" in data:
@@ -189,18 +190,16 @@ class FormReport:
             "feature_points": self.feature_points,
             "patch_sizes": self.patch_sizes,
         }
+        if self.method is not None:
+            data |= {"method": self.method, "measures": self.measures, "pieces": self.pieces}
         if self.stress is not None:
             data |= {
-                "method": self.method,
                 "stress": self.stress._asdict(),
                 "pair_count": self.pair_count,
                 "pair_reduction": self.pair_reduction,
-                "measures": self.measures,
             }
         if self.like is not None:
             data |= {"like": self.like._asdict(), "measures": self.measures, "pieces": self.pieces}
-        elif self.stress is not None and self.pieces == "together":  # "apart" is left out, as in version 0.1
-            data["pieces"] = self.pieces
         if self.frame is not None:
             data["frame"] = self.frame
         if self.objects:

@@ -16,7 +16,6 @@ from ...core import CanonicalFormError
 from ..mesh_items.active_items import ActiveItems, ItemNames
 from ..words.wording import told
 from .form_report import FormReport
-from .former_records import FORMER_PROPERTY, brought_up_to_date
 from .stored_values import flag, listed, maybe, named, real, whole, words
 
 RECORD_PROPERTY = "canonical_form_record"
@@ -170,7 +169,6 @@ class Record:
             If the data is not that of a record.
         """
         try:
-            data = brought_up_to_date(data)
             record = cls(
                 report=FormReport.from_json(data["report"]),
                 active_before=ActiveItems(**named(lambda value: maybe(words, value), data["before"])),
@@ -210,7 +208,7 @@ class Record:
         Returns
         -------
         dict
-            A dictionary with the keys of version 0.1.
+            A dictionary that `from_json` reads.
         """
         data: dict[str, Any] = {
             "report": self.report.as_json(),
@@ -257,7 +255,7 @@ def read_record(mesh: bpy.types.Mesh, *, containing: str = "") -> Record | None:
     Record or None
         The record; None if there is none.
     """
-    text = mesh.get(RECORD_PROPERTY) or mesh.get(FORMER_PROPERTY)
+    text = mesh.get(RECORD_PROPERTY)
     if not isinstance(text, str) or len(text) > _LONGEST or containing not in text:
         return None
     try:
@@ -305,13 +303,11 @@ def write_record(mesh: bpy.types.Mesh, record: Record) -> None:
 
 
 def remove_record(mesh: bpy.types.Mesh) -> None:
-    """Remove the record of a mesh, if it has one, in the current or an earlier format.
+    """Remove the record of a mesh, if it has one.
 
     Parameters
     ----------
     mesh : bpy.types.Mesh
         The mesh.
     """
-    for name in (RECORD_PROPERTY, FORMER_PROPERTY):
-        if name == RECORD_PROPERTY or read_record(mesh) is not None:  # the user may have a property of that name
-            mesh.pop(name, None)
+    mesh.pop(RECORD_PROPERTY, None)
