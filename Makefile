@@ -1,5 +1,5 @@
 python = .venv/bin/python
-.PHONY: help environment run test doctest check package docs bench evaluate figures moving-picture \
+.PHONY: help environment run test doctest check package docs bench ablation evaluate figures moving-picture \
   rooms-picture test-window guide-pictures site blenders translations release-check
 
 help: ## list the targets
@@ -40,6 +40,9 @@ site: environment ## build the site: the documents, and a repository that Blende
 bench: environment ## remake the benchmarks; DATA=folder of meshes
 	$(python) tools/benchmarks/form_tables.py $(DATA)
 	$(python) tools/benchmarks/contact_sheet.py build/benchmarks/gallery.npz docs/pictures/contact-sheet.png
+
+ablation: environment ## what each step and constant of the default buys; DATA=folder of meshes
+	$(python) tools/benchmarks/ablation.py $(DATA)
 
 evaluate: environment ## run all methods over a dataset; DATA=folder
 	$(python) -m addon evaluate $(DATA) --output build/evaluation

@@ -21,9 +21,8 @@ DOORS = (
     "canonical", "features", "distance_fields", "limbs", "matches", "poses", "mannequins", "transfers", "results",
 )  # fmt: skip
 ROOMS = (
-    "run", "numerics", "modelling", "mesh", "surface", "distances", "detection", "patching", "deformation", "embedding",
-    "symmetry", "measures", "method_api", "methods", "posing", "matching", "placing",
-    "assembly",
+    "run", "numerics", "modelling", "mesh", "surface", "distances", "detection", "patching", "stress", "deformation",
+    "symmetry", "embedding", "measures", "method_api", "methods", "posing", "matching", "placing", "assembly",
 )  # fmt: skip
 HEAD = """# API of the core
 

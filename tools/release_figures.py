@@ -65,11 +65,11 @@ class Benchmark:
 
 
 METHODS = (
-    "ours,ours-stress,as-published,as-published-closed,classical,least-squares,non-metric,fast,euclidean-random,"
+    "ours,local-features,as-published,as-published-closed,classical,least-squares,non-metric,fast,euclidean-random,"
     "euclidean-normalised,one-form,skeleton"
 )
 WITH_ALL_PAIRS = (
-    "ours,ours-stress,ours-full,as-published,as-published-closed,classical-full,classical,least-squares-full,"
+    "ours,local-features,ours-full,as-published,as-published-closed,classical-full,classical,least-squares-full,"
     "least-squares,non-metric-full,non-metric,fast,euclidean-random,euclidean-normalised,one-form-full,one-form,skeleton"
 )
 CLASSES = ("tools/benchmarks/derived_datasets.py", "classes", "{data}", "{work}/classes", "7")

@@ -25,7 +25,7 @@ if __name__ == "__main__":
         return False
 
     form = canonical_form(vertices, faces, settings, cancelled=never)
-    print(f"{len(vertices):,} vertices, {len(form.feature_points)} patches, {len(form.stress) - 1} steps")
+    print(f"{len(vertices):,} vertices, {len(form.feature_points)} patches")
     print(f"{form.pair_count / 1e6:.1f} million pair distances, {form.pair_reduction:.1%} less than {len(vertices)}²")
     print(", ".join(f"{stage} {seconds:.1f} s" for stage, seconds in form.timings.items()))
     print(f"{sum(form.timings.values()):.1f} s in all; longest wait of a cancel {np.diff(asked).max():.2f} s")

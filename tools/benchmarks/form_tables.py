@@ -259,24 +259,6 @@ def tessellation_table(data):
     return "\n".join([head, *rows])
 
 
-def convergence_table(data):
-    from tools.benchmarks.convergence import stress_ratios
-
-    rows = []
-    for shape, meshes in shapes_of(data):
-        mesh = resized(*meshes[0], 3_000)
-        steps, stopped, delivered = stress_ratios(*mesh)
-        rows.append(f"| {shape} | {len(mesh[0]):,} | {steps} | **{stopped:.3f}** | {delivered:.1f} |")
-        print(rows[-1], flush=True)
-    head = (
-        "Stress on all pairs, relative to that of the full solver at convergence (tolerance 1e-8) from the same start: "
-        "at the default tolerance on all vertices; and for the delivered form, which is solved on the coarse mesh, "
-        "given its detail and interpolated, to which near pairs are sensitive.\n\n"
-        "| shape | vertices | steps | default tolerance | delivered form |\n" + "| --- " * 5 + "|"
-    )
-    return "\n".join([head, *rows])
-
-
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("data", type=Path)
@@ -290,11 +272,10 @@ def main():
         "Speed": lambda: speed_table(options.data),
         "Scale": lambda: scale_table(options.data, work),
         "Tessellation": lambda: tessellation_table(options.data),
-        "Convergence": lambda: convergence_table(options.data),
     }
     text = [
         "# Benchmarks\n",
-        "Quality, speed, scale and convergence of the default form, written by `make bench DATA=folder`. Two cores; "
+        "Quality, speed and scale of the default form, written by `make bench DATA=folder`. Two cores; "
         "the times of a ratio are from one run. Other pages round these figures; everything else that was measured is "
         "in [measurements](measurements.md).\n",
     ]

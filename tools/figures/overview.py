@@ -12,8 +12,9 @@ def draw(models):
     name = "man" if "man" in models else next(iter(models))
     _, vertices, faces = models[name][-1] if name != "man" else next(p for p in models["man"] if p[0] == "walk1_04")
     turn = facing(name)
-    form = canonical_form(vertices, faces)
-    full = canonical_form(vertices, faces, Settings(quality="full", max_iterations=1)) if len(vertices) < 6000 else None
+    form = canonical_form(vertices, faces, Settings(method="local_features"))
+    whole = Settings(method="local_features", quality="full", max_iterations=1)
+    full = canonical_form(vertices, faces, whole) if len(vertices) < 6000 else None
     figure = Figure(figsize=(11, 3.6), layout="constrained")
     grid = figure.subplots(1, 5)
     pairs = f"{form.pair_count / 1e6:.2f} million distances,\n{form.pair_reduction:.1%} less than all pairs"

@@ -72,9 +72,9 @@ def draw(_models):
         figures[kind] = {"distance_error": float(error.mean()), "apart": apart, "seconds": seconds}
         curves[kind] = np.sort(error)
         start = np.column_stack([plane[:, :2], 0.3 * np.random.default_rng(0).normal(size=len(plane))])
-        for extrapolation, style in ((0, "--"), (6, "-")):
-            history = smacof(table, start, max_iterations=300, tolerance=0.0, extrapolation=extrapolation)[1]
-            how = "extrapolated" if extrapolation else "plain steps"
+        for momentum, style in ((False, "--"), (True, "-")):
+            history = smacof(table, start, max_iterations=300, tolerance=0.0, momentum=momentum)[1]
+            how = "with momentum" if momentum else "plain steps"
             grid["steps"].plot(
                 np.arange(1, len(history) + 1), history / history[0], style, label=f"{kind}, {how}", color=COLOURS[kind]
             )
