@@ -76,26 +76,8 @@ class Bodies:
     def map(self, work: Callable[..., Result], monitor: Monitor, plan: Plan, *of_each: Sequence[Any]) -> list[Result]:
         """Process every body in turn, and pass on its warnings.
 
-        Parameters
-        ----------
-        work : callable
-            Takes a body, one item of each further sequence, and a monitor for its share of the whole.
-        monitor : Monitor
-            Of the whole computation, with its stages so far done.
-        plan : mapping of str to float
-            The stages of the work on a body.
-        *of_each : sequences
-            One item per body, passed to `work`.
-
-        Returns
-        -------
-        list
-            What the work returned, one per body.
-
-        Raises
-        ------
-        CancelledError
-            If the run is cancelled.
+        `work`: takes a body, one item of each further sequence, and a monitor for its share of the whole; `plan`: the
+        stages of the work on a body; `*of_each`: one item per body, passed to `work`.
 
         Examples
         --------
@@ -119,23 +101,7 @@ class Bodies:
         return results
 
     def sources(self, given: ArrayLike) -> list[Chosen]:
-        """Locate source vertices on the bodies.
-
-        Parameters
-        ----------
-        given : (s,) array_like of int
-            Vertices of the mesh.
-
-        Returns
-        -------
-        list of Chosen
-            One per body.
-
-        Raises
-        ------
-        InvalidSettingsError
-            If they are not vertices of the mesh.
-        """
+        """Locate source vertices on the bodies. `given` (s,)."""
         try:
             wanted = np.atleast_1d(np.asarray(given))
         except ValueError:  # rows of different lengths
@@ -182,32 +148,8 @@ def bodies_of(
 ) -> Bodies:
     """Find the bodies in a mesh.
 
-    Parameters
-    ----------
-    vertices : (n, 3) array_like of float
-        Vertex positions, any unit of length.
-    faces : (m, 3) array_like of int
-        Triangles as vertex indices.
-    monitor : Monitor, optional
-        Polled for cancellation.
-    together : bool
-        Whether pieces that belong together are one body; otherwise every piece is one.
-    features : sequence of int, optional
-        Feature points chosen by hand, vertices of the mesh.
-
-    Returns
-    -------
-    Bodies
-        The bodies.
-
-    Raises
-    ------
-    InvalidMeshError
-        If the mesh cannot be used; the message says what to do.
-    InvalidSettingsError
-        If a feature point chosen by hand is not a vertex of a surface, or is given twice.
-    CancelledError
-        If the run is cancelled.
+    `vertices` (n, 3); `faces` (m, 3); `together`: whether pieces that belong together are one body; otherwise every
+    piece is one; `features`: feature points chosen by hand, vertices of the mesh.
 
     Examples
     --------

@@ -80,28 +80,8 @@ class Body(Piece):
     ) -> WorkingSurface:
         """Reduce the body to about `target` vertices of one connected surface.
 
-        Parameters
-        ----------
-        points : (p, 3) ndarray of float
-            Its vertices, of unit area.
-        faces : (q, 3) ndarray of int
-            Its triangles.
-        target : int, optional
-            Number of working vertices; all if omitted, or if there are hardly more.
-        fixed : (k,) ndarray of int, optional
-            Vertices that are kept.
-        monitor : Monitor, optional
-            Receives progress and warnings (stages *Coarse mesh* and *Triangulation*); polled for cancellation.
-
-        Returns
-        -------
-        WorkingSurface
-            The surface; where the body has several parts, bridges join them.
-
-        Raises
-        ------
-        CancelledError
-            If the run is cancelled.
+        `points` (p, 3); `faces` (q, 3); `target`: number of working vertices; all if omitted, or if there are hardly
+        more; `fixed` (k,).
         """
         if len(self.parts) < 2:
             from ..surface.working_surface import working_surface
@@ -112,53 +92,13 @@ class Body(Piece):
         return joined_surface(points, faces, self.parts, target, fixed=fixed, monitor=monitor or Monitor())
 
     def features(self, chosen: IntArray | None, settings: Settings, monitor: Monitor) -> SurfaceFeatures:
-        """Find the feature points and patches of the body.
-
-        Parameters
-        ----------
-        chosen : (k,) ndarray of int or None
-            Its feature points, as indices of its vertices, if chosen by hand.
-        settings : Settings
-            Options of the method.
-        monitor : Monitor
-            With the stages `DETECTION`; receives warnings.
-
-        Returns
-        -------
-        SurfaceFeatures
-            The features.
-
-        Raises
-        ------
-        SolverError
-            If the spectrum cannot be computed accurately.
-        CancelledError
-            If the run is cancelled.
-        """
+        """Find the feature points and patches of the body. `chosen` (k,); `settings`: options of the method."""
         from ..method_api.surface_features import detected
 
         return detected(self.points, self.faces, chosen, settings, monitor, reduced=self.working_surface)
 
     def with_riders(self, shape: FloatArray, monitor: Monitor) -> list[FloatArray]:
-        """Move the riders with the surface.
-
-        Parameters
-        ----------
-        shape : (p, 3) ndarray of float
-            New positions of the vertices of the surface.
-        monitor : Monitor
-            Receives warnings; polled for cancellation.
-
-        Returns
-        -------
-        list of ndarray of float
-            Vertices of each rider, in the order of `riders`.
-
-        Raises
-        ------
-        CancelledError
-            If the run is cancelled.
-        """
+        """Move the riders with the surface. `shape` (p, 3)."""
         from .riding import ground_of, ridden
 
         centre, unit = self._frame
@@ -179,15 +119,7 @@ class Body(Piece):
 def single(piece: Piece) -> Body:
     """Make a body of one piece.
 
-    Parameters
-    ----------
-    piece : Piece
-        The piece.
-
-    Returns
-    -------
-    Body
-        The body, without riders.
+    `piece`: the piece.
 
     Examples
     --------

@@ -41,21 +41,7 @@ def bridges_between(points: FloatArray, faces: IntArray, part: IntArray, surface
     contacts that hold best, from all around and along borders, join the parts. Others are bridged only if they shorten
     a path that is short already: two sides of one joint, but not a hand on a hip.
 
-    Parameters
-    ----------
-    points : (c, 3) ndarray of float
-        Vertices, of unit area.
-    faces : (d, 3) ndarray of int
-        Triangles of the parts.
-    part : (c,) ndarray of int
-        Part of every vertex, from 0.
-    surfaces : sequence of (s, 3) ndarray of float
-        Points spread densely over each part.
-
-    Returns
-    -------
-    (b, 3) ndarray of int
-        Triangles, two per link: an edge of one part and a vertex of the other.
+    `points` (c, 3); `faces` (d, 3); `part` (c,); `surfaces`: points spread densely over each part; gives (b, 3).
 
     Examples
     --------

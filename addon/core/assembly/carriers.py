@@ -11,17 +11,7 @@ def carriers(hold: Mapping[int, Mapping[int, float]], hosts: Set[int]) -> dict[i
     Each rides on what it lies on most, unless pieces would carry each other in a cycle: of these, the one that loses
     least rides on something else. The result is the maximum branching that leads to the hosts.
 
-    Parameters
-    ----------
-    hold : mapping of int to mapping of int to float
-        For each piece that rides, how much it lies on others.
-    hosts : set of int
-        The pieces that need no carrier.
-
-    Returns
-    -------
-    dict of int to int
-        The carrier of each piece from which a path leads to a host.
+    `hold`: for each piece that rides, how much it lies on others; `hosts`: the pieces that need no carrier.
 
     Examples
     --------

@@ -46,18 +46,7 @@ class Samples(NamedTuple):
     area: float
 
     def on(self, vertices: FloatArray) -> FloatArray:
-        """Compute the positions of the samples after the vertices have moved.
-
-        Parameters
-        ----------
-        vertices : (p, 3) ndarray of float
-            Vertices of the piece.
-
-        Returns
-        -------
-        (s, 3) ndarray of float
-            Positions.
-        """
+        """Compute the positions of the samples after the vertices have moved. `vertices` (p, 3); gives (s, 3)."""
         return np.einsum("ij,ijk->ik", self.weights, vertices[self.corners])
 
     @property
@@ -89,19 +78,7 @@ class Contact(NamedTuple):
 def sampled(points: FloatArray, faces: IntArray, spacing: float = SPACING) -> Samples:
     """Spread samples evenly over a surface: one per square of the spacing, along the triangles in their order.
 
-    Parameters
-    ----------
-    points : (n, 3) ndarray of float
-        Vertices.
-    faces : (m, 3) ndarray of int
-        Triangles, not all of zero area.
-    spacing : float
-        Mean distance between samples.
-
-    Returns
-    -------
-    Samples
-        The samples, at least a few.
+    `points` (n, 3); `faces` (m, 3); `spacing`: mean distance between samples.
 
     Examples
     --------
@@ -134,24 +111,7 @@ def contacts_between(
 ) -> dict[tuple[int, int], Contact]:
     """Measure the distances between the pieces.
 
-    Parameters
-    ----------
-    pieces : sequence of Piece
-        The pieces, of unit area in total.
-    samples : sequence of Samples
-        Samples of each.
-    monitor : Monitor
-        Polled for cancellation.
-
-    Returns
-    -------
-    dict of (int, int) to Contact
-        For each ordered pair of pieces closer than `FARTHEST`: the distances of the first from the second.
-
-    Raises
-    ------
-    CancelledError
-        If the run is cancelled.
+    `pieces`: the pieces, of unit area in total; `samples`: samples of each.
 
     Examples
     --------
@@ -186,15 +146,7 @@ def neighbourhoods(pieces: Sequence[Piece]) -> list[list[Piece]]:
 
     Bounding boxes, which depend on the orientation of the mesh, only save measurements.
 
-    Parameters
-    ----------
-    pieces : sequence of Piece
-        The pieces, largest area first, in any unit.
-
-    Returns
-    -------
-    list of list of Piece
-        The groups, in the order of their largest pieces.
+    `pieces`: the pieces, largest area first, in any unit.
 
     Examples
     --------
@@ -229,17 +181,7 @@ def neighbourhoods(pieces: Sequence[Piece]) -> list[list[Piece]]:
 def cloud(piece: Piece, unit: float) -> FloatArray:
     """Spread some samples over a piece.
 
-    Parameters
-    ----------
-    piece : Piece
-        The piece.
-    unit : float
-        Unit of length of the result; one in which no distance underflows.
-
-    Returns
-    -------
-    (s, 3) ndarray of float
-        Positions.
+    `piece`: the piece; `unit`: unit of length of the result; one in which no distance underflows; gives (s, 3).
 
     Examples
     --------

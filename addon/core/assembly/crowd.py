@@ -23,15 +23,7 @@ def crowds(pieces: Sequence[Piece]) -> list[tuple[list[Piece], list[Piece]]]:
     The others are all but the largest of very many pieces, and very small groups far from everything, like the specks
     around a scan.
 
-    Parameters
-    ----------
-    pieces : sequence of Piece
-        The pieces, largest area first.
-
-    Returns
-    -------
-    list of (list of Piece, list of Piece)
-        The groups, in the order of their largest pieces, and the crowd of each.
+    `pieces`: the pieces, largest area first.
 
     Examples
     --------
@@ -53,24 +45,7 @@ def crowds(pieces: Sequence[Piece]) -> list[tuple[list[Piece], list[Piece]]]:
 def crowd_contacts(crowd: Sequence[Samples], others: Sequence[Samples], monitor: Monitor) -> list[tuple[int, Contact]]:
     """Find what each piece of a crowd lies on most, and its distances from that.
 
-    Parameters
-    ----------
-    crowd : sequence of Samples
-        Samples of each, on the mesh scaled to unit area.
-    others : sequence of Samples
-        Samples of the pieces that can carry them.
-    monitor : Monitor
-        Polled for cancellation.
-
-    Returns
-    -------
-    list of (int, Contact)
-        For each piece of the crowd: the index of its carrier, and the distances of its samples from it.
-
-    Raises
-    ------
-    CancelledError
-        If the run is cancelled.
+    `crowd`: samples of each, on the mesh scaled to unit area; `others`: samples of the pieces that can carry them.
 
     Examples
     --------

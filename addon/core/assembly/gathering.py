@@ -42,19 +42,7 @@ class GatheredFeatures(NamedTuple):
 def gathered(bodies: Bodies, values: Sequence[np.ndarray], others: np.ndarray) -> np.ndarray:
     """Gather values of the bodies on all vertices of the mesh.
 
-    Parameters
-    ----------
-    bodies : Bodies
-        The bodies.
-    values : sequence of (p, ...) ndarray
-        Values on the vertices of each body's surface.
-    others : (n, ...) ndarray
-        Values of vertices that are in no piece.
-
-    Returns
-    -------
-    (n, ...) ndarray
-        Values on all vertices: riders have those of the vertices that carry them.
+    `bodies`: the bodies; `values`: values on the vertices of each body's surface; `others` (n, ...); gives (n, ...).
 
     Examples
     --------
@@ -74,26 +62,8 @@ def gathered(bodies: Bodies, values: Sequence[np.ndarray], others: np.ndarray) -
 def shaped(bodies: Bodies, shapes: Sequence[FloatArray], monitor: Monitor, *, area_kept: bool = False) -> FloatArray:
     """Gather the shapes of the bodies; riders follow the surface under them.
 
-    Parameters
-    ----------
-    bodies : Bodies
-        The bodies.
-    shapes : sequence of (p, 3) ndarray of float
-        Positions of the vertices of each body's surface.
-    monitor : Monitor
-        Receives warnings; polled for cancellation.
-    area_kept : bool
-        Whether a body with riders is scaled to the area that it has in the mesh.
-
-    Returns
-    -------
-    (n, 3) ndarray of float
-        Positions of all vertices; those of no piece are unchanged.
-
-    Raises
-    ------
-    CancelledError
-        If the run is cancelled.
+    `bodies`: the bodies; `shapes`: positions of the vertices of each body's surface; `area_kept`: whether a body with
+    riders is scaled to the area that it has in the mesh; gives (n, 3).
 
     Examples
     --------
@@ -119,17 +89,7 @@ def shaped(bodies: Bodies, shapes: Sequence[FloatArray], monitor: Monitor, *, ar
 def gathered_features(bodies: Bodies, found: Sequence[WholeFeatures]) -> GatheredFeatures:
     """Gather the features of the bodies on the whole mesh.
 
-    Parameters
-    ----------
-    bodies : Bodies
-        The bodies.
-    found : sequence of WholeFeatures
-        The features of each.
-
-    Returns
-    -------
-    GatheredFeatures
-        The same on the mesh.
+    `bodies`: the bodies; `found`: the features of each.
 
     Examples
     --------
@@ -163,17 +123,7 @@ def gathered_features(bodies: Bodies, found: Sequence[WholeFeatures]) -> Gathere
 def feature_numbers(bodies: Bodies, features: Sequence[IntArray]) -> list[IntArray]:
     """Assign numbers to the feature points of the bodies: those chosen by hand in their order, then body by body.
 
-    Parameters
-    ----------
-    bodies : Bodies
-        The bodies.
-    features : sequence of (k,) ndarray of int
-        Feature points of each.
-
-    Returns
-    -------
-    list of (k,) ndarray of int
-        Their numbers in the whole mesh.
+    `bodies`: the bodies; `features`: feature points of each.
 
     Examples
     --------

@@ -27,30 +27,8 @@ def joined_surface(
 ) -> WorkingSurface:
     """Reduce the parts of a body to about `target` vertices in total, and bridge them at their joints.
 
-    Parameters
-    ----------
-    points : (n, 3) ndarray of float
-        Vertices of all parts, of unit area.
-    faces : (m, 3) ndarray of int
-        Triangles.
-    parts : sequence of (slice, slice, Samples)
-        The vertices, the triangles and samples of each part; the samples' corners index the vertices of the part.
-    target : int, optional
-        Number of working vertices; all if omitted.
-    fixed : (k,) ndarray of int, optional
-        Vertices that are kept.
-    monitor : Monitor
-        Receives progress and warnings (stages *Coarse mesh* and *Triangulation*); polled for cancellation.
-
-    Returns
-    -------
-    WorkingSurface
-        One connected surface; its bridges share edges with other triangles.
-
-    Raises
-    ------
-    CancelledError
-        If the run is cancelled.
+    `points` (n, 3); `faces` (m, 3); `parts`: the vertices, the triangles and samples of each part; the samples'
+    corners index the vertices of the part; `target`: number of working vertices; all if omitted; `fixed` (k,).
 
     Examples
     --------

@@ -18,30 +18,7 @@ OPENING: Plan = {"Surface": 2, "Pieces": 98}  # stages
 def opened(vertices: ArrayLike, faces: ArrayLike, settings: Settings, monitor: Monitor) -> Bodies:
     """Find the bodies in a mesh, reject what does not fit into memory, and report repairs.
 
-    Parameters
-    ----------
-    vertices, faces
-        As in `canonical_form`.
-    settings : Settings
-        Options of the method.
-    monitor : Monitor
-        Of the whole run, with the stages `OPENING`; receives warnings.
-
-    Returns
-    -------
-    Bodies
-        The bodies.
-
-    Raises
-    ------
-    InvalidMeshError
-        If the mesh cannot be used; the message says what to do.
-    InvalidSettingsError
-        If a feature point given by hand is not a vertex of a surface, or is given twice.
-    TooLargeError
-        If all pairs inside the patches do not fit into the memory limit.
-    CancelledError
-        If the run is cancelled.
+    `settings`: options of the method.
 
     Examples
     --------
@@ -68,23 +45,6 @@ def known_bodies(
     features: Sequence[int] | None = None,
 ) -> Bodies:
     """Find the bodies in a mesh, unless they are known from an earlier run.
-
-    Parameters
-    ----------
-    vertices, faces, together, features
-        As in `bodies_of`.
-    monitor : Monitor
-        Holds the kept results; polled for cancellation.
-
-    Returns
-    -------
-    Bodies
-        The bodies. Kept ones have their own arrays, which the caller must not change.
-
-    Raises
-    ------
-    InvalidMeshError, InvalidSettingsError, CancelledError
-        As in `bodies_of`.
 
     Examples
     --------

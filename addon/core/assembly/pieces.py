@@ -91,26 +91,7 @@ def connected_pieces(
 ) -> Pieces:
     """Find the connected surfaces in a mesh.
 
-    Parameters
-    ----------
-    vertices : (n, 3) array_like of float
-        Vertex positions, any unit of length.
-    faces : (m, 3) array_like of int
-        Triangles as vertex indices.
-    monitor : Monitor, optional
-        Polled for cancellation.
-
-    Returns
-    -------
-    Pieces
-        The surfaces.
-
-    Raises
-    ------
-    InvalidMeshError
-        If the mesh cannot be used; the message says what to do.
-    CancelledError
-        If the run is cancelled.
+    `vertices` (n, 3); `faces` (m, 3).
 
     Examples
     --------

@@ -62,17 +62,7 @@ class Ground:
 def ground_of(samples: Sequence[Samples], shapes: Sequence[FloatArray]) -> Ground:
     """Combine the samples of several pieces.
 
-    Parameters
-    ----------
-    samples : sequence of Samples
-        Samples of each piece.
-    shapes : sequence of (p, 3) ndarray of float
-        Positions of its vertices after the move.
-
-    Returns
-    -------
-    Ground
-        The ground.
+    `samples`: samples of each piece; `shapes`: positions of its vertices after the move.
 
     Examples
     --------
@@ -91,19 +81,7 @@ def ground_of(samples: Sequence[Samples], shapes: Sequence[FloatArray]) -> Groun
 def is_rigid(points: FloatArray, area: float, covered: float) -> bool:
     """Check whether a rider moves rigidly: because it is small, or has little contact.
 
-    Parameters
-    ----------
-    points : (n, 3) ndarray of float
-        Its vertices.
-    area : float
-        Its area, as a share of the mesh.
-    covered : float
-        Share of it that touches its carrier.
-
-    Returns
-    -------
-    bool
-        True for an eye, a tooth, a braid; False for a shirt, a strap.
+    `points` (n, 3); `area`: its area, as a share of the mesh; `covered`: share of it that touches its carrier.
 
     Examples
     --------
@@ -119,28 +97,8 @@ def ridden(
 ) -> list[FloatArray]:
     """Move riders with the ground under them.
 
-    Parameters
-    ----------
-    pieces : sequence of Piece
-        The riders.
-    samples : sequence of Samples
-        Samples of each.
-    ground : Ground
-        What carries them.
-    rigid : bool
-        Whether they move rigidly; otherwise they follow what lies under each of their parts, as rigidly as possible.
-    monitor : Monitor
-        Receives a warning where a rider cannot follow and moves rigidly; polled for cancellation.
-
-    Returns
-    -------
-    list of (p, 3) ndarray of float
-        Their vertices after the move.
-
-    Raises
-    ------
-    CancelledError
-        If the run is cancelled.
+    `pieces`: the riders; `samples`: samples of each; `ground`: what carries them; `rigid`: whether they move rigidly;
+    otherwise they follow what lies under each of their parts, as rigidly as possible.
 
     Examples
     --------

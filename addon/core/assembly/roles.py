@@ -49,19 +49,8 @@ def roles_of(pieces: Sequence[Piece], samples: Sequence[Samples], contacts: Mapp
     The largest piece is part of a body. So is, by descending area, every piece that extends far from what it touches or
     is held in an open end: a head on a neck, an arm in a sleeve. Pieces that are covered, small or only touch ride.
 
-    Parameters
-    ----------
-    pieces : sequence of Piece
-        The pieces, largest area first, of unit area in total.
-    samples : sequence of Samples
-        Samples of each.
-    contacts : mapping of (int, int) to Contact
-        The distances between them.
-
-    Returns
-    -------
-    Roles
-        The roles.
+    `pieces`: the pieces, largest area first, of unit area in total; `samples`: samples of each; `contacts`: the
+    distances between them.
 
     Examples
     --------

@@ -20,24 +20,7 @@ from .roles import TOUCH, Roles, roles_of
 def bodies_together(pieces: Pieces, monitor: Monitor) -> tuple[list[Body], int]:
     """Find the pieces that belong together, among neighbouring ones scaled to unit area.
 
-    Parameters
-    ----------
-    pieces : Pieces
-        The connected surfaces of a mesh.
-    monitor : Monitor
-        Polled for cancellation.
-
-    Returns
-    -------
-    bodies : list of Body
-        The bodies: by neighbourhood, in each the largest area first.
-    crowd : int
-        Number of pieces too small or too many to be compared with all others: they ride on what lies nearest.
-
-    Raises
-    ------
-    CancelledError
-        If the run is cancelled.
+    `pieces`: the connected surfaces of a mesh; gives bodies, crowd.
 
     Examples
     --------
@@ -83,25 +66,9 @@ def body_of(
 ) -> Body:
     """Combine the pieces of one body.
 
-    Parameters
-    ----------
-    pieces : sequence of Piece
-        All pieces of the mesh.
-    samples : sequence of Samples
-        Samples of each, on the mesh scaled to unit area.
-    contacts : mapping of (int, int) to Contact
-        The distances between the pieces.
-    roles : Roles
-        Their roles.
-    group : sequence of int
-        The parts of this body.
-    frame : tuple of (3,) ndarray of float and float
-        Centre and unit of that scaling.
-
-    Returns
-    -------
-    Body
-        The body.
+    `pieces`: all pieces of the mesh; `samples`: samples of each, on the mesh scaled to unit area; `contacts`: the
+    distances between the pieces; `roles`: their roles; `group`: the parts of this body; `frame`: centre and unit of
+    that scaling.
 
     Examples
     --------

@@ -32,16 +32,7 @@ _HARDLY = 1e-6  # an anchor that only fixes the position of a form
 class ElasticBody:
     """A surface as a shell of edges, with struts through the interior.
 
-    Parameters
-    ----------
-    surface : Triangulation
-        The surface, Delaunay, so that no weight is negative.
-    points : (n, 3) ndarray of float
-        Positions of the undeformed vertices.
-    faces : (m, 3) ndarray of int
-        Triangles of the mesh.
-    struts : (s, 2) ndarray of int, optional
-        Pairs of vertices that face each other through the interior.
+    `surface`: the surface, Delaunay, so that no weight is negative; `points` (n, 3); `faces` (m, 3); `struts` (s, 2).
 
     Attributes
     ----------
@@ -125,26 +116,10 @@ class ElasticBody:
     ) -> FloatArray:
         """Deform the body towards positions of its vertices.
 
-        Parameters
-        ----------
-        target : (n, 3) ndarray of float
-            The positions.
-        pull : float
-            How firmly each vertex is pulled there, per area.
-        steps : int
-            Number of steps.
-        bending : float
-            What edges want: their vector, turned with its surroundings (1), only their length, so that creases may
-            open (0), or a mixture. Struts want their vector.
-        pressed : bool
-            Whether a closed body keeps its compactness by an even pressure.
-        monitor : Monitor, optional
-            Polled for cancellation.
-
-        Returns
-        -------
-        (n, 3) ndarray of float
-            The deformed body.
+        `target` (n, 3); `pull`: how firmly each vertex is pulled there, per area; `steps`: number of steps;
+        `bending`: what edges want: their vector, turned with its surroundings (1), only their length, so that creases
+        may open (0), or a mixture; `pressed`: whether a closed body keeps its compactness by an even pressure; gives
+        (n, 3).
         """
         if pull not in self._solvers:
             self._solvers[pull] = anchored_solver(self.near.laplacian(), pull * self.mass)

@@ -19,31 +19,8 @@ def under_pressure(
 ) -> FloatArray:
     """Inflate or deflate a closed mesh until its compactness ``V² / A³`` is that of the mesh before.
 
-    Parameters
-    ----------
-    positions : (n, 3) ndarray of float
-        Vertices of the deformed mesh.
-    before : (n, 3) ndarray of float
-        Those of the mesh before.
-    faces : (m, 3) ndarray of int
-        Triangles, closed.
-    solve : callable
-        Maps forces on the vertices to their displacements.
-
-    Returns
-    -------
-    (n, 3) ndarray of float
-        The vertices; unchanged if the mesh hardly encloses anything.
-
-    Examples
-    --------
-    >>> from addon.core.measures.form_measures import compactness
-    >>> before = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
-    >>> faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
-    >>> squashed = before * [1, 1, 0.9]
-    >>> moved = under_pressure(squashed, before, faces, lambda forces: forces * [0.1, 0.1, 1])
-    >>> round(compactness(moved, faces) / compactness(before, faces), 3)
-    1.0
+    `positions` (n, 3); `before` (n, 3); `faces` (m, 3); `solve`: maps forces on the vertices to their displacements;
+    gives (n, 3).
     """
     area = surface_area(before, faces)
     wanted = signed_volume(before, faces) / area**1.5

@@ -15,15 +15,7 @@ _ARRIVED = 1e-15  # a step as short
 def nearest_rotations(covariances: FloatArray) -> FloatArray:
     """Compute the proper rotation nearest to each covariance.
 
-    Parameters
-    ----------
-    covariances : (n, 3, 3) ndarray of float
-        Covariances of vectors, those before by row and those after by column.
-
-    Returns
-    -------
-    (n, 3, 3) ndarray of float
-        Rotations, applied from the right: ``x ↦ x R``.
+    `covariances` (n, 3, 3); gives (n, 3, 3).
 
     Examples
     --------

@@ -13,15 +13,7 @@ _MOST = 10.0  # stretch, either way
 def stretch_between(before: FloatArray, after: FloatArray) -> FloatArray:
     """Compute the symmetric positive matrices that map covariances to others.
 
-    Parameters
-    ----------
-    before, after : (n, 3, 3) ndarray of float
-        Covariances C and D of vectors, symmetric and positive.
-
-    Returns
-    -------
-    (n, 3, 3) ndarray of float
-        U, with ``U C U = D``; no vector gets more than ten times longer or shorter.
+    `before, after` (n, 3, 3); gives (n, 3, 3).
 
     Examples
     --------

@@ -30,26 +30,7 @@ def struts_through(
     on the surface, according to their distances from the feature points, are left out: they join limbs that the pose
     pushed into each other. A sheet has no interior and no struts.
 
-    Parameters
-    ----------
-    points : (n, 3) ndarray of float
-        Vertices, of unit area.
-    faces : (m, 3) ndarray of int
-        Triangles, oriented all outwards or all inwards.
-    to_features : (n, k) ndarray of float
-        Geodesic distance of every vertex from each feature point.
-    monitor : Monitor, optional
-        Polled for cancellation.
-
-    Returns
-    -------
-    (s, 2) ndarray of int
-        Pairs of vertices.
-
-    Raises
-    ------
-    CancelledError
-        If the run is cancelled.
+    `points` (n, 3); `faces` (m, 3); `to_features` (n, k); gives (s, 2).
 
     Examples
     --------

@@ -14,22 +14,8 @@ def auto_diffusion(spectrum: Spectrum, time: float = 0.15) -> FloatArray:
 
     ``ADF(x) = Σ_{k≥1} exp(-t λ_k / λ_1) h_k(x)²`` (equation 7, with its sum starting at 1).
 
-    Parameters
-    ----------
-    spectrum : Spectrum
-        The eigenpairs.
-    time : float
-        t, without unit: multiples of 1/λ_1. The paper uses 0.1; at 0.15 the points stay on their limbs in more poses.
-
-    Returns
-    -------
-    (n,) ndarray of float
-        ADF, in 1/area.
-
-    Raises
-    ------
-    InvalidSettingsError
-        If `time` is not positive.
+    `spectrum`: the eigenpairs; `time`: t, without unit: multiples of 1/λ_1. The paper uses 0.1; at 0.15 the points
+    stay on their limbs in more poses; gives (n,).
 
     Examples
     --------

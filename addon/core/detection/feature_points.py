@@ -18,21 +18,8 @@ def prominent_maxima(values: FloatArray, faces: IntArray, threshold: float = 0.5
     separate limbs from folds far better than differences: one thin tail stretches the range of the function, but
     not its ratios.
 
-    Parameters
-    ----------
-    values : (n,) ndarray of float
-        A positive function on the vertices of a connected mesh.
-    faces : (m, 3) ndarray of int
-        Triangles.
-    threshold : float
-        Minimum prominence; 0.5 requires 1.65 times the height of the pass.
-
-    Returns
-    -------
-    maxima : (k,) ndarray of int
-        Vertices, most prominent first; at least one.
-    prominence : (k,) ndarray of float
-        Their prominence, without unit.
+    `values` (n,); `faces` (m, 3); `threshold`: minimum prominence; 0.5 requires 1.65 times the height of the pass;
+    gives maxima (k,), prominence (k,).
 
     Examples
     --------
@@ -78,19 +65,7 @@ def prominent_maxima(values: FloatArray, faces: IntArray, threshold: float = 0.5
 def merged(points: IntArray, distances: FloatArray, radius: float) -> IntArray:
     """Drop every feature point that lies close to a more prominent one.
 
-    Parameters
-    ----------
-    points : (k,) ndarray of int
-        Feature points, most prominent first.
-    distances : (k, k) ndarray of float
-        Geodesic distances between them.
-    radius : float
-        Minimum distance kept, in the same unit.
-
-    Returns
-    -------
-    (k',) ndarray of int
-        Positions in `points` of those that are kept, in order.
+    `points` (k,); `distances` (k, k); `radius`: minimum distance kept, in the same unit; gives (k',).
 
     Examples
     --------

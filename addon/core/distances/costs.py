@@ -14,19 +14,8 @@ _CARRIED = (0.05, 0.4e-6)  # gigabytes, and by vertex: the coarse mesh and the w
 def distance_memory(vertex_count: int, kind: str, unknowns: int = 0) -> float:
     """Estimate the most memory that distances from some vertices take.
 
-    Parameters
-    ----------
-    vertex_count : int
-        Number of vertices of the connected surface.
-    kind : {'heat', 'fast_marching', 'biharmonic', 'commute_time'}
-        As in `distance_field`.
-    unknowns : int
-        Vertices of the triangles on which the heat method solves; those of the surface when left out.
-
-    Returns
-    -------
-    float
-        Gigabytes.
+    `vertex_count`: number of vertices of the connected surface; `unknowns`: vertices of the triangles on which the
+    heat method solves; those of the surface when left out.
 
     Examples
     --------
@@ -44,21 +33,7 @@ def distance_memory(vertex_count: int, kind: str, unknowns: int = 0) -> float:
 def require_distance_memory(vertex_count: int, kind: str, *, unknowns: int = 0, limit: float = 0.0) -> None:
     """Raise an error if a surface is too large to measure distances within the memory limit.
 
-    Parameters
-    ----------
-    vertex_count : int
-        As in `distance_memory`.
-    kind : str
-        Likewise.
-    unknowns : int
-        Likewise.
-    limit : float
-        Gigabytes that may be taken; 0 for 60 % of the free memory.
-
-    Raises
-    ------
-    TooLargeError
-        With the memory needed and what to do.
+    `kind`: likewise; `unknowns`: likewise; `limit`: gigabytes that may be taken; 0 for 60 % of the free memory.
 
     Examples
     --------

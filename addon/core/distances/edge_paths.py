@@ -16,15 +16,7 @@ if TYPE_CHECKING:
 def edge_graph(surface: Triangulation) -> csr_matrix:
     """Build the graph of the edges, weighted by their lengths.
 
-    Parameters
-    ----------
-    surface : Triangulation
-        The surface.
-
-    Returns
-    -------
-    (n, n) scipy.sparse.csr_matrix
-        One entry an edge.
+    `surface`: the surface; gives (n, n).
 
     Examples
     --------

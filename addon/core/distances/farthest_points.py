@@ -14,30 +14,8 @@ def farthest_points(
 ) -> tuple[IntArray, FloatArray]:
     """Choose points that lie far from each other, one by one.
 
-    Parameters
-    ----------
-    heat : HeatMethod
-        Measures distances on the surface.
-    first : (k,) ndarray of int
-        Points to start from, at least one.
-    distances : (n, k) ndarray of float
-        Distances from these.
-    count : int
-        Number l of points wanted.
-    monitor : Monitor
-        Receives progress; polled for cancellation.
-
-    Returns
-    -------
-    points : (l,) ndarray of int
-        The points; the first k are those given.
-    distances : (n, l) ndarray of float
-        Distance of every vertex from each of them.
-
-    Raises
-    ------
-    CancelledError
-        If the run is cancelled.
+    `heat`: measures distances on the surface; `first` (k,); `distances` (n, k); `count`: number l of points wanted;
+    gives points (l,), distances (n, l).
 
     Examples
     --------

@@ -18,24 +18,7 @@ def fast_marching(surface: Triangulation, sources: IntArray, monitor: Monitor | 
     The scheme's values do not depend on the order in which triangles are visited, so a whole front is moved at once
     instead of one vertex from a queue.
 
-    Parameters
-    ----------
-    surface : Triangulation
-        The surface, connected.
-    sources : (s,) ndarray of int
-        Vertices at distance 0.
-    monitor : Monitor, optional
-        Receives progress; polled for cancellation.
-
-    Returns
-    -------
-    (n,) ndarray of float
-        Distance of every vertex from the nearest source, in the surface's unit of length.
-
-    Raises
-    ------
-    CancelledError
-        If the run is cancelled.
+    `surface`: the surface, connected; `sources` (s,); gives (n,).
 
     Examples
     --------

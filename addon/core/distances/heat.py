@@ -38,26 +38,10 @@ class HeatMethod:
     split in four, and the direction of the flow is taken from the logarithm of the heat, which is close to linear in
     a triangle where the heat itself falls exponentially.
 
-    Parameters
-    ----------
-    surface : Triangulation
-        The surface, connected.
-    smooth : float, optional
-        A second diffusion time, a squared length, whose heat takes over two diffusion lengths away from the source:
-        distances become smooth and hardly feel how the surface is bent there. The first time is half the mean squared
-        edge of the refined triangles, more where the heat would fall below what a double can hold.
-    refine : bool
-        Split every triangle in four (error about a third lower, cost about three times as high), and small meshes
-        further.
-    monitor : Monitor, optional
-        Receives warnings; polled for cancellation between the steps of the preparation.
-    fewest : int
-        Vertices of the refined triangles at least.
-
-    Raises
-    ------
-    SolverError
-        If the surface is not connected.
+    `surface`: the surface, connected; `smooth`: a second diffusion time, a squared length, whose heat takes over two
+    diffusion lengths away from the source: distances become smooth and hardly feel how the surface is bent there;
+    `refine`: split every triangle in four (error about a third lower, cost about three times as high), and small
+    meshes further; `fewest`: vertices of the refined triangles at least.
 
     Examples
     --------
@@ -146,18 +130,7 @@ class HeatMethod:
             self._share = (smooth / time) * k0(_TAKES_OVER) / k0(_TAKES_OVER * np.sqrt(time / smooth))
 
     def distances(self, sources: ArrayLike) -> FloatArray:
-        """Measure the distance of every vertex from each of the sources.
-
-        Parameters
-        ----------
-        sources : (s,) array_like of int
-            Vertex indices.
-
-        Returns
-        -------
-        (n, s) ndarray of float
-            One column per source, in the surface's unit of length; 0 at the source. Not exactly symmetric.
-        """
+        """Measure the distance of every vertex from each of the sources. `sources` (s,); gives (n, s)."""
         source = np.atleast_1d(np.asarray(sources, dtype=np.int64))
         most = max(_AT_ONCE // self._fine.vertex_count, 1)
         if len(source) <= most:
@@ -185,15 +158,7 @@ class HeatMethod:
 
         Where fronts from several sources meet, the error is larger than from each alone: 2 to 7 %.
 
-        Parameters
-        ----------
-        sources : (s,) array_like of int
-            Vertex indices.
-
-        Returns
-        -------
-        (n,) ndarray of float
-            Distances, none negative, 0 at the sources.
+        `sources` (s,); gives (n,).
         """
         source = np.unique(np.asarray(sources, dtype=np.int64))
         if self._poisson is None:

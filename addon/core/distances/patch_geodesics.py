@@ -21,26 +21,9 @@ def all_geodesics(
 ) -> FloatArray:
     """Measure geodesic distances between all vertices of a patch by the heat method (paper section 3.3).
 
-    Parameters
-    ----------
-    surface : Triangulation
-        The patch, connected, with its natural (Neumann) border.
-    smooth : float, optional
-        Diffusion time of smoothed distances; see `HeatMethod`. Without, the triangles are refined for accuracy.
-    monitor : Monitor, optional
-        Receives progress; polled for cancellation.
-    done, share : float
-        The fraction of the present stage that is done before, and that this call is worth.
-
-    Returns
-    -------
-    (p, p) ndarray of float
-        Distances, symmetric (the mean of both ways), diagonal 0.
-
-    Raises
-    ------
-    CancelledError
-        If the run is cancelled.
+    `surface`: the patch, connected, with its natural (Neumann) border; `smooth`: diffusion time of smoothed
+    distances; see `HeatMethod`; `done, share`: the fraction of the present stage that is done before, and that this
+    call is worth; gives (p, p).
 
     Examples
     --------
@@ -66,26 +49,7 @@ def geodesics(
 ) -> FloatArray:
     """Measure geodesic distances of some vertices of a patch from some of them.
 
-    Parameters
-    ----------
-    surface : Triangulation
-        As in `all_geodesics`.
-    sources : (s,) ndarray of int
-        Where distances are measured from.
-    vertices : (p,) ndarray of int
-        Where they are measured; the sources first.
-    smooth, monitor, done, share
-        As in `all_geodesics`.
-
-    Returns
-    -------
-    (s, p) ndarray of float
-        Distances; between sources the mean of both ways, 0 from a source to itself.
-
-    Raises
-    ------
-    CancelledError
-        If the run is cancelled.
+    `sources` (s,); `vertices` (p,); gives (s, p).
 
     Examples
     --------

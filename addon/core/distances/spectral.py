@@ -19,12 +19,7 @@ if TYPE_CHECKING:
 class GreensFunction:
     """Solutions of ``L u = e_i``, with L factored once: the exact sums of equations 8 and 9.
 
-    Parameters
-    ----------
-    stiffness : (n, n) scipy.sparse.csr_matrix
-        L of a connected surface.
-    mass : (n,) ndarray of float
-        Diagonal of M.
+    `stiffness` (n, n); `mass` (n,).
 
     Examples
     --------
@@ -46,22 +41,7 @@ class GreensFunction:
     def commute_time_squared(self, points: IntArray, monitor: Monitor | None = None) -> FloatArray:
         """Compute squared commute times between all pairs of some vertices (equation 8, all eigenpairs).
 
-        Parameters
-        ----------
-        points : (p,) ndarray of int
-            Vertices.
-        monitor : Monitor, optional
-            Polled for cancellation between blocks of vertices.
-
-        Returns
-        -------
-        (p, p) ndarray of float
-            c²; it has no unit.
-
-        Raises
-        ------
-        CancelledError
-            If the run is cancelled.
+        `points` (p,); gives (p, p).
 
         References
         ----------
@@ -90,15 +70,7 @@ class GreensFunction:
         With ``L u_i = e_i`` but for what is the same for all i, and the mean under M of each taken out,
         ``dB_ij² = |u_i - u_j|²`` under M.
 
-        Parameters
-        ----------
-        points : (k,) ndarray of int
-            Vertices.
-
-        Returns
-        -------
-        (k, k) ndarray of float
-            dB, a length.
+        `points` (k,); gives (k, k).
 
         References
         ----------
@@ -128,19 +100,7 @@ def commute_time_squared(spectrum: Spectrum, first: IntArray, second: IntArray) 
     ``c_ij² = Σ_{k≥1} (h_k(i) - h_k(j))² / λ_k`` (equation 8). A sum cut short sees nothing smaller than its shortest
     wave: vertices around a finger come out at no distance. `GreensFunction.commute_time_squared` has the whole sum.
 
-    Parameters
-    ----------
-    spectrum : Spectrum
-        The eigenpairs.
-    first : (p,) ndarray of int
-        Vertices i.
-    second : (q,) ndarray of int
-        Vertices j.
-
-    Returns
-    -------
-    (p, q) ndarray of float
-        c²; it has no unit.
+    `spectrum`: the eigenpairs; `first` (p,); `second` (q,); gives (p, q).
 
     Examples
     --------
@@ -157,15 +117,7 @@ def biharmonic_squared(spectrum: Spectrum, first: IntArray, second: IntArray) ->
     ``dB_ij² = Σ_{k≥1} (h_k(i) - h_k(j))² / λ_k²`` (equation 9). `GreensFunction.biharmonic_distances` has the whole
     sum.
 
-    Parameters
-    ----------
-    spectrum, first, second
-        As in `commute_time_squared`.
-
-    Returns
-    -------
-    (p, q) ndarray of float
-        dB², in squared units of length.
+    Gives (p, q).
 
     Examples
     --------

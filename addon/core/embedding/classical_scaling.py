@@ -1,4 +1,4 @@
-"""Classical scaling on landmarks carried to the rest (section 2, equation 4), and least-squares scaling from there."""
+"""Classical scaling, on landmarks carried to the rest (section 2, equation 4), and points placed by distances."""
 
 from __future__ import annotations
 
@@ -18,19 +18,7 @@ def classical_scaling(distances: ArrayLike, dimensions: int = 3) -> tuple[FloatA
 
     ``G = -½ J D² J`` with ``J = I - 11ᵀ/n`` (equation 4; the paper prints J = 11ᵀ/n).
 
-    Parameters
-    ----------
-    distances : (n, n) array_like of float
-        Distances, symmetric.
-    dimensions : int
-        Dimension d of the embedding.
-
-    Returns
-    -------
-    embedding : (n, d) ndarray of float
-        The points, centred, along their principal axes; the sign of each axis is arbitrary.
-    eigenvalues : (n,) ndarray of float
-        All eigenvalues of G, largest first. Negative ones show how far the distances are from Euclidean.
+    `distances` (n, n); `dimensions`: dimension d of the embedding; gives embedding (n, d), eigenvalues (n,).
 
     Examples
     --------
@@ -58,19 +46,7 @@ def classical_scaling(distances: ArrayLike, dimensions: int = 3) -> tuple[FloatA
 def landmark_scaling(distances: FloatArray, landmarks: IntArray, dimensions: int = 3) -> FloatArray:
     """Embed landmarks by classical scaling and every other point by its distances from them.
 
-    Parameters
-    ----------
-    distances : (n, l) ndarray of float
-        Distance of every point from each landmark.
-    landmarks : (l,) ndarray of int
-        The landmarks among the points.
-    dimensions : int
-        Dimension d of the embedding.
-
-    Returns
-    -------
-    (n, d) ndarray of float
-        The points.
+    `distances` (n, l); `landmarks` (l,); `dimensions`: dimension d of the embedding; gives (n, d).
 
     Examples
     --------
@@ -92,83 +68,17 @@ def landmark_scaling(distances: FloatArray, landmarks: IntArray, dimensions: int
     return -((distances**2 - (between**2).mean(axis=0)) @ inverse) / 2
 
 
-def least_squares_scaling(
-    distances: FloatArray, landmarks: IntArray, start: FloatArray, *, depth: float = 1.0, steps: int = 60
-) -> FloatArray:
-    """Fit the straight distances of points from landmarks to the given distances by least squares.
-
-    Classical scaling only projects: every distance comes out too short, and limbs close up. This is SMACOF with unit
-    weights on the landmarks, and then on each other point against all landmarks.
-
-    Parameters
-    ----------
-    distances : (n, l) ndarray of float
-        Distance of every point from each landmark.
-    landmarks : (l,) ndarray of int
-        The landmarks among the points.
-    start : (n, 3) ndarray of float
-        The points, centred, as by classical scaling.
-    depth : float
-        What is kept of the third coordinate in each step, 0 to 1: below 1 it has to earn its place.
-    steps : int
-        Number of steps of the landmarks; the other points take a third of them.
-
-    Returns
-    -------
-    (n, 3) ndarray of float
-        The points, centred.
-
-    Examples
-    --------
-    >>> from scipy.spatial.distance import cdist
-    >>> corners = np.array([[-1.0, -1, 0], [2, -1, 0], [-1, 2, 0]])
-    >>> found = least_squares_scaling(cdist(corners, corners), np.arange(3), corners / 2)
-    >>> np.allclose(found, corners)
-    True
-
-    References
-    ----------
-    De Leeuw, "Applications of convex analysis to multidimensional scaling", 1977.
-    """
-    kept = np.array([1.0, 1.0, depth])
-    between = (distances[landmarks] + distances[landmarks].T) / 2  # (l, l)
-    fixed = start[landmarks]
-    for _ in range(steps):
-        fixed = _nearer(fixed, fixed, between) * kept
-    layout = placed_around(distances, landmarks, fixed, start, depth=depth, steps=steps // 3)
-    return np.asarray(layout - layout.mean(axis=0))
-
-
 def placed_around(
     distances: FloatArray,
     landmarks: IntArray,
     fixed: FloatArray,
     start: FloatArray,
     *,
-    depth: float = 1.0,
     steps: int = 20,
 ) -> FloatArray:
     """Place every point by its distances from landmarks in known places: SMACOF, point by point.
 
-    Parameters
-    ----------
-    distances : (n, l) ndarray of float
-        Distance of every point from each landmark.
-    landmarks : (l,) ndarray of int
-        The landmarks among the points.
-    fixed : (l, 3) ndarray of float
-        Their places.
-    start : (n, 3) ndarray of float
-        The points before the landmarks went to their places; the others first move along with those near them.
-    depth : float
-        What is kept of the third coordinate in each step, 0 to 1.
-    steps : int
-        Number of steps.
-
-    Returns
-    -------
-    (n, 3) ndarray of float
-        The points.
+    `distances` (n, l); `landmarks` (l,); `fixed` (l, 3); `start` (n, 3); `steps`: number of steps; gives (n, 3).
 
     Examples
     --------
@@ -190,7 +100,7 @@ def placed_around(
     for first in range(0, len(layout), _ROWS):  # each point on its own: a block stays in the cache through all steps
         rows = slice(first, first + _ROWS)
         for _ in range(steps):
-            layout[rows] = _nearer(layout[rows], fixed, distances[rows]) * np.array([1.0, 1.0, depth])
+            layout[rows] = _nearer(layout[rows], fixed, distances[rows])
     layout[landmarks] = fixed
     return layout
 
@@ -208,22 +118,7 @@ def _nearer(points: FloatArray, fixed: FloatArray, distances: FloatArray) -> Flo
 def leading_scaling(distances: FloatArray, dimensions: int = 3) -> FloatArray:
     """Embed a full matrix of distances by classical scaling, with only the eigenvectors needed.
 
-    Parameters
-    ----------
-    distances : (n, n) ndarray of float
-        Distances, symmetric.
-    dimensions : int
-        Dimension d of the embedding.
-
-    Returns
-    -------
-    (n, d) ndarray of float
-        The points, centred, along their principal axes; the sign of each axis is arbitrary.
-
-    Raises
-    ------
-    SolverError
-        If the axes cannot be found.
+    `distances` (n, n); `dimensions`: dimension d of the embedding; gives (n, d).
 
     Examples
     --------
@@ -257,17 +152,7 @@ def leading_scaling(distances: FloatArray, dimensions: int = 3) -> FloatArray:
 def raw_stress(points: FloatArray, distances: FloatArray) -> float:
     """Sum the squared differences between straight and wanted distances over all pairs.
 
-    Parameters
-    ----------
-    points : (n, d) ndarray of float
-        The points.
-    distances : (n, n) ndarray of float
-        Wanted distances.
-
-    Returns
-    -------
-    float
-        ``Σ_{i<j} (δ_ij - d_ij)²``.
+    `points` (n, d); `distances` (n, n).
 
     Examples
     --------

@@ -31,17 +31,6 @@ def laid_out(distances: FloatArray, landmarks: IntArray, body: FloatArray, faces
     one side as to the other (people): a tie that nothing but chance or the pose could break. Then the third axis is
     dropped, and the flat layout is its own mirror image. Where left and right are not sure, the volume alone
     decides. The landmarks begin with the feature points.
-
-    Examples
-    --------
-    >>> from scipy.spatial.distance import cdist
-    >>> points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
-    >>> faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
-    >>> from addon.core.symmetry.limbs import limbs_of
-    >>> limbs = limbs_of(cdist(points, points), np.zeros((4, 4, 4)), np.array([1.0, 2, 4, 8]), lambda: np.zeros(4))
-    >>> layout, depth = laid_out(cdist(points, points), np.arange(4), points, faces, limbs)
-    >>> depth, np.allclose(cdist(layout, layout), cdist(points, points))
-    (1.0, True)
     """
     layout = landmark_scaling(distances, landmarks)
     layout -= layout.mean(axis=0)
@@ -66,13 +55,6 @@ def handedness(layout: FloatArray, faces: IntArray) -> float:
     """Compute the signed volume of a layout over the product of its deviations along the three axes; 0 if it is flat.
 
     A solid ball has 4.2 (4π/3), a body whose limbs are thin below 1.
-
-    Examples
-    --------
-    >>> points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
-    >>> faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
-    >>> round(handedness(points, faces), 6), round(handedness(points * [1, 1, -1], faces), 6)
-    (2.666667, -2.666667)
     """
     spread = float(np.prod(layout.std(axis=0)))
     return signed_volume(layout, faces) / spread if spread > 0 else 0.0

@@ -23,23 +23,7 @@ def smacof(
 ) -> tuple[FloatArray, FloatArray]:
     """Embed points so that their distances fit given ones, from a start: ``Σ_{i<j} w_ij (δ_ij - d_ij)²``.
 
-    Parameters
-    ----------
-    distances : (n, n) array_like of float
-        Wanted distances, symmetric.
-    start : (n, d) array_like of float
-        Points.
-    weights : (n, n) array_like of float, optional
-        Weights, symmetric; all 1 if not given.
-    max_iterations, tolerance, momentum, monitor
-        See `Majorisation.lowered`.
-
-    Returns
-    -------
-    embedding : (n, d) ndarray of float
-        The points, centred.
-    history : (s + 1,) ndarray of float
-        The stress at the start and after each step.
+    `distances` (n, n); `start` (n, d); `weights` (n, n); gives embedding (n, d), history (s + 1,).
 
     Examples
     --------

@@ -20,18 +20,8 @@ _BEAM = 500  # partial assignments that are kept (beam width)
 def feature_assignments(limbs: Limbs, others: Limbs, most: int = 6) -> list[tuple[IntArray, float]]:
     """Find the best assignments of the feature points of one surface to those of another.
 
-    Parameters
-    ----------
-    limbs, others : Limbs
-        The limbs identified among the feature points of each surface.
-    most : int
-        Maximum number of assignments to return.
-
-    Returns
-    -------
-    list of tuple
-        For each feature point its counterpart on the other surface, -1 for none, (k,) ndarray of int; and a mismatch
-        without unit. The best assignment comes first. Those of fewer than half of the points are left out.
+    `limbs, others`: the limbs identified among the feature points of each surface; `most`: maximum number of
+    assignments to return.
 
     Examples
     --------

@@ -24,28 +24,8 @@ def elastic_fit(
     A map between a few eigenfunctions leaves waists and hips free to slide by some hundredths of sqrt(area). Here the
     vertices are pulled to the matched points while the form keeps its shape; then the closest points are the new match.
 
-    Parameters
-    ----------
-    body : ElasticBody
-        The form of the first surface.
-    one, other : Unfolded
-        The surfaces.
-    points : SurfacePoints
-        The point on the other surface for each vertex.
-    monitor : Monitor
-        Polled for cancellation.
-
-    Returns
-    -------
-    placed : (c, 3) ndarray of float
-        The vertices of the form, moved onto the other form.
-    points : SurfacePoints
-        The point on the other surface closest to each.
-
-    Raises
-    ------
-    CancelledError
-        If the run is cancelled.
+    `body`: the form of the first surface; `one, other`: the surfaces; `points`: the point on the other surface for
+    each vertex; gives placed (c, 3), points.
 
     Examples
     --------
@@ -79,17 +59,7 @@ def elastic_fit(
 def with_normals(points: FloatArray, normals: FloatArray) -> FloatArray:
     """Extend positions by normals, so that the closest point of a form is one that faces the same way.
 
-    Parameters
-    ----------
-    points : (n, 3) ndarray of float
-        Positions on a form of unit area.
-    normals : (n, 3) ndarray of float
-        Unit normals.
-
-    Returns
-    -------
-    (n, 6) ndarray of float
-        Both, the normals with little weight.
+    `points` (n, 3); `normals` (n, 3); gives (n, 6).
 
     Examples
     --------

@@ -46,21 +46,7 @@ def laid_by_vertices(
 ) -> Laying:
     """Align a form to that of another pose of the same mesh, vertex to vertex.
 
-    Parameters
-    ----------
-    form, other : (n, 3) ndarray of float
-        The forms, of unit area, their vertices in the same order.
-    weights : (n,) ndarray of float
-        Areas of the vertices.
-    tips : (k,) ndarray of int
-        Feature points of the form.
-    others : (k',) ndarray of int
-        Feature points of the other.
-
-    Returns
-    -------
-    Laying
-        The least-squares motion.
+    `form, other` (n, 3); `weights` (n,); `tips` (k,); `others` (k',).
 
     Examples
     --------
@@ -84,23 +70,8 @@ def laid_by_limbs(
     of the assignment and the remaining distance, is taken. If no feature points correspond, closest points start from
     the principal axes.
 
-    Parameters
-    ----------
-    form : (n, 3) ndarray of float
-        The form, of unit area.
-    other : (n', 3) ndarray of float
-        The other form, of unit area.
-    tips : (k,) ndarray of int
-        Feature points of the form.
-    others : (k',) ndarray of int
-        Feature points of the other.
-    limbs, other_limbs : Limbs
-        The limbs identified among them.
-
-    Returns
-    -------
-    Laying
-        The motion.
+    `form` (n, 3); `other` (n', 3); `tips` (k,); `others` (k',); `limbs, other_limbs`: the limbs identified among
+    them.
 
     Examples
     --------
@@ -138,19 +109,7 @@ def laid_by_limbs(
 def completed(image: IntArray, tips: FloatArray, others: FloatArray) -> IntArray:
     """Assign feature points without a counterpart to the nearest unassigned ones.
 
-    Parameters
-    ----------
-    image : (k,) ndarray of int
-        For each feature point the corresponding one of the other form; -1 for none.
-    tips : (k, 3) ndarray of float
-        Their positions, aligned to the other form, of unit area.
-    others : (k', 3) ndarray of float
-        Positions of the others.
-
-    Returns
-    -------
-    (k,) ndarray of int
-        The same, with nearby ones added.
+    `image` (k,); `tips` (k, 3); `others` (k', 3); gives (k,).
 
     Examples
     --------

@@ -52,24 +52,7 @@ def point_map(one: Unfolded, other: Unfolded, side: Side, monitor: Monitor) -> P
     once more. The displacements are interpolated to all vertices; the point of the other form closest to each moved
     vertex is its match.
 
-    Parameters
-    ----------
-    one, other : Unfolded
-        The surfaces.
-    side : Side
-        The side on which they are matched.
-    monitor : Monitor
-        Polled for cancellation.
-
-    Returns
-    -------
-    PointMap
-        The match.
-
-    Raises
-    ------
-    CancelledError
-        If the run is cancelled.
+    `one, other`: the surfaces; `side`: the side on which they are matched.
 
     Examples
     --------

@@ -50,22 +50,7 @@ def sides(one: Unfolded, other: Unfolded, monitor: Monitor) -> list[Side]:
     with close scores are fitted, and the one that strains the form least comes first: a body turned back to front has
     to twist feet, hands and face.
 
-    Parameters
-    ----------
-    one, other : Unfolded
-        The surfaces.
-    monitor : Monitor
-        Receives progress; polled for cancellation.
-
-    Returns
-    -------
-    list of Side
-        The matches, the likeliest one first; at least one.
-
-    Raises
-    ------
-    CancelledError
-        If the run is cancelled.
+    `one, other`: the surfaces.
 
     Examples
     --------

@@ -26,26 +26,8 @@ def first_map(
 ) -> IntArray:
     """Map each vertex to the most similar one in position, normal and distances from the feature points.
 
-    Parameters
-    ----------
-    one, other : Unfolded
-        The surfaces.
-    start : Start
-        The alignment of the forms, and the corresponding feature points.
-    monitor : Monitor
-        Polled for cancellation.
-    rows : (r,) ndarray of int, optional
-        Vertices to map; all if omitted.
-
-    Returns
-    -------
-    (r,) ndarray of int
-        The vertex of the other surface for each.
-
-    Raises
-    ------
-    CancelledError
-        If the run is cancelled.
+    `one, other`: the surfaces; `start`: the alignment of the forms, and the corresponding feature points; `rows`
+    (r,); gives (r,).
 
     Examples
     --------
@@ -82,32 +64,8 @@ def refined(
     Each round uses more of them. Those of the other surface are expressed in those of this one, which regularises the
     map. Positions and normals of the forms distinguish left from right; this form moves smoothly to the other.
 
-    Parameters
-    ----------
-    one, other : Unfolded
-        The surfaces.
-    partner : (r,) ndarray of int
-        The vertex of the other surface for each.
-    counts : sequence of int
-        Numbers of eigenfunctions, round by round.
-    near : float
-        Weight of positions on the form.
-    monitor : Monitor
-        Polled for cancellation.
-    facing : float
-        Weight of normals.
-    rows : (r,) ndarray of int, optional
-        The vertices that are mapped; all if omitted.
-
-    Returns
-    -------
-    (r,) ndarray of int
-        The vertex of the other surface for each.
-
-    Raises
-    ------
-    CancelledError
-        If the run is cancelled.
+    `one, other`: the surfaces; `partner` (r,); `counts`: numbers of eigenfunctions, round by round; `near`: weight of
+    positions on the form; `facing`: weight of normals; `rows` (r,); gives (r,).
 
     Examples
     --------
@@ -137,22 +95,7 @@ def on_triangles(
 ) -> SurfacePoints:
     """Refine a map once more, to points on the triangles of the other surface.
 
-    Parameters
-    ----------
-    one, other, partner, near, monitor
-        As in `refined`.
-    count : int
-        Number of eigenfunctions.
-
-    Returns
-    -------
-    SurfacePoints
-        The point on the other surface for each.
-
-    Raises
-    ------
-    CancelledError
-        If the run is cancelled.
+    `count`: number of eigenfunctions.
 
     Examples
     --------

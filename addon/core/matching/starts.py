@@ -44,24 +44,7 @@ def starts(one: Unfolded, other: Unfolded, rows: IntArray, monitor: Monitor) -> 
     the principal axes of the forms, each refined by iterative closest points. Of those from the axes, only motions that
     no assignment leads to are kept.
 
-    Parameters
-    ----------
-    one, other : Unfolded
-        The surfaces.
-    rows : (r,) ndarray of int
-        Vertices spread over the form, used for closest points.
-    monitor : Monitor
-        Polled for cancellation.
-
-    Returns
-    -------
-    list of Start
-        At least one.
-
-    Raises
-    ------
-    CancelledError
-        If the run is cancelled.
+    `one, other`: the surfaces; `rows` (r,).
 
     Examples
     --------

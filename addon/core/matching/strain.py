@@ -20,26 +20,7 @@ _LEAST = 1e-3  # change of length below which it makes no difference
 def fit_strain(one: Unfolded, other: Unfolded, start: Start, monitor: Monitor) -> float:
     """Fit a form to another from the start of a match, and measure its strain.
 
-    Parameters
-    ----------
-    one, other : Unfolded
-        The surfaces.
-    start : Start
-        The alignment of the forms, and the corresponding feature points.
-    monitor : Monitor
-        Polled for cancellation.
-
-    Returns
-    -------
-    float
-        Mean size of the logarithm of the change of the edges' lengths, without unit: .01 to .06 for poses of a body,
-        .07 to .1 for bodies of a kind, about .2 for others, and for bodies turned back to front 1.05 to 2 times as
-        much.
-
-    Raises
-    ------
-    CancelledError
-        If the run is cancelled.
+    `one, other`: the surfaces; `start`: the alignment of the forms, and the corresponding feature points.
 
     Examples
     --------

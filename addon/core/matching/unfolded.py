@@ -67,35 +67,7 @@ class Unfolded(NamedTuple):
 def unfolded(found: SurfaceFeatures, form: FloatArray, monitor: Monitor) -> Unfolded:
     """Compute the descriptors of the points of a surface.
 
-    Parameters
-    ----------
-    found : SurfaceFeatures
-        The surface, its spectrum and feature points.
-    form : (n, 3) ndarray of float
-        The form of all its vertices, of unit area.
-    monitor : Monitor
-        Polled for cancellation.
-
-    Returns
-    -------
-    Unfolded
-        The surface with its form.
-
-    Raises
-    ------
-    SolverError
-        If the spectrum cannot be computed accurately.
-    CancelledError
-        If the run is cancelled.
-
-    Examples
-    --------
-    >>> from addon.core.method_api.settings import Settings
-    >>> from addon.core.method_api.surface_features import detected
-    >>> points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
-    >>> found = detected(points, np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]]), None, Settings(), Monitor())
-    >>> unfolded(found, points, Monitor()).areas.round(6).tolist()
-    [0.25, 0.25, 0.25, 0.25]
+    `found`: the surface, its spectrum and feature points; `form` (n, 3).
 
     References
     ----------

@@ -20,21 +20,8 @@ def rigid_fit(
 ) -> tuple[FloatArray, FloatArray]:
     """Compute the rigid motion that best aligns matching points.
 
-    Parameters
-    ----------
-    source, target : (n, 3) ndarray of float
-        Matching points.
-    weights : (n,) ndarray of float, optional
-        Weight of each match; 1 if omitted.
-    mirror : bool
-        Whether a mirror image is allowed too.
-
-    Returns
-    -------
-    rotation : (3, 3) ndarray of float
-        R, with determinant 1 unless `mirror`.
-    shift : (3,) ndarray of float
-        t; the motion is ``x ↦ x R + t``.
+    `source, target` (n, 3); `weights` (n,); `mirror`: whether a mirror image is allowed too; gives rotation (3, 3),
+    shift (3,).
 
     Examples
     --------
@@ -65,23 +52,8 @@ def closest_point_fit(
     Starts from the given position and from every alignment of the principal axes; the one with the least mean squared
     distance wins. Of large clouds, a few thousand points are used first, and all points in the last steps.
 
-    Parameters
-    ----------
-    source : (p, 3) ndarray of float
-        Points to move.
-    target : (q, 3) ndarray of float
-        Points to move them to.
-    max_iterations : int
-        Maximum number of steps from each start.
-    mirror : bool
-        Whether mirror images are tried too.
-
-    Returns
-    -------
-    rotation : (3, 3) ndarray of float
-        R.
-    shift : (3,) ndarray of float
-        t; the motion is ``x ↦ x R + t``.
+    `source` (p, 3); `target` (q, 3); `max_iterations`: maximum number of steps from each start; `mirror`: whether
+    mirror images are tried too; gives rotation (3, 3), shift (3,).
 
     Examples
     --------
@@ -120,27 +92,8 @@ def closest_points_from(
 ) -> tuple[FloatArray, FloatArray, float]:
     """Align one point cloud to another without known matches, from an approximate motion.
 
-    Parameters
-    ----------
-    source : (p, 3) ndarray of float
-        Points to move; of large clouds a few thousand are used.
-    target : (q, 3) ndarray of float
-        Points to move them to.
-    rotation : (3, 3) ndarray of float
-        R at the start, proper.
-    shift : (3,) ndarray of float
-        t at the start.
-    max_iterations : int
-        Maximum number of steps.
-
-    Returns
-    -------
-    rotation : (3, 3) ndarray of float
-        R.
-    shift : (3,) ndarray of float
-        t; the motion is ``x ↦ x R + t``.
-    left : float
-        Remaining root mean squared distance from the target.
+    `source` (p, 3); `target` (q, 3); `rotation` (3, 3); `shift` (3,); `max_iterations`: maximum number of steps;
+    gives rotation (3, 3), shift (3,), left.
 
     Examples
     --------
@@ -192,26 +145,7 @@ def outside_out(body: ElasticBody, after: FloatArray) -> FloatArray:
 
     If most of the surface would be turned inside out, the mirror image is the right one.
 
-    Parameters
-    ----------
-    body : ElasticBody
-        The input.
-    after : (n, 3) ndarray of float
-        The embedding.
-
-    Returns
-    -------
-    (n, 3) ndarray of float
-        The embedding, or its mirror image along the third axis.
-
-    Examples
-    --------
-    >>> from addon.core.surface.triangulation import triangulated
-    >>> points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
-    >>> faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
-    >>> body = ElasticBody(triangulated(points, faces), points, faces)
-    >>> np.allclose(outside_out(body, points * [1, 1, -1]), points)
-    True
+    `body`: the input; `after` (n, 3); gives (n, 3).
     """
     covariance = body.covariances(after)
     thinnest = np.linalg.svd(covariance, compute_uv=False)[:, -1]

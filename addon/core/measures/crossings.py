@@ -53,24 +53,7 @@ def crossings(vertices: FloatArray, faces: IntArray, monitor: Monitor | None = N
     Triangles are sorted into the cells of a grid; two in one cell cross if an edge of one passes through the interior
     of the other. Triangles that only touch, or lie in one plane, do not cross.
 
-    Parameters
-    ----------
-    vertices : (n, 3) ndarray of float
-        Vertices.
-    faces : (m, 3) ndarray of int
-        Triangles.
-    monitor : Monitor, optional
-        Polled for cancellation.
-
-    Returns
-    -------
-    (c, 2) ndarray of int
-        Pairs of triangles, the lower number first, in ascending order.
-
-    Raises
-    ------
-    CancelledError
-        If the run is cancelled.
+    `vertices` (n, 3); `faces` (m, 3); gives (c, 2).
 
     Examples
     --------
@@ -116,19 +99,7 @@ def crossings(vertices: FloatArray, faces: IntArray, monitor: Monitor | None = N
 def passes(vertices: FloatArray, faces: IntArray, pairs: IntArray) -> Passes:
     """Find where the edges of triangles pass through other triangles.
 
-    Parameters
-    ----------
-    vertices : (n, 3) ndarray of float
-        Vertices.
-    faces : (m, 3) ndarray of int
-        Triangles.
-    pairs : (c, 2) ndarray of int
-        Pairs of triangles.
-
-    Returns
-    -------
-    Passes
-        Every edge of a triangle of a pair that passes through the other.
+    `vertices` (n, 3); `faces` (m, 3); `pairs` (c, 2).
 
     Examples
     --------

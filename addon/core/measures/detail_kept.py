@@ -21,17 +21,7 @@ _HIGH, _HIGHEST = 0.95, 0.999  # quantiles
 def area_distortion(before: FloatArray, after: FloatArray, faces: IntArray) -> FloatArray:
     """Compute the relative change of the area of every triangle.
 
-    Parameters
-    ----------
-    before, after : (n, 3) ndarray of float
-        Vertex positions.
-    faces : (m, 3) ndarray of int
-        Triangles of both.
-
-    Returns
-    -------
-    (t,) ndarray of float
-        ``|area after / area before - 1|``; triangles without area before are left out.
+    `before, after` (n, 3); `faces` (m, 3); gives (t,).
 
     Examples
     --------
@@ -51,26 +41,7 @@ def thickness(
     The ball touches the surface at a vertex, from inside, and is the largest that contains no other vertex: it starts
     as large as the body and shrinks to the vertex nearest to its centre until none is nearer than its radius.
 
-    Parameters
-    ----------
-    vertices : (n, 3) ndarray of float
-        Vertex positions.
-    faces : (m, 3) ndarray of int
-        Triangles, counter-clockwise seen from outside.
-    some : (q,) ndarray of int, optional
-        Vertices at which to measure; all if omitted.
-    monitor : Monitor, optional
-        Polled for cancellation.
-
-    Returns
-    -------
-    (q,) ndarray of float
-        Diameters of the balls; nan where the triangles around a vertex have no area.
-
-    Raises
-    ------
-    CancelledError
-        If the run is cancelled.
+    `vertices` (n, 3); `faces` (m, 3); `some` (q,); gives (q,).
 
     References
     ----------
@@ -113,15 +84,7 @@ def thickness(
 def neighbouring_triangles(faces: IntArray) -> IntArray:
     """List the pairs of triangles that share an edge with no other triangle.
 
-    Parameters
-    ----------
-    faces : (m, 3) ndarray of int
-        Triangles.
-
-    Returns
-    -------
-    (e, 2) ndarray of int
-        Pairs of triangles, one for each such edge.
+    `faces` (m, 3); gives (e, 2).
 
     Examples
     --------
@@ -136,19 +99,7 @@ def neighbouring_triangles(faces: IntArray) -> IntArray:
 def fold_changes(before: FloatArray, after: FloatArray, faces: IntArray, pairs: IntArray) -> FloatArray:
     """Compute the change of the angles between neighbouring triangles.
 
-    Parameters
-    ----------
-    before, after : (n, 3) ndarray of float
-        Vertex positions.
-    faces : (m, 3) ndarray of int
-        Triangles of both, with one orientation.
-    pairs : (e, 2) ndarray of int
-        From `neighbouring_triangles`.
-
-    Returns
-    -------
-    (e,) ndarray of float
-        In radians, 0 to π; a triangle without area counts as flat.
+    `before, after` (n, 3); `faces` (m, 3); `pairs` (e, 2); gives (e,).
 
     Examples
     --------
@@ -174,31 +125,7 @@ def detail_measures(
 ) -> dict[str, float]:
     """Collect the measures of detail that a form keeps, in units independent of its size.
 
-    Parameters
-    ----------
-    before, after : (n, 3) ndarray of float
-        Vertex positions of the input and of its form.
-    faces : (m, 3) ndarray of int
-        Triangles of both.
-    patches : (n,) ndarray of int, optional
-        Patch of each vertex, below 0 for none.
-
-    Returns
-    -------
-    dict of str to float
-        ``edge_distortion_999``, the 99.9th percentile of ``|stretch - 1|``; ``area_distortion_median`` and ``_95``;
-        ``thickness_median`` and ``_95``, of the relative change of `thickness` (at 20,000 vertices at most);
-        ``crossings_added``, the increase in crossing pairs of triangles, over the number of triangles; ``jags``, share
-        of the edges whose fold changes by more than 45°, and ``border_jags``, the same share of the edges between two
-        patches (nan without any).
-
-    Examples
-    --------
-    >>> points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
-    >>> faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
-    >>> measured = detail_measures(points, 2 * points, faces)
-    >>> measured["thickness_median"], measured["crossings_added"], measured["jags"]
-    (1.0, 0.0, 0.0)
+    `before, after` (n, 3); `faces` (m, 3); `patches` (n,).
     """
     stretch = np.abs(edge_stretch(before, after, faces) - 1)
     area = area_distortion(before, after, faces)

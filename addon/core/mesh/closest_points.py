@@ -36,17 +36,7 @@ class SurfacePoints(NamedTuple):
     def on(self, values: FloatArray, faces: IntArray) -> FloatArray:
         """Interpolate values on the vertices of the surface, or of another with the same triangles, at the points.
 
-        Parameters
-        ----------
-        values : (n, d) ndarray of float
-            Values on the vertices, such as positions.
-        faces : (m, 3) ndarray of int
-            Triangles.
-
-        Returns
-        -------
-        (q, d) ndarray of float
-            Values at the points.
+        `values` (n, d); `faces` (m, 3); gives (q, d).
 
         Examples
         --------
@@ -59,15 +49,7 @@ class SurfacePoints(NamedTuple):
     def nearest_corners(self, faces: IntArray) -> IntArray:
         """Find the corner of its triangle that is nearest to each point.
 
-        Parameters
-        ----------
-        faces : (m, 3) ndarray of int
-            Triangles.
-
-        Returns
-        -------
-        (q,) ndarray of int
-            Vertices.
+        `faces` (m, 3); gives (q,).
 
         Examples
         --------
@@ -86,26 +68,7 @@ def closest_points(
     Only triangles near the closest vertices and centres are examined: a long, thin triangle whose corners and centre
     are farther away than those of several others may be missed.
 
-    Parameters
-    ----------
-    points : (n, d) ndarray of float
-        Vertices, in any number of dimensions.
-    faces : (m, 3) ndarray of int
-        Triangles.
-    wanted : (q, d) ndarray of float
-        Query points.
-    monitor : Monitor, optional
-        Polled for cancellation.
-
-    Returns
-    -------
-    SurfacePoints
-        The closest points.
-
-    Raises
-    ------
-    CancelledError
-        If the run is cancelled.
+    `points` (n, d); `faces` (m, 3); `wanted` (q, d).
 
     Examples
     --------
@@ -142,21 +105,7 @@ def closest_points(
 def closest_around(points: FloatArray, faces: IntArray, wanted: FloatArray, nearest: IntArray) -> SurfacePoints:
     """Find the closest point to each query point on the triangles around a vertex.
 
-    Parameters
-    ----------
-    points : (n, d) ndarray of float
-        Vertices, in any number of dimensions.
-    faces : (m, 3) ndarray of int
-        Triangles.
-    wanted : (q, d) ndarray of float
-        Query points.
-    nearest : (q,) ndarray of int
-        The vertex that is nearest to each.
-
-    Returns
-    -------
-    SurfacePoints
-        The closest points.
+    `points` (n, d); `faces` (m, 3); `wanted` (q, d); `nearest` (q,).
 
     Examples
     --------
@@ -170,19 +119,8 @@ def closest_around(points: FloatArray, faces: IntArray, wanted: FloatArray, near
 def triangles_around(faces: IntArray, count: int, most: int) -> IntArray:
     """List triangles around every vertex.
 
-    Parameters
-    ----------
-    faces : (m, 3) ndarray of int
-        Triangles.
-    count : int
-        Number n of vertices.
-    most : int
-        Number of triangles to list; if there are fewer, the last is repeated; if there is none, any is used.
-
-    Returns
-    -------
-    (n, most) ndarray of int
-        Triangles.
+    `faces` (m, 3); `count`: number n of vertices; `most`: number of triangles to list; if there are fewer, the last
+    is repeated; if there is none, any is used; gives (n, most).
 
     Examples
     --------
@@ -199,21 +137,7 @@ def triangles_around(faces: IntArray, count: int, most: int) -> IntArray:
 def closest_among(points: FloatArray, faces: IntArray, wanted: FloatArray, candidates: IntArray) -> SurfacePoints:
     """Find the closest point to each query point on its candidate triangles.
 
-    Parameters
-    ----------
-    points : (n, d) ndarray of float
-        Vertices, in any number of dimensions.
-    faces : (m, 3) ndarray of int
-        Triangles.
-    wanted : (q, d) ndarray of float
-        Query points.
-    candidates : (q, c) ndarray of int
-        The triangles to examine for each.
-
-    Returns
-    -------
-    SurfacePoints
-        The closest points.
+    `points` (n, d); `faces` (m, 3); `wanted` (q, d); `candidates` (q, c).
 
     Examples
     --------

@@ -50,15 +50,7 @@ class Coarsening(NamedTuple):
     def prolong(self, values: FloatArray) -> FloatArray:
         """Interpolate values on the coarse vertices to all vertices, smoothly over the surface.
 
-        Parameters
-        ----------
-        values : (c, d) or (c,) ndarray of float
-            Values on the coarse vertices.
-
-        Returns
-        -------
-        (n, d) or (n,) ndarray of float
-            Values on all vertices, each an average with positive weights.
+        `values` (c, d); gives (n, d).
         """
         full = np.zeros((self.vertex_count, *values.shape[1:]))
         full[self.kept] = values
@@ -81,28 +73,7 @@ def coarsened(
     of the surface it stands for, plus a term for evenness), never two that share an edge, and only where the surface
     stays a surface and no triangle turns over.
 
-    Parameters
-    ----------
-    points : (n, 3) ndarray of float
-        Vertices.
-    faces : (m, 3) ndarray of int
-        Triangles.
-    target : int
-        Number of vertices wanted.
-    fixed : (k,) ndarray of int, optional
-        Vertices that stay.
-    monitor : Monitor, optional
-        Receives progress; polled for cancellation.
-
-    Returns
-    -------
-    Coarsening
-        The coarse mesh; more vertices than `target` are left where no more can go.
-
-    Raises
-    ------
-    CancelledError
-        If the run is cancelled.
+    `points` (n, 3); `faces` (m, 3); `target`: number of vertices wanted; `fixed` (k,).
 
     Examples
     --------

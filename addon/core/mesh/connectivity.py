@@ -11,17 +11,7 @@ from .edges import EdgeTable
 def component_labels(vertex_count: int, pairs: IntArray) -> IntArray:
     """Label the connected components of a graph.
 
-    Parameters
-    ----------
-    vertex_count : int
-        Number of vertices n.
-    pairs : (e, 2) ndarray of int
-        Pairs of vertices that are joined.
-
-    Returns
-    -------
-    (n,) ndarray of int
-        Component of each vertex, numbered from 0. A vertex of no pair is a component of its own.
+    `vertex_count`: number of vertices n; `pairs` (e, 2); gives (n,).
 
     Examples
     --------
@@ -38,17 +28,7 @@ def component_labels(vertex_count: int, pairs: IntArray) -> IntArray:
 def border_labels(faces: IntArray, edges: EdgeTable) -> IntArray:
     """Label the borders of a mesh.
 
-    Parameters
-    ----------
-    faces : (m, 3) ndarray of int
-        Triangles.
-    edges : EdgeTable
-        Their edges.
-
-    Returns
-    -------
-    (n,) ndarray of int
-        For every vertex up to the last that a triangle names: the border that it lies on, from 0; -1 inside.
+    `faces` (m, 3); `edges`: their edges; gives (n,).
 
     Examples
     --------
@@ -69,15 +49,7 @@ def border_labels(faces: IntArray, edges: EdgeTable) -> IntArray:
 def without_repeated_corners(faces: IntArray) -> IntArray:
     """Drop the triangles that name a vertex twice.
 
-    Parameters
-    ----------
-    faces : (m, 3) ndarray of int
-        Triangles.
-
-    Returns
-    -------
-    (m', 3) ndarray of int
-        The others; the same array if all stay.
+    `faces` (m, 3); gives (m', 3).
 
     Examples
     --------
@@ -91,15 +63,7 @@ def without_repeated_corners(faces: IntArray) -> IntArray:
 def without_duplicates(faces: IntArray) -> IntArray:
     """Keep the first of triangles with the same three vertices, whatever their order.
 
-    Parameters
-    ----------
-    faces : (m, 3) ndarray of int
-        Triangles.
-
-    Returns
-    -------
-    (m', 3) ndarray of int
-        The others; the same array if all stay.
+    `faces` (m, 3); gives (m', 3).
 
     Examples
     --------
@@ -126,19 +90,7 @@ def joined_at_seams(points: FloatArray, faces: IntArray, edges: EdgeTable) -> In
 
     Sheets that lie on each other all over are not joined: there the third corners lie on each other too.
 
-    Parameters
-    ----------
-    points : (n, 3) ndarray of float
-        Vertices.
-    faces : (m, 3) ndarray of int
-        Triangles.
-    edges : EdgeTable
-        Their edges.
-
-    Returns
-    -------
-    (n,) ndarray of int
-        The representative of each vertex: itself, or the first at its place along a seam.
+    `points` (n, 3); `faces` (m, 3); `edges`: their edges; gives (n,).
 
     Examples
     --------
@@ -179,17 +131,7 @@ def joined_at_seams(points: FloatArray, faces: IntArray, edges: EdgeTable) -> In
 def consistently_oriented(faces: IntArray, edges: EdgeTable) -> IntArray:
     """Flip as few triangles as possible so that neighbours across an edge agree; one-sided pieces stay.
 
-    Parameters
-    ----------
-    faces : (m, 3) ndarray of int
-        Triangles.
-    edges : EdgeTable
-        Their edges.
-
-    Returns
-    -------
-    (m, 3) ndarray of int
-        The triangles; the same array if all agree.
+    `faces` (m, 3); `edges`: their edges; gives (m, 3).
 
     Examples
     --------

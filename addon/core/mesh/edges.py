@@ -16,17 +16,7 @@ if TYPE_CHECKING:
 def undirected_keys(tail: IntArray, head: IntArray, vertex_count: int) -> IntArray:
     """Assign each undirected edge between vertices one number, alike in both directions.
 
-    Parameters
-    ----------
-    tail, head : (e,) ndarray of int
-        The two ends of each edge.
-    vertex_count : int
-        Number of vertices n.
-
-    Returns
-    -------
-    (e,) ndarray of int
-        ``low * n + high``: `numpy.divmod` by n gives the ends back, the lower vertex first.
+    `tail, head` (e,); `vertex_count`: number of vertices n; gives (e,).
 
     Examples
     --------
@@ -39,15 +29,7 @@ def undirected_keys(tail: IntArray, head: IntArray, vertex_count: int) -> IntArr
 def half_edges(faces: IntArray) -> tuple[IntArray, IntArray]:
     """List the edges of every triangle in its own direction.
 
-    Parameters
-    ----------
-    faces : (m, 3) ndarray of int
-        Triangles.
-
-    Returns
-    -------
-    tail, head : (3 m,) ndarray of int
-        Half-edge ``3 f + i`` runs from corner i of triangle f to the next corner.
+    `faces` (m, 3); gives tail, head (3 m,).
 
     Examples
     --------
@@ -63,17 +45,7 @@ def pair_counts(tail: IntArray, head: IntArray, vertex_count: int) -> csr_matrix
 
     A sparse matrix sorts by counting, several times faster than a sort of keys.
 
-    Parameters
-    ----------
-    tail, head : (e,) ndarray of int
-        The two ends of each pair.
-    vertex_count : int
-        Number of vertices n.
-
-    Returns
-    -------
-    (n, n) scipy.sparse.csr_matrix of int
-        Entry (i, j) counts the pairs from i to j; the entries of each row are sorted.
+    `tail, head` (e,); `vertex_count`: number of vertices n; gives (n, n).
 
     Examples
     --------
@@ -88,15 +60,7 @@ def pair_counts(tail: IntArray, head: IntArray, vertex_count: int) -> csr_matrix
 def is_closed(faces: IntArray) -> bool:
     """Check whether every edge lies between exactly two triangles.
 
-    Parameters
-    ----------
-    faces : (m, 3) ndarray of int
-        Triangles.
-
-    Returns
-    -------
-    bool
-        True if the mesh has no border and no edge of more than two triangles.
+    `faces` (m, 3).
 
     Examples
     --------
@@ -109,15 +73,7 @@ def is_closed(faces: IntArray) -> bool:
 def vertex_pairs(faces: IntArray) -> IntArray:
     """List every pair of vertices joined by an edge once.
 
-    Parameters
-    ----------
-    faces : (m, 3) ndarray of int
-        Triangles.
-
-    Returns
-    -------
-    (e, 2) ndarray of int
-        Pairs, lower vertex index first, sorted.
+    `faces` (m, 3); gives (e, 2).
 
     Examples
     --------
@@ -166,15 +122,7 @@ class EdgeTable:
 def edge_table(faces: IntArray) -> EdgeTable:
     """Sort the half-edges of a mesh by the edge that they lie on.
 
-    Parameters
-    ----------
-    faces : (m, 3) ndarray of int
-        Triangles.
-
-    Returns
-    -------
-    EdgeTable
-        The table.
+    `faces` (m, 3).
 
     Examples
     --------
@@ -192,15 +140,7 @@ def edge_table(faces: IntArray) -> EdgeTable:
 def pairs_across_edges(faces: IntArray) -> IntArray:
     """List the pairs of vertices that face each other across an edge.
 
-    Parameters
-    ----------
-    faces : (m, 3) ndarray of int
-        Triangles.
-
-    Returns
-    -------
-    (p, 2) ndarray of int
-        Pairs, lower vertex index first, sorted, each once.
+    `faces` (m, 3); gives (p, 2).
 
     Examples
     --------

@@ -15,24 +15,7 @@ from ..run.errors import InvalidMeshError
 def checked_arrays(vertices: ArrayLike, faces: ArrayLike) -> tuple[FloatArray, IntArray]:
     """Convert a mesh to arrays of the core's types, or raise an error that says what is wrong.
 
-    Parameters
-    ----------
-    vertices : (n, 3) array_like of float
-        Vertex positions, any unit of length.
-    faces : (m, 3) array_like of int
-        Triangles as vertex indices.
-
-    Returns
-    -------
-    vertices : (n, 3) ndarray of float64
-        The positions.
-    faces : (m, 3) ndarray of int64
-        The triangles.
-
-    Raises
-    ------
-    InvalidMeshError
-        If a shape is wrong, a coordinate is not finite, an index is out of range, or there is no triangle.
+    `vertices` (n, 3); `faces` (m, 3); gives vertices (n, 3), faces (m, 3).
 
     Examples
     --------
@@ -65,17 +48,7 @@ def checked_arrays(vertices: ArrayLike, faces: ArrayLike) -> tuple[FloatArray, I
 def area_vectors(vertices: FloatArray, faces: IntArray) -> FloatArray:
     """Compute the area vector of every triangle: its normal, with the area as length.
 
-    Parameters
-    ----------
-    vertices : (n, 3) ndarray of float
-        Vertex positions.
-    faces : (m, 3) ndarray of int
-        Triangles.
-
-    Returns
-    -------
-    (m, 3) ndarray of float
-        Vectors on the side from which a triangle is counter-clockwise.
+    `vertices` (n, 3); `faces` (m, 3); gives (m, 3).
 
     Examples
     --------
@@ -91,17 +64,7 @@ def area_vectors(vertices: FloatArray, faces: IntArray) -> FloatArray:
 def vertex_area_vectors(vertices: FloatArray, faces: IntArray) -> FloatArray:
     """Sum the area vectors of the triangles around every vertex: its normal, with their area as length.
 
-    Parameters
-    ----------
-    vertices : (n, 3) ndarray of float
-        Vertex positions.
-    faces : (m, 3) ndarray of int
-        Triangles.
-
-    Returns
-    -------
-    (n, 3) ndarray of float
-        The sums; a third of one is the gradient of the volume at the vertex.
+    `vertices` (n, 3); `faces` (m, 3); gives (n, 3).
 
     Examples
     --------
@@ -117,17 +80,7 @@ def vertex_area_vectors(vertices: FloatArray, faces: IntArray) -> FloatArray:
 def vertex_normals(vertices: FloatArray, faces: IntArray) -> FloatArray:
     """Compute the unit normal of every vertex.
 
-    Parameters
-    ----------
-    vertices : (n, 3) ndarray of float
-        Vertex positions.
-    faces : (m, 3) ndarray of int
-        Triangles.
-
-    Returns
-    -------
-    (n, 3) ndarray of float
-        Normals, weighted by area; 0 where the triangles around a vertex have no area.
+    `vertices` (n, 3); `faces` (m, 3); gives (n, 3).
 
     Examples
     --------
@@ -141,17 +94,7 @@ def vertex_normals(vertices: FloatArray, faces: IntArray) -> FloatArray:
 def surface_area(vertices: FloatArray, faces: IntArray) -> float:
     """Compute the area of a mesh.
 
-    Parameters
-    ----------
-    vertices : (n, 3) ndarray of float
-        Vertex positions.
-    faces : (m, 3) ndarray of int
-        Triangles.
-
-    Returns
-    -------
-    float
-        Area, in squared units of length.
+    `vertices` (n, 3); `faces` (m, 3).
 
     Examples
     --------
@@ -165,21 +108,7 @@ def surface_area(vertices: FloatArray, faces: IntArray) -> float:
 def of_unit_area(vertices: FloatArray, faces: IntArray) -> tuple[FloatArray, FloatArray, float]:
     """Centre a mesh and scale it to unit area, whatever its size.
 
-    Parameters
-    ----------
-    vertices : (n, 3) ndarray of float
-        Vertex positions.
-    faces : (m, 3) ndarray of int
-        Triangles, not all of zero area.
-
-    Returns
-    -------
-    points : (n, 3) ndarray of float
-        The scaled positions.
-    centre : (3,) ndarray of float
-        The former centre.
-    unit : float
-        Square root of the area: ``vertices = points * unit + centre``.
+    `vertices` (n, 3); `faces` (m, 3); gives points (n, 3), centre (3,), unit.
 
     Examples
     --------
@@ -199,17 +128,7 @@ def of_unit_area(vertices: FloatArray, faces: IntArray) -> tuple[FloatArray, Flo
 def vertex_areas(vertices: FloatArray, faces: IntArray) -> FloatArray:
     """Compute the area of every vertex: a third of that of its triangles in space.
 
-    Parameters
-    ----------
-    vertices : (n, 3) ndarray of float
-        Vertex positions.
-    faces : (m, 3) ndarray of int
-        Triangles.
-
-    Returns
-    -------
-    (n,) ndarray of float
-        Areas.
+    `vertices` (n, 3); `faces` (m, 3); gives (n,).
 
     Examples
     --------
@@ -223,17 +142,7 @@ def vertex_areas(vertices: FloatArray, faces: IntArray) -> FloatArray:
 def signed_volume(vertices: FloatArray, faces: IntArray) -> float:
     """Sum the signed volumes of the tetrahedra between the triangles and the centre.
 
-    Parameters
-    ----------
-    vertices : (n, 3) ndarray of float
-        Vertex positions.
-    faces : (m, 3) ndarray of int
-        Triangles.
-
-    Returns
-    -------
-    float
-        The volume inside a closed mesh, positive if its triangles are counter-clockwise seen from outside.
+    `vertices` (n, 3); `faces` (m, 3).
 
     Examples
     --------
@@ -248,19 +157,7 @@ def signed_volume(vertices: FloatArray, faces: IntArray) -> float:
 def moved_by_frames(vertices: FloatArray, rotation: FloatArray, shift: FloatArray) -> FloatArray:
     """Move every vertex by its own frame.
 
-    Parameters
-    ----------
-    vertices : (n, 3) ndarray of float
-        Vertex positions.
-    rotation : (n, 3, 3) ndarray of float
-        R of every vertex.
-    shift : (n, 3) ndarray of float
-        t of every vertex.
-
-    Returns
-    -------
-    (n, 3) ndarray of float
-        ``x R + t``.
+    `vertices` (n, 3); `rotation` (n, 3, 3); `shift` (n, 3); gives (n, 3).
 
     Examples
     --------
@@ -274,15 +171,7 @@ def moved_by_frames(vertices: FloatArray, rotation: FloatArray, shift: FloatArra
 def relative_rounding(points: FloatArray) -> float:
     """Estimate the relative rounding of positions that are far from the origin.
 
-    Parameters
-    ----------
-    points : (n, 3) ndarray of float
-        Vertex positions.
-
-    Returns
-    -------
-    float
-        Half the spacing of single precision, if all positions have it, or of double, over half the size of the mesh.
+    `points` (n, 3).
 
     Examples
     --------
@@ -301,21 +190,7 @@ def relative_rounding(points: FloatArray) -> float:
 def component_areas(points: FloatArray, faces: IntArray, start: IntArray) -> tuple[FloatArray, FloatArray]:
     """Measure the area of every component of a mesh, at any scale.
 
-    Parameters
-    ----------
-    points : (n, 3) ndarray of float
-        Vertex positions.
-    faces : (m, 3) ndarray of int
-        Triangles, those of one component contiguous.
-    start : (k,) ndarray of int
-        The first triangle of each component.
-
-    Returns
-    -------
-    area : (k,) ndarray of float
-        Areas, in squares of the component's size.
-    size : (k,) ndarray of float
-        Half the largest extent of each component.
+    `points` (n, 3); `faces` (m, 3); `start` (k,); gives area (k,), size (k,).
 
     Examples
     --------

@@ -11,17 +11,7 @@ from .connectivity import component_labels
 def island_labels(faces: IntArray, values: FloatArray) -> IntArray:
     """Find the parts of a surface on which values of corners agree across edges.
 
-    Parameters
-    ----------
-    faces : (m, 3) ndarray of int
-        Triangles.
-    values : (m, 3, d) ndarray of float
-        Values of their corners, such as positions in a UV map.
-
-    Returns
-    -------
-    (m,) ndarray of int
-        Number of the island of each triangle.
+    `faces` (m, 3); `values` (m, 3, d); gives (m,).
 
     Examples
     --------

@@ -57,49 +57,19 @@ class Mirrored(NamedTuple):
     def symmetrised(self, shape: FloatArray) -> FloatArray:
         """Make a shape symmetric in every mirror: the mean of the shape and its images.
 
-        Parameters
-        ----------
-        shape : (n, 3) ndarray of float
-            Positions of all vertices.
-
-        Returns
-        -------
-        (n, 3) ndarray of float
-            The symmetric shape; vertices that are their own image lie in the mirror.
+        `shape` (n, 3); gives (n, 3).
         """
         for image, mirror in zip(self.images, self.mirrors, strict=True):
             shape = (shape + shape[image] * _signs(mirror)) / 2
         return shape
 
     def asymmetry(self, shape: FloatArray) -> float:
-        """Measure the asymmetry of a shape.
-
-        Parameters
-        ----------
-        shape : (n, 3) ndarray of float
-            Positions of all vertices.
-
-        Returns
-        -------
-        float
-            Root mean square distance of the vertices to the symmetric shape, in units of sqrt(area) of the mesh.
-        """
+        """Measure the asymmetry of a shape. `shape` (n, 3)."""
         apart = shape - self.symmetrised(shape)
         return float(np.sqrt((apart**2).sum(axis=1).mean() / surface_area(self.vertices, self.faces)))
 
     def spread(self, shape: FloatArray) -> FloatArray:
-        """Combine a shape of the half with its images.
-
-        Parameters
-        ----------
-        shape : (h, 3) ndarray of float
-            Positions of the vertices of the half.
-
-        Returns
-        -------
-        (n, 3) ndarray of float
-            Positions of all.
-        """
+        """Combine a shape of the half with its images. `shape` (h, 3); gives (n, 3)."""
         return mirrored(shape, self.faces[:0], self.mirrors, like=self).vertices
 
 
@@ -108,21 +78,8 @@ def mirrored(
 ) -> Mirrored:
     """Add the mirror images to a mesh, one mirror after the other.
 
-    Parameters
-    ----------
-    vertices : (h, 3) ndarray of float
-        Positions.
-    faces : (m, 3) ndarray of int
-        Triangles.
-    mirrors : sequence of Mirror
-        The mirrors, each across a different axis.
-    like : Mirrored, optional
-        Merge the vertices that are merged there.
-
-    Returns
-    -------
-    Mirrored
-        The whole mesh.
+    `vertices` (h, 3); `faces` (m, 3); `mirrors`: the mirrors, each across a different axis; `like`: merge the
+    vertices that are merged there.
 
     Examples
     --------

@@ -58,26 +58,7 @@ def repaired(vertices: ArrayLike, faces: ArrayLike, monitor: Monitor | None = No
     that many file formats cut, their vertices are treated as one. Faces oriented opposite to their neighbours are
     flipped.
 
-    Parameters
-    ----------
-    vertices : (n, 3) array_like of float
-        Vertex positions, any unit of length.
-    faces : (m, 3) array_like of int
-        Triangles as vertex indices.
-    monitor : Monitor, optional
-        Polled for cancellation between the steps.
-
-    Returns
-    -------
-    RepairedMesh
-        The surface.
-
-    Raises
-    ------
-    InvalidMeshError
-        If a shape is wrong, a coordinate is not finite, an index is out of range, or there is no triangle.
-    CancelledError
-        If the run is cancelled.
+    `vertices` (n, 3); `faces` (m, 3).
 
     Examples
     --------

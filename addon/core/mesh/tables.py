@@ -10,17 +10,7 @@ from ..numerics.arrays import IntArray
 def rows_in(rows: IntArray, table: IntArray) -> IntArray:
     """Look up rows of three in a table.
 
-    Parameters
-    ----------
-    rows : (q, 3) ndarray of int
-        The rows.
-    table : (m, 3) ndarray of int
-        The table.
-
-    Returns
-    -------
-    (q,) ndarray of int
-        Index of each row in the table, the last of several; -1 if it is not there.
+    `rows` (q, 3); `table` (m, 3); gives (q,).
 
     Examples
     --------

@@ -62,28 +62,12 @@ class Method(NamedTuple):
     fixed: Mapping[str, Any] = MappingProxyType({})
 
     def settings(self, wanted: Settings) -> Settings:
-        """Replace the settings that the method itself fixes.
-
-        Parameters
-        ----------
-        wanted : Settings
-            The settings of the user.
-
-        Returns
-        -------
-        Settings
-            The settings that the method uses.
-        """
+        """Replace the settings that the method itself fixes. `wanted`: the settings of the user."""
         return replace(wanted, **self.fixed) if self.fixed else wanted
 
 
 def methods() -> dict[str, Method]:
     """Collect the methods of all files in the room `methods`.
-
-    Returns
-    -------
-    dict of str to Method
-        By name, in ascending rank: ours, the rivals, the paper to the letter.
 
     Examples
     --------
@@ -96,20 +80,7 @@ def methods() -> dict[str, Method]:
 def method_named(name: str) -> Method:
     """Look up a method by its name.
 
-    Parameters
-    ----------
-    name : str
-        Its name.
-
-    Returns
-    -------
-    Method
-        The method.
-
-    Raises
-    ------
-    InvalidSettingsError
-        If there is no method of that name; the message lists the available ones.
+    `name`: its name.
 
     Examples
     --------

@@ -20,17 +20,8 @@ PIECE_SECONDS = 0.25  # time that a loose part with a form of its own takes at l
 def memory_estimate(vertex_count: int, settings: Settings) -> float:
     """Estimate the peak memory of a run, beyond what Python and the mesh already use.
 
-    Parameters
-    ----------
-    vertex_count : int
-        Number of vertices.
-    settings : Settings
-        The options; at quality 'full' the estimate is for five patches of equal size.
-
-    Returns
-    -------
-    float
-        Gigabytes.
+    `vertex_count`: number of vertices; `settings`: the options; at quality 'full' the estimate is for five patches of
+    equal size.
 
     Examples
     --------
@@ -54,17 +45,7 @@ def memory_estimate(vertex_count: int, settings: Settings) -> float:
 def time_estimate(vertex_count: int, settings: Settings) -> float:
     """Estimate how long a run takes on a machine of 2020 or later, within a factor of two.
 
-    Parameters
-    ----------
-    vertex_count : int
-        Number of vertices.
-    settings : Settings
-        The options.
-
-    Returns
-    -------
-    float
-        Seconds.
+    `vertex_count`: number of vertices; `settings`: the options.
 
     Examples
     --------
@@ -79,17 +60,7 @@ def time_estimate(vertex_count: int, settings: Settings) -> float:
 def require_memory(vertex_count: int, settings: Settings) -> None:
     """Raise an error if a mesh is too large for the memory limit.
 
-    Parameters
-    ----------
-    vertex_count : int
-        Number of vertices of its largest piece.
-    settings : Settings
-        The options.
-
-    Raises
-    ------
-    TooLargeError
-        With the memory needed and what to do. Where all pairs are kept, their number is known later, and checked then.
+    `vertex_count`: number of vertices of its largest piece; `settings`: the options.
 
     Examples
     --------
@@ -109,17 +80,7 @@ def require_memory(vertex_count: int, settings: Settings) -> None:
 def match_memory_estimate(count: int, other_count: int, settings: Settings) -> float:
     """Estimate the peak memory of a match, both forms included.
 
-    Parameters
-    ----------
-    count, other_count : int
-        Numbers of vertices.
-    settings : Settings
-        The options of the forms.
-
-    Returns
-    -------
-    float
-        Gigabytes.
+    `count, other_count`: numbers of vertices; `settings`: the options of the forms.
 
     Examples
     --------
@@ -132,17 +93,7 @@ def match_memory_estimate(count: int, other_count: int, settings: Settings) -> f
 def match_time_estimate(count: int, other_count: int, settings: Settings) -> float:
     """Estimate how long a match takes on a machine of 2020 or later, both forms included, within a factor of two.
 
-    Parameters
-    ----------
-    count, other_count : int
-        Numbers of vertices.
-    settings : Settings
-        The options of the forms.
-
-    Returns
-    -------
-    float
-        Seconds.
+    `count, other_count`: numbers of vertices; `settings`: the options of the forms.
 
     Examples
     --------
@@ -156,17 +107,7 @@ def match_time_estimate(count: int, other_count: int, settings: Settings) -> flo
 def require_match_memory(count: int, other_count: int, settings: Settings) -> None:
     """Raise an error if two meshes are too large to be matched within the memory limit.
 
-    Parameters
-    ----------
-    count, other_count : int
-        Numbers of vertices.
-    settings : Settings
-        The options of the forms.
-
-    Raises
-    ------
-    TooLargeError
-        With the memory needed and what to do.
+    `count, other_count`: numbers of vertices; `settings`: the options of the forms.
 
     Examples
     --------

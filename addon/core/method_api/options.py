@@ -71,15 +71,7 @@ class Option(NamedTuple):
     def allows(self, value: Any) -> bool:
         """Check whether a value is allowed.
 
-        Parameters
-        ----------
-        value : str, int or float
-            The value, of the right type.
-
-        Returns
-        -------
-        bool
-            Whether it lies in the range.
+        `value`: the value, of the right type.
 
         Examples
         --------
@@ -97,17 +89,7 @@ class Option(NamedTuple):
 def option(default: Any, label: str, help: str, **about: Any) -> Any:  # noqa: A002 (the field's word)
     """Declare an option as a field of a dataclass.
 
-    Parameters
-    ----------
-    default : object
-        Its default value; its type is the option's.
-    label, help, **about
-        As in `Option`.
-
-    Returns
-    -------
-    dataclasses.Field
-        The field.
+    `default`: its default value; its type is the option's.
 
     Examples
     --------
@@ -124,15 +106,7 @@ def option(default: Any, label: str, help: str, **about: Any) -> Any:  # noqa: A
 def options_of(owner: Any) -> dict[str, Option]:
     """List the options that a dataclass declares.
 
-    Parameters
-    ----------
-    owner : type or object
-        The dataclass.
-
-    Returns
-    -------
-    dict of str to Option
-        By name, in order.
+    `owner`: the dataclass.
 
     Examples
     --------
@@ -146,15 +120,7 @@ def options_of(owner: Any) -> dict[str, Option]:
 def require_allowed(owner: Any) -> None:
     """Raise an error for a value of a wrong type or outside its range.
 
-    Parameters
-    ----------
-    owner : object
-        A dataclass with options.
-
-    Raises
-    ------
-    InvalidSettingsError
-        With the name of the option, its range and the value.
+    `owner`: a dataclass with options.
 
     Examples
     --------

@@ -13,11 +13,6 @@ OURS = "straight"  # the default
 def declared_methods() -> dict[str, Any]:
     """Collect what the files of the room `methods` declare.
 
-    Returns
-    -------
-    dict of str to Method
-        By name, in ascending rank: ours, the rivals, the paper to the letter.
-
     Examples
     --------
     >>> list(declared_methods())[:3]
@@ -35,20 +30,7 @@ def declared_methods() -> dict[str, Any]:
 def declared_method(name: str) -> Any:
     """Look up a method by its name.
 
-    Parameters
-    ----------
-    name : str
-        Its name.
-
-    Returns
-    -------
-    Method
-        The method.
-
-    Raises
-    ------
-    InvalidSettingsError
-        If there is no method of that name; the message lists the available ones.
+    `name`: its name.
 
     Examples
     --------

@@ -116,25 +116,7 @@ class SurfaceFeatures:
         return self.surface.kept[self.features]
 
     def prolonged(self, monitor: Monitor, order: IntArray | None = None) -> WholeFeatures:
-        """Interpolate the features to all vertices.
-
-        Parameters
-        ----------
-        monitor : Monitor
-            Polled for cancellation.
-        order : (k,) ndarray of int, optional
-            Which feature point comes first, second, …; unchanged if omitted.
-
-        Returns
-        -------
-        WholeFeatures
-            The features.
-
-        Raises
-        ------
-        CancelledError
-            If the run is cancelled.
-        """
+        """Interpolate the features to all vertices. `order` (k,)."""
         features, cells, adf = self.whole_features, self.cells, self.adf
         if self.surface.coarse:
             cells = voronoi_cells(self.surface.prolong(self.limbs.to_features), features, self.joined_faces)
@@ -156,33 +138,8 @@ def detected(
 ) -> SurfaceFeatures:
     """Reduce a surface to its working vertices, and find its feature points and patches.
 
-    Parameters
-    ----------
-    points : (n, 3) ndarray of float
-        Vertex positions, any unit of length.
-    faces : (m, 3) ndarray of int
-        Triangles of one connected surface, or of one that `reduced` connects, with some area; each vertex belongs to at
-        least one.
-    chosen : (k,) ndarray of int or None
-        Feature points given by hand; None to detect them.
-    settings : Settings
-        Options.
-    monitor : Monitor
-        Receives progress (the stages of `DETECTION`) and warnings; polled for cancellation.
-    reduced : callable
-        Reduces the surface, as `working_surface` does; joins the parts of a body into one surface.
-
-    Returns
-    -------
-    SurfaceFeatures
-        The features.
-
-    Raises
-    ------
-    SolverError
-        If the spectrum cannot be computed accurately.
-    CancelledError
-        If the run is cancelled.
+    `points` (n, 3); `faces` (m, 3); `chosen` (k,); `settings`: options; `reduced`: reduces the surface, as
+    `working_surface` does; joins the parts of a body into one surface.
 
     Examples
     --------

@@ -55,10 +55,7 @@ class Samples:
     def classical_embedding(self) -> FloatArray:
         """Embed all vertices by classical scaling: from all pairs if they are known, otherwise by the landmarks.
 
-        Returns
-        -------
-        (n, 3) ndarray of float
-            The points, centred.
+        Gives (n, 3).
         """
         if self.complete:
             return leading_scaling(self.distances)
@@ -68,19 +65,7 @@ class Samples:
     def spread(self, placed: FloatArray, start: FloatArray, distances: FloatArray | None = None) -> FloatArray:
         """Place all other vertices by their distances from the samples.
 
-        Parameters
-        ----------
-        placed : (s, 3) ndarray of float
-            Positions of the samples.
-        start : (n, 3) ndarray of float
-            All vertices, before the samples were placed.
-        distances : (n, s) ndarray of float, optional
-            Distances to use instead of the geodesic ones.
-
-        Returns
-        -------
-        (n, 3) ndarray of float
-            All vertices.
+        `placed` (s, 3); `start` (n, 3); `distances` (n, s); gives (n, 3).
         """
         if self.complete:
             return placed
@@ -90,14 +75,7 @@ class Samples:
 class WholeSurface:
     """All vertices of a mesh, as the rivals need them.
 
-    Parameters
-    ----------
-    found : SurfaceFeatures
-        The mesh and its feature points.
-    settings : Settings
-        Quality and number of landmarks.
-    monitor : Monitor
-        Receives progress; polled for cancellation.
+    `found`: the mesh and its feature points; `settings`: quality and number of landmarks.
 
     Attributes
     ----------
@@ -109,16 +87,6 @@ class WholeSurface:
         Feature points.
     summit : int
         The most prominent of them.
-
-    Examples
-    --------
-    >>> from addon.core.method_api.surface_features import detected
-    >>> points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
-    >>> faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
-    >>> found = detected(points, faces, None, Settings(), Monitor())
-    >>> samples = WholeSurface(found, Settings(), Monitor()).samples()
-    >>> samples.complete, samples.distances.shape
-    (True, (4, 4))
     """
 
     def __init__(self, found: SurfaceFeatures, settings: Settings, monitor: Monitor) -> None:
@@ -173,33 +141,13 @@ class WholeSurface:
     def outside_out(self, form: FloatArray) -> FloatArray:
         """Choose between an embedding and its mirror image, which distances cannot distinguish.
 
-        Parameters
-        ----------
-        form : (n, 3) ndarray of float
-            The embedding.
-
-        Returns
-        -------
-        (n, 3) ndarray of float
-            The embedding or its mirror image.
+        `form` (n, 3); gives (n, 3).
         """
         return outside_out(self.body, form)
 
     def embedding(self, form: FloatArray, history: ArrayLike, pair_count: int) -> MethodResult:
         """Make the result of an embedding that may be a mirror image.
 
-        Parameters
-        ----------
-        form : (n, 3) ndarray of float
-            All vertices.
-        history : (s + 1,) array_like of float
-            The objective.
-        pair_count : int
-            Number of distances used.
-
-        Returns
-        -------
-        MethodResult
-            The result, not mirrored.
+        `form` (n, 3); `history` (s + 1,); `pair_count`: number of distances used.
         """
         return MethodResult(self.outside_out(form), np.asarray(history, dtype=np.float64), pair_count)

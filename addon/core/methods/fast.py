@@ -27,21 +27,8 @@ def fast_map(
 ) -> tuple[FloatArray, list[int]]:
     """Embed points by their distances from two pivots per axis.
 
-    Parameters
-    ----------
-    distances_from : callable
-        Returns the distances of all n points from one of them, (n,).
-    first : int
-        The point where the search for pivots starts.
-    dimensions : int
-        Dimension d of the embedding.
-
-    Returns
-    -------
-    embedding : (n, d) ndarray of float
-        The points.
-    pivots : list of int
-        Two per axis; fewer axes if no distance remains to embed.
+    `distances_from`: returns the distances of all n points from one of them, (n,); `first`: the point where the
+    search for pivots starts; `dimensions`: dimension d of the embedding; gives embedding (n, d), pivots.
 
     Examples
     --------

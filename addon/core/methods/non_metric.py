@@ -33,32 +33,8 @@ def non_metric_scaling(
     collapse. Where two given distances are equal, the first in the matrix comes first (the secondary approach to ties
     makes no difference to geodesics, which are hardly ever equal).
 
-    Parameters
-    ----------
-    distances : (n, n) ndarray of float
-        Given distances, symmetric; only their order is used.
-    start : (n, d) ndarray of float
-        First embedding.
-    max_iterations : int
-        Maximum number of steps.
-    tolerance : float
-        Stop when a step reduces the stress by less than this fraction.
-    monitor : Monitor, optional
-        Receives progress; polled for cancellation.
-
-    Returns
-    -------
-    embedding : (n, d) ndarray of float
-        The points, centred.
-    history : (s + 1,) ndarray of float
-        ``Σ_{i<j} (d̂_ij - d_ij)²`` before each step and after the last; it never increases.
-    disparities : (n (n - 1) / 2,) ndarray of float
-        d̂ of the pairs i < j, row by row.
-
-    Raises
-    ------
-    CancelledError
-        If the run is cancelled.
+    `distances` (n, n); `start` (n, d); `max_iterations`: maximum number of steps; `tolerance`: stop when a step
+    reduces the stress by less than this fraction; gives embedding (n, d), history (s + 1,), disparities.
 
     Examples
     --------

@@ -27,26 +27,7 @@ def with_one_form_kept(points: FloatArray, triangles: IntArray, layout: FloatArr
     The coordinates' differences along the edges are three discrete 1-forms. Rotated triangle by triangle they are no
     longer exact; the exact part of their Hodge decomposition, one Poisson problem, gives the vertices.
 
-    Parameters
-    ----------
-    points : (n, 3) ndarray of float
-        Vertices.
-    triangles : (m, 3) ndarray of int
-        Triangles.
-    layout : (n, 3) ndarray of float
-        Positions of the vertices in an embedding.
-
-    Returns
-    -------
-    (n, 3) ndarray of float
-        The vertices, centred.
-
-    Examples
-    --------
-    >>> points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
-    >>> faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
-    >>> np.allclose(with_one_form_kept(points, faces, points + 5), points)
-    True
+    `points` (n, 3); `triangles` (m, 3); `layout` (n, 3); gives (n, 3).
     """
     from scipy.sparse import eye
 

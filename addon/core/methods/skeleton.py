@@ -52,13 +52,7 @@ class CurveSkeleton:
     areas: FloatArray
 
     def path_lengths(self) -> FloatArray:
-        """Compute the shortest paths between all nodes along the bones.
-
-        Returns
-        -------
-        (b, b) ndarray of float
-            Lengths.
-        """
+        """Compute the shortest paths between all nodes along the bones. Gives (b, b)."""
         from scipy.sparse import coo_matrix
         from scipy.sparse.csgraph import dijkstra
 
@@ -71,19 +65,7 @@ class CurveSkeleton:
 def curve_skeleton(points: FloatArray, triangles: IntArray, from_root: FloatArray) -> CurveSkeleton:
     """Find the curve skeleton of a surface: the centres of the rings of equal distance from a root.
 
-    Parameters
-    ----------
-    points : (n, 3) ndarray of float
-        Vertices.
-    triangles : (m, 3) ndarray of int
-        Triangles.
-    from_root : (n,) ndarray of float
-        Geodesic distance of every vertex from the root.
-
-    Returns
-    -------
-    CurveSkeleton
-        The skeleton.
+    `points` (n, 3); `triangles` (m, 3); `from_root` (n,).
 
     Examples
     --------
@@ -122,36 +104,7 @@ def curve_skeleton(points: FloatArray, triangles: IntArray, from_root: FloatArra
 def driven(body: ElasticBody, skeleton: CurveSkeleton, places: FloatArray, monitor: Monitor) -> FloatArray:
     """Deform a mesh as rigidly as possible so that its skeleton moves to given positions.
 
-    Parameters
-    ----------
-    body : ElasticBody
-        The mesh.
-    skeleton : CurveSkeleton
-        Its skeleton.
-    places : (b, 3) ndarray of float
-        Wanted positions of the nodes.
-    monitor : Monitor
-        Receives progress; polled for cancellation.
-
-    Returns
-    -------
-    (n, 3) ndarray of float
-        The vertices.
-
-    Raises
-    ------
-    CancelledError
-        If the run is cancelled.
-
-    Examples
-    --------
-    >>> from addon.core.surface.triangulation import triangulated
-    >>> points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
-    >>> faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
-    >>> body = ElasticBody(triangulated(points, faces), points, faces)
-    >>> point = CurveSkeleton(np.zeros((1, 3)), np.empty((0, 2), int), np.zeros(4, int), np.ones(1))
-    >>> np.allclose(driven(body, point, np.ones((1, 3)), Monitor()), points + 1)
-    True
+    `body`: the mesh; `skeleton`: its skeleton; `places` (b, 3); gives (n, 3).
     """
     form = body.points
     for number in range(_ROUNDS):

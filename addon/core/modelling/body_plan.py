@@ -52,11 +52,6 @@ _THUMB = ((0.55, -0.02, -0.004), (0.59, -0.055, -0.01), (0.64, -0.085, -0.016))
 def human() -> list[RoundCone | Ellipsoid]:
     """List the solids of the mannequin.
 
-    Returns
-    -------
-    list of RoundCone or Ellipsoid
-        The solids, its arms held out sideways.
-
     Examples
     --------
     >>> solids = human()

@@ -32,28 +32,14 @@ class RoundCone(NamedTuple):
     last: float
 
     def bounds(self) -> tuple[FloatArray, FloatArray]:
-        """Find the smallest box around the cone.
-
-        Returns
-        -------
-        low, high : (3,) ndarray of float
-            Its corners.
-        """
+        """Find the smallest box around the cone. Gives low, high (3,)."""
         wide = max(self.first, self.last)
         return np.minimum(self.start, self.end) - wide, np.maximum(self.start, self.end) + wide
 
     def distance(self, points: FloatArray) -> FloatArray:
         """Measure the distance of points from the surface; approximate if the radii differ.
 
-        Parameters
-        ----------
-        points : (..., 3) ndarray of float
-            The points.
-
-        Returns
-        -------
-        (...) ndarray of float
-            Distances, negative inside.
+        `points` (..., 3); gives (...).
 
         Examples
         --------
@@ -82,27 +68,13 @@ class Ellipsoid(NamedTuple):
     radii: Point
 
     def bounds(self) -> tuple[FloatArray, FloatArray]:
-        """Find the smallest box around the ellipsoid.
-
-        Returns
-        -------
-        low, high : (3,) ndarray of float
-            Its corners.
-        """
+        """Find the smallest box around the ellipsoid. Gives low, high (3,)."""
         return np.subtract(self.centre, self.radii), np.add(self.centre, self.radii)
 
     def distance(self, points: FloatArray) -> FloatArray:
         """Measure the distance of points from the surface, to first order.
 
-        Parameters
-        ----------
-        points : (..., 3) ndarray of float
-            The points.
-
-        Returns
-        -------
-        (...) ndarray of float
-            Distances, negative inside.
+        `points` (..., 3); gives (...).
 
         Examples
         --------
@@ -119,19 +91,8 @@ class Ellipsoid(NamedTuple):
 def smooth_union(solids: Sequence[RoundCone | Ellipsoid], axes: Sequence[FloatArray], blend: float) -> FloatArray:
     """Blend solids into one on a grid: the smooth minimum of their distances.
 
-    Parameters
-    ----------
-    solids : sequence of RoundCone or Ellipsoid
-        The solids.
-    axes : three (k,) ndarray of float
-        Coordinates of the grid, ascending.
-    blend : float
-        Width over which surfaces are blended.
-
-    Returns
-    -------
-    (k, k', k'') ndarray of float
-        Negative inside; near the surface the distance from it, in units of `blend`.
+    `solids`: the solids; `axes`: coordinates of the grid, ascending; `blend`: width over which surfaces are blended;
+    gives (k, k', k'').
 
     Examples
     --------

@@ -14,19 +14,7 @@ _AROUND = ((0, 0), (-1, 0), (-1, -1), (0, -1))  # cells around an edge of the gr
 def surface_net(field: FloatArray, axes: Sequence[FloatArray]) -> tuple[FloatArray, IntArray]:
     """Triangulate field = 0: a vertex in each cell that the surface crosses, a quad around each edge that it crosses.
 
-    Parameters
-    ----------
-    field : (k, k', k'') ndarray of float
-        Values on the grid, negative inside; positive along its border.
-    axes : three (k,) ndarray of float
-        Coordinates of the grid, evenly spaced.
-
-    Returns
-    -------
-    vertices : (n, 3) ndarray of float
-        The mean of the points where edges of the cell cross the surface.
-    faces : (m, 3) ndarray of int
-        Triangles, counter-clockwise seen from outside; every quad is cut along its shorter diagonal.
+    `field` (k, k', k''); `axes`: coordinates of the grid, evenly spaced; gives vertices (n, 3), faces (m, 3).
 
     References
     ----------

@@ -17,15 +17,7 @@ _ROWS = 128
 def columns_at_once(rows: int) -> int:
     """Choose how many right-hand sides of a linear system to solve together.
 
-    Parameters
-    ----------
-    rows : int
-        Unknowns of the system.
-
-    Returns
-    -------
-    int
-        From 4 to 32.
+    `rows`: unknowns of the system.
 
     Examples
     --------
@@ -38,12 +30,7 @@ def columns_at_once(rows: int) -> int:
 def symmetrise(matrix: FloatArray, check: Callable[[], object]) -> None:
     """Replace a square matrix by the mean of itself and its transpose, in place.
 
-    Parameters
-    ----------
-    matrix : (n, n) ndarray of float
-        The matrix.
-    check : callable
-        Called between blocks; raises if the run is cancelled.
+    `matrix` (n, n); `check`: called between blocks; raises if the run is cancelled.
 
     Examples
     --------

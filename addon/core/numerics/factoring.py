@@ -15,22 +15,7 @@ _LARGE = 10_000  # rows from which on minimum degree may take longer than it sav
 def factored(matrix: object) -> SuperLU:
     """Factor a sparse symmetric positive definite matrix such as ``M + t L``.
 
-    Parameters
-    ----------
-    matrix : (n, n) scipy.sparse matrix
-        The matrix.
-
-    Returns
-    -------
-    scipy.sparse.linalg.SuperLU
-        Its factors; `solve` takes one or many right-hand sides. Columns are ordered by minimum degree, which fills in
-        a third less than COLAMD; from 10,000 rows on by COLAMD, since minimum degree takes up to seventy times as long
-        on surfaces of which nearly all vertices have the same number of neighbours.
-
-    Raises
-    ------
-    SolverError
-        If rounding makes the matrix singular.
+    `matrix` (n, n).
 
     Examples
     --------

@@ -14,24 +14,7 @@ _ROWS = 256  # their distances from a few thousand points stay in the cache
 def nearest_rows(points: FloatArray, others: FloatArray, monitor: Monitor) -> IntArray:
     """Find the nearest of other points to each point; on a tie, the first.
 
-    Parameters
-    ----------
-    points : (r, d) ndarray of float
-        Points.
-    others : (s, d) ndarray of float
-        The other points.
-    monitor : Monitor
-        Polled for cancellation.
-
-    Returns
-    -------
-    (r,) ndarray of int
-        Index of the nearest other point of each.
-
-    Raises
-    ------
-    CancelledError
-        If the run is cancelled.
+    `points` (r, d); `others` (s, d); gives (r,).
 
     Examples
     --------
@@ -51,15 +34,7 @@ def nearest_rows(points: FloatArray, others: FloatArray, monitor: Monitor) -> In
 def nearest_others(distances: FloatArray) -> FloatArray:
     """Find how far each of some points is from the nearest other.
 
-    Parameters
-    ----------
-    distances : (k, k) ndarray of float
-        Distances between the points; the diagonal is not read.
-
-    Returns
-    -------
-    (k,) ndarray of float
-        Distance of each from the nearest other; infinite if there is no other.
+    `distances` (k, k); gives (k,).
 
     Examples
     --------

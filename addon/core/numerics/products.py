@@ -17,17 +17,7 @@ _SIDE = 64
 def product(left: FloatArray, right: FloatArray) -> FloatArray:
     """Multiply two matrices block by block.
 
-    Parameters
-    ----------
-    left : (r, k) ndarray of float
-        A matrix.
-    right : (k, c) ndarray of float
-        Another.
-
-    Returns
-    -------
-    (r, c) ndarray of float
-        Their product.
+    `left` (r, k); `right` (k, c); gives (r, c).
 
     Examples
     --------
@@ -49,29 +39,4 @@ def product(left: FloatArray, right: FloatArray) -> FloatArray:
             np.matmul(left[i : i + high, :deep], right[:deep, j : j + wide], out=block)
             for k in range(deep, inner, deep):
                 block += left[i : i + high, k : k + deep] @ right[k : k + deep, j : j + wide]
-    return result
-
-
-def inverse_of_lower(lower: FloatArray) -> FloatArray:
-    """Invert a small lower triangular matrix row by row, without waking a library's threads.
-
-    Parameters
-    ----------
-    lower : (n, n) ndarray of float
-        The matrix; what lies above the diagonal is not read.
-
-    Returns
-    -------
-    (n, n) ndarray of float
-        Its inverse, lower triangular.
-
-    Examples
-    --------
-    >>> inverse_of_lower(np.array([[2.0, 0], [1, 1]])).tolist()
-    [[0.5, 0.0], [-0.5, 1.0]]
-    """
-    result = np.zeros_like(lower)
-    for row, scale in enumerate(1 / np.diag(lower)):
-        result[row, :row] = -scale * (lower[row, :row] @ result[:row, :row])
-        result[row, row] = scale
     return result

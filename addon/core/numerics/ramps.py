@@ -10,17 +10,7 @@ from .arrays import FloatArray
 def ramp(values: FloatArray | float, start: float, end: float) -> FloatArray:
     """Rise linearly from 0 at one bound to 1 at another, and stay there.
 
-    Parameters
-    ----------
-    values : ndarray of float
-        Any shape.
-    start, end : float
-        Where the ramp is 0 and 1; the first may be the larger one.
-
-    Returns
-    -------
-    ndarray of float
-        Of the same shape.
+    `values`: any shape; `start, end`: where the ramp is 0 and 1; the first may be the larger one.
 
     Examples
     --------
@@ -32,16 +22,6 @@ def ramp(values: FloatArray | float, start: float, end: float) -> FloatArray:
 
 def smooth_ramp(values: FloatArray | float, start: float, end: float) -> FloatArray:
     """Rise from 0 at one bound to 1 at another, level at both (the cubic smooth step).
-
-    Parameters
-    ----------
-    values, start, end
-        As in `ramp`.
-
-    Returns
-    -------
-    ndarray of float
-        Of the same shape.
 
     Examples
     --------

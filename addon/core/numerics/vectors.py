@@ -10,17 +10,7 @@ from .arrays import FloatArray, IntArray
 def gathered(vectors: FloatArray, chosen: IntArray) -> FloatArray:
     """Gather some vectors as columns.
 
-    Parameters
-    ----------
-    vectors : (n, 3) ndarray of float
-        Vectors.
-    chosen : (k,) ndarray of int
-        Which.
-
-    Returns
-    -------
-    (3, k) ndarray of float
-        Those, one a column.
+    `vectors` (n, 3); `chosen` (k,); gives (3, k).
 
     Examples
     --------
@@ -33,15 +23,7 @@ def gathered(vectors: FloatArray, chosen: IntArray) -> FloatArray:
 def cross(one: FloatArray, two: FloatArray) -> FloatArray:
     """Compute vector products.
 
-    Parameters
-    ----------
-    one, two : (3, k) ndarray of float
-        Vectors, one a column.
-
-    Returns
-    -------
-    (3, k) ndarray of float
-        Their products.
+    `one, two` (3, k); gives (3, k).
 
     Examples
     --------
@@ -55,15 +37,7 @@ def cross(one: FloatArray, two: FloatArray) -> FloatArray:
 def dot(one: FloatArray, two: FloatArray) -> FloatArray:
     """Compute scalar products.
 
-    Parameters
-    ----------
-    one, two : (3, k) ndarray of float
-        Vectors, one a column.
-
-    Returns
-    -------
-    (k,) ndarray of float
-        Their products.
+    `one, two` (3, k); gives (k,).
 
     Examples
     --------

@@ -19,19 +19,7 @@ def voronoi_cells(distances: FloatArray, feature_points: IntArray, faces: IntArr
     Each cell is connected and holds its own feature point: an island that rounding or an inaccurate distance cut off is
     assigned to the cell around it. On a tie the first feature point wins.
 
-    Parameters
-    ----------
-    distances : (n, k) ndarray of float
-        Geodesic distance of every vertex from each feature point.
-    feature_points : (k,) ndarray of int
-        Vertex indices.
-    faces : (m, 3) ndarray of int
-        Triangles of a connected mesh.
-
-    Returns
-    -------
-    (n,) ndarray of int
-        Index into `feature_points`.
+    `distances` (n, k); `feature_points` (k,); `faces` (m, 3); gives (n,).
 
     Examples
     --------
@@ -76,21 +64,8 @@ def patches_of(cells: IntArray, faces: IntArray, count: int, *, closed: bool = T
     Neighbouring closed patches share a band of vertices, which keeps the form connected. Open ones, as published, share
     none.
 
-    Parameters
-    ----------
-    cells : (n,) ndarray of int
-        Cell of every vertex.
-    faces : (m, 3) ndarray of int
-        Triangles.
-    count : int
-        Number of cells.
-    closed : bool
-        Whether a patch also holds the neighbours of its cell.
-
-    Returns
-    -------
-    list of Patch
-        One per cell.
+    `cells` (n,); `faces` (m, 3); `count`: number of cells; `closed`: whether a patch also holds the neighbours of its
+    cell.
 
     Examples
     --------

@@ -30,39 +30,8 @@ def in_place(
 ) -> tuple[FloatArray, IntArray]:
     """Scale a form to the area of its input, and place and orient it by a proper motion.
 
-    Parameters
-    ----------
-    embedded : MethodResult
-        The form, at any scale and position.
-    found : SurfaceFeatures
-        The surface of which it is the form.
-    settings : Settings
-        Whether it lies as posed, or upright.
-    reference : ReferenceBody or None
-        The body to which it is aligned instead.
-    monitor : Monitor
-        Receives a warning where the reference is a body of another kind.
-
-    Returns
-    -------
-    form : (n, 3) ndarray of float
-        The placed form.
-    order : (k,) ndarray of int
-        Which feature point comes first, second, …: as in the reference, where there is one.
-
-    Raises
-    ------
-    InvalidSettingsError
-        If positions as far away as the reference are too coarse for a surface of this size.
-
-    Examples
-    --------
-    >>> from addon.core.method_api.surface_features import detected
-    >>> points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
-    >>> found = detected(points, np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]]), None, Settings(), Monitor())
-    >>> turned = MethodResult(7 * points[:, [1, 2, 0]], np.zeros(1), 0)
-    >>> np.allclose(in_place(turned, found, Settings(), None, Monitor())[0], points)
-    True
+    `embedded`: the form, at any scale and position; `found`: the surface of which it is the form; `settings`: whether
+    it lies as posed, or upright; `reference`: the body to which it is aligned instead; gives form (n, 3), order (k,).
     """
     form = embedded.points / np.sqrt(surface_area(embedded.points, found.whole_faces))
     areas = vertex_areas(found.whole_points, found.whole_faces)

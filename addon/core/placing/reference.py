@@ -61,27 +61,7 @@ def reference_bodies(
 ) -> list[ReferenceBody | None]:
     """Split a form into the bodies to which others are aligned.
 
-    Parameters
-    ----------
-    reference : Reference or None
-        The form; None where there is none.
-    faces : (m, 3) ndarray of int
-        Triangles of the mesh that is aligned to it.
-    vertices : sequence of (p,) ndarray of int
-        Vertices of each body of that mesh. In the same mesh each is aligned to itself; otherwise the largest is aligned
-        to the largest, and so on.
-    monitor : Monitor
-        Receives a warning where one has more bodies than the other.
-
-    Returns
-    -------
-    list of ReferenceBody or None
-        One for each body; None for a body without a counterpart.
-
-    Raises
-    ------
-    InvalidSettingsError
-        If the form was computed without feature points, so that its limbs are not identified.
+    `reference`: the form; None where there is none; `faces` (m, 3); `vertices`: vertices of each body of that mesh.
 
     Examples
     --------

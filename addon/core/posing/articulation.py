@@ -30,33 +30,8 @@ class Articulation:
     scaled, and the rotations are composed of the scaled differences: this is not limited to half a turn, and a limb
     unbends like a joint where linear interpolation of the two shapes would shrink it.
 
-    Parameters
-    ----------
-    points : (n, 3) ndarray of float
-        Vertices of the pose.
-    faces : (m, 3) ndarray of int
-        Triangles of one connected surface, or of one that `surface` connects.
-    form : (n, 3) ndarray of float
-        Vertices of the form, rigidly aligned to the pose.
-    monitor : Monitor, optional
-        Polled for cancellation.
-    surface : WorkingSurface, optional
-        Some of the vertices, whose rotations are computed while the others follow them; computed if omitted.
-
-    Raises
-    ------
-    CancelledError
-        If the run is cancelled.
-
-    Examples
-    --------
-    >>> from scipy.spatial.distance import cdist
-    >>> points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
-    >>> faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
-    >>> path = Articulation(points, faces, points @ np.array([[0.0, 1, 0], [-1, 0, 0], [0, 0, 1]]))
-    >>> half = path.at(0.5)
-    >>> np.allclose(half[0], [0, 2**0.5, 1]), np.allclose(cdist(half, half), cdist(points, points))
-    (True, True)
+    `points` (n, 3); `faces` (m, 3); `form` (n, 3); `surface`: some of the vertices, whose rotations are computed
+    while the others follow them; computed if omitted.
 
     References
     ----------
@@ -99,24 +74,8 @@ class Articulation:
     def at(self, amount: FloatArray | float, way: float = 1.0) -> FloatArray:
         """Interpolate all vertices between the pose and the form.
 
-        Parameters
-        ----------
-        amount : (n,) ndarray of float, or float
-            The fraction of the way, 0 to 1, uniform or by vertex. Vertices of amount 0 keep their position in the pose
-            and the others remain attached to them; if there are none, the vertex that rotates least rotates uniformly,
-            and the centre of the area moves uniformly.
-        way : float
-            Factor on the amounts, 0 to 1: from the pose to the shape that the amounts describe.
-
-        Returns
-        -------
-        (n, 3) ndarray of float
-            Positions in the unit of the input: the pose where all amounts are 0, the form where all are 1.
-
-        Raises
-        ------
-        CancelledError
-            If the run is cancelled.
+        `amount` (n,); `way`: factor on the amounts, 0 to 1: from the pose to the shape that the amounts describe;
+        gives (n, 3).
         """
         everywhere = np.broadcast_to(np.asarray(amount, dtype=np.float64), len(self._points))
         complete = everywhere == 1

@@ -17,19 +17,7 @@ _DEEPEST = 0.5  # maximum of it, as a share of the distance from the border of a
 def limb_amounts(points: FloatArray, faces: IntArray, chosen: np.ndarray) -> FloatArray:
     """Compute how far each vertex moves when the pose is removed from selected limbs only.
 
-    Parameters
-    ----------
-    points : (n, 3) ndarray of float
-        Vertices of the pose.
-    faces : (m, 3) ndarray of int
-        Triangles.
-    chosen : (n,) ndarray of bool
-        The vertices of these limbs: whole patches.
-
-    Returns
-    -------
-    (n,) ndarray of float
-        1 in the limbs and 0 outside, rising smoothly over a band along their borders, measured along edges.
+    `points` (n, 3); `faces` (m, 3); `chosen` (n,); gives (n,).
 
     Examples
     --------

@@ -26,24 +26,7 @@ _ALIKE = 0.03  # sqrt(area), are farther apart than this
 def mirror_planes(points: FloatArray, faces: IntArray, monitor: Monitor) -> list[Plane]:
     """Find the planes in which a mesh is exactly its own mirror image, as a modelled character in a T-pose is.
 
-    Parameters
-    ----------
-    points : (n, 3) ndarray of float
-        Vertices.
-    faces : (m, 3) ndarray of int
-        Triangles.
-    monitor : Monitor
-        Polled for cancellation.
-
-    Returns
-    -------
-    list of Plane
-        At most three, through the centre: a mirror plane is perpendicular to a principal axis.
-
-    Raises
-    ------
-    CancelledError
-        If the run is cancelled.
+    `points` (n, 3); `faces` (m, 3).
 
     Examples
     --------
@@ -72,35 +55,8 @@ def symmetric_pose(
     Rotations are averaged and the body is reassembled; only where both sides are near each other is it also pulled to
     their mean. So a head that the match turned aside looks ahead and keeps its shape.
 
-    Parameters
-    ----------
-    body : ElasticBody
-        The body, in its own pose.
-    posed : (n, 3) ndarray of float
-        The body in a pose that is its own mirror image, more or less.
-    confidence : (n,) ndarray of float
-        Confidence of the position of each vertex, 0 to 1.
-    mirror : MirrorMap
-        The mirror symmetry of the body.
-    planes : sequence of Plane
-        Mirror planes of the pose.
-
-    Returns
-    -------
-    (n, 3) ndarray of float
-        The body in the symmetric pose, as far as it is symmetric itself; unchanged if no plane takes left to right.
-
-    Examples
-    --------
-    >>> from addon.core.surface.triangulation import triangulated
-    >>> points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
-    >>> faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
-    >>> body = ElasticBody(triangulated(points, faces), points, faces)
-    >>> mirror, across = MirrorMap(np.array([2, 1, 0, 3]), 1.0), Plane(np.array([1.0, 0, 1]) / 2**0.5, np.zeros(3))
-    >>> aside = points @ np.array([[1, 0.05, 0], [-0.05, 1, 0], [0, 0, 1]])
-    >>> ahead = symmetric_pose(body, aside, np.ones(4), mirror, [across])
-    >>> np.allclose(across.mirrored(ahead[mirror.partner]), ahead, atol=0.005)
-    True
+    `body`: the body, in its own pose; `posed` (n, 3); `confidence` (n,); `mirror`: the mirror symmetry of the body;
+    `planes`: mirror planes of the pose; gives (n, 3).
     """
     middle = body.mass @ posed / body.mass.sum()
     images = [Plane(plane.normal, middle).mirrored(posed[mirror.partner]) for plane in planes]

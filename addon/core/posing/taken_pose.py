@@ -22,29 +22,7 @@ def taken_pose(body: ElasticBody, places: FloatArray, confidence: FloatArray) ->
     Where lengths agree, up to one factor for the whole body, vertices move to their positions. Where they do not,
     because the other body is fatter, or has longer arms, edges only rotate as they do there.
 
-    Parameters
-    ----------
-    body : ElasticBody
-        The body, in its own pose.
-    places : (n, 3) ndarray of float
-        The corresponding point of each vertex.
-    confidence : (n,) ndarray of float
-        Confidence of each position, 0 to 1.
-
-    Returns
-    -------
-    (n, 3) ndarray of float
-        The body in the other pose.
-
-    Examples
-    --------
-    >>> from addon.core.surface.triangulation import triangulated
-    >>> points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
-    >>> faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
-    >>> body = ElasticBody(triangulated(points, faces), points, faces)
-    >>> turned = points @ np.array([[0.0, 1, 0], [-1, 0, 0], [0, 0, 1]])
-    >>> np.allclose(taken_pose(body, 2 * turned, np.ones(4)), turned, atol=1e-3)
-    True
+    `body`: the body, in its own pose; `places` (n, 3); `confidence` (n,); gives (n, 3).
 
     References
     ----------

@@ -49,26 +49,7 @@ def untangled(before: FloatArray, after: FloatArray, faces: IntArray, monitor: M
     through each other deeply may remain so: of all steps the one with the fewest crossings is returned. A body most of
     which crosses itself is returned as it is.
 
-    Parameters
-    ----------
-    before : (n, 3) ndarray of float
-        The vertices in the original pose. What crosses there may cross.
-    after : (n, 3) ndarray of float
-        The vertices in the new pose.
-    faces : (m, 3) ndarray of int
-        Triangles.
-    monitor : Monitor
-        Polled for cancellation.
-
-    Returns
-    -------
-    (n, 3) ndarray of float
-        The vertices in the new pose; those away from crossings stay.
-
-    Raises
-    ------
-    CancelledError
-        If the run is cancelled.
+    `before` (n, 3); `after` (n, 3); `faces` (m, 3); gives (n, 3).
 
     Examples
     --------

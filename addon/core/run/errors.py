@@ -43,15 +43,7 @@ class CanonicalFormError(Exception):
     def about(self, what: str) -> CanonicalFormError:
         """Name the object that the error refers to, where there are several.
 
-        Parameters
-        ----------
-        what : str
-            Its name.
-
-        Returns
-        -------
-        CanonicalFormError
-            The same error, whose message begins with that name.
+        `what`: its name.
 
         Examples
         --------

@@ -50,39 +50,15 @@ class KeptStages:
         self._parts: dict[Hashable, KeptStages] = {}
 
     def part(self, name: Hashable) -> KeptStages:
-        """Return the results kept for a part of the work, such as a body.
-
-        Parameters
-        ----------
-        name : hashable
-            Identifies the part.
-
-        Returns
-        -------
-        KeptStages
-            The results of the part.
-        """
+        """Return the results kept for a part of the work, such as a body. `name`: identifies the part."""
         return self._parts.setdefault(name, KeptStages())
 
     def take(self, name: str, sources: list[Any], compute: Callable[[], Found], warnings: list[Message]) -> Found:
         """Return the kept result of a stage, or compute it.
 
-        Parameters
-        ----------
-        name : str
-            Name of the stage.
-        sources : list
-            All that its result depends on: arrays, lists, numbers and strings, compared by value; methods, by the
-            object they are bound to; and results of earlier stages, compared by identity.
-        compute : callable
-            Computes it.
-        warnings : list of Message
-            Warnings so far. Those of the kept result are appended.
-
-        Returns
-        -------
-        object
-            What `compute` returned.
+        `name`: name of the stage; `sources`: all that its result depends on: arrays, lists, numbers and strings,
+        compared by value; methods, by the object they are bound to; and results of earlier stages, compared by
+        identity; `compute`: computes it; `warnings`: warnings so far.
         """
         told = [_told(source) for source in sources]
         known = self._stages.setdefault(name, [])

@@ -13,11 +13,6 @@ def slowdown() -> float:
     A computation uses one thread most of the time. It is slowed down if more threads are ready to run than there are
     processors; the threads then share them evenly.
 
-    Returns
-    -------
-    float
-        1 if a processor is free, or if the system does not report its load; 2 if two threads share each.
-
     Examples
     --------
     >>> slowdown() >= 1

@@ -19,15 +19,7 @@ _UNKNOWN = 8.0  # gigabytes, where the system does not say how much is free
 def memory_limit(limit: float = 0.0) -> float:
     """Return the maximum memory that a run may use.
 
-    Parameters
-    ----------
-    limit : float
-        The limit that is set, in gigabytes; 0 for none.
-
-    Returns
-    -------
-    float
-        Gigabytes: that limit, or a share of the memory that is free now.
+    `limit`: the limit that is set, in gigabytes; 0 for none.
 
     Examples
     --------
@@ -39,16 +31,6 @@ def memory_limit(limit: float = 0.0) -> float:
 
 def limit_in_words(limit: float = 0.0) -> Message:
     """Describe the memory limit in words.
-
-    Parameters
-    ----------
-    limit : float
-        As in `memory_limit`.
-
-    Returns
-    -------
-    Message
-        The limit and where it comes from.
 
     Examples
     --------
@@ -63,15 +45,7 @@ def limit_in_words(limit: float = 0.0) -> Message:
 def pair_memory(sizes: list[float]) -> float:
     """Estimate the memory of all pairs inside patches: two matrices and V with its factors, three of the largest.
 
-    Parameters
-    ----------
-    sizes : list of float
-        Number of vertices of each patch.
-
-    Returns
-    -------
-    float
-        Gigabytes.
+    `sizes`: number of vertices of each patch.
 
     Examples
     --------
@@ -84,21 +58,8 @@ def pair_memory(sizes: list[float]) -> float:
 def require_pair_memory(vertex_count: int, sizes: list[int], *, limit: float = 0.0, whole: bool = False) -> None:
     """Raise an error if all pairs inside patches would exceed the memory limit.
 
-    Parameters
-    ----------
-    vertex_count : int
-        Number of vertices.
-    sizes : list of int
-        Number of vertices of each patch.
-    limit : float
-        As in `memory_limit`.
-    whole : bool
-        Whether the user chose to use all vertices.
-
-    Raises
-    ------
-    TooLargeError
-        With the memory needed and what to do.
+    `vertex_count`: number of vertices; `sizes`: number of vertices of each patch; `whole`: whether the user chose to
+    use all vertices.
 
     Examples
     --------
@@ -123,12 +84,6 @@ def require_pair_memory(vertex_count: int, sizes: list[int], *, limit: float = 0
 
 def free_memory() -> float:
     """Query the system for the memory that this process may still use.
-
-    Returns
-    -------
-    float
-        Gigabytes: what is free on the machine, in the container and below the limit of the process, whichever is less;
-        8 where nothing is known.
 
     Examples
     --------

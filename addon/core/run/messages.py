@@ -187,22 +187,8 @@ class Message(str):
 def message(kind: str, **numbers: Any) -> Message:
     """Make the sentence for a kind and its numbers.
 
-    Parameters
-    ----------
-    kind : str
-        One of `kinds()`, or a phrase that is inserted into a sentence as one of its numbers.
-    **numbers
-        Values of its placeholders.
-
-    Returns
-    -------
-    Message
-        The sentence.
-
-    Raises
-    ------
-    KeyError
-        If there is no such kind, or a number of its sentence is missing.
+    `kind`: one of `kinds()`, or a phrase that is inserted into a sentence as one of its numbers; `**numbers`: values
+    of its placeholders.
 
     Examples
     --------
@@ -218,11 +204,6 @@ def message(kind: str, **numbers: Any) -> Message:
 def sentences() -> tuple[str, ...]:
     """List the sentences of all messages and their phrases, for translators.
 
-    Returns
-    -------
-    tuple of str
-        The sentences, with a name in braces for each number.
-
     Examples
     --------
     >>> "The surface has no area. Choose a mesh with a surface." in sentences()
@@ -234,11 +215,6 @@ def sentences() -> tuple[str, ...]:
 
 def kinds() -> tuple[str, ...]:
     """List every kind of message.
-
-    Returns
-    -------
-    tuple of str
-        The kinds.
 
     Examples
     --------

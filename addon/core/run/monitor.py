@@ -23,17 +23,7 @@ Plan = Mapping[str, float]  # stages in their order, with weights: the share of 
 class Monitor:
     """Reports the progress of a computation and stops it on request.
 
-    Parameters
-    ----------
-    progress : callable, optional
-        Called with the fraction done, 0 to 1 and never decreasing, and the name of the stage.
-    cancelled : callable, optional
-        Returns True when the computation should stop.
-    plan : mapping of str to float, optional
-        The stages to come, in order, with weights. A stage that is skipped counts as done when the next begins; a
-        stage that is not in the plan counts as part of the one around it.
-    keep : KeptStages, optional
-        Results of earlier runs; if omitted, nothing is kept.
+    `plan`: the stages to come, in order, with weights; `keep`: results of earlier runs; if omitted, nothing is kept.
 
     Attributes
     ----------
@@ -70,23 +60,7 @@ class Monitor:
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
-        """Time a stage and report its progress.
-
-        Parameters
-        ----------
-        name : str
-            Name of the stage, shown to the user.
-
-        Yields
-        ------
-        None
-            Control, while the stage runs.
-
-        Raises
-        ------
-        CancelledError
-            If the run is cancelled.
-        """
+        """Time a stage and report its progress. `name`: name of the stage, shown to the user."""
         around = self._name, self._span
         self._name, self._span = name, self._spans.get(name, self._span)
         began = perf_counter()
@@ -101,17 +75,8 @@ class Monitor:
     def piece(self, begin: float, end: float, plan: Plan) -> Monitor:
         """Make a monitor for one piece of the work that remains after the stages so far.
 
-        Parameters
-        ----------
-        begin, end : float
-            Fractions of the remaining work that are done before and after the piece, 0 to 1.
-        plan : mapping of str to float
-            The stages of the piece.
-
-        Returns
-        -------
-        Monitor
-            The monitor of the piece, with its own warnings and shared timings.
+        `begin, end`: fractions of the remaining work that are done before and after the piece, 0 to 1; `plan`: the
+        stages of the piece.
         """
         first = max((stop for name, (_, stop) in self._spans.items() if name in self.timings), default=0.0)
 
@@ -132,89 +97,44 @@ class Monitor:
     def kept(self, name: str, sources: list[Any], compute: Callable[[], Found]) -> Found:
         """Return the result of an earlier run, if its sources are the same, or compute it.
 
-        Parameters
-        ----------
-        name : str
-            Name of the result.
-        sources : list
-            All that it depends on, as in `KeptStages.take`.
-        compute : callable
-            Computes it.
-
-        Returns
-        -------
-        object
-            What `compute` returned, in this run or an earlier one.
+        `name`: name of the result; `sources`: all that it depends on, as in `KeptStages.take`; `compute`: computes
+        it.
         """
         return compute() if self._keep is None else self._keep.take(name, sources, compute, self.warnings)
 
     def tick(self, fraction: float) -> None:
         """Report the fraction of the current stage that is done; stop if the run is cancelled.
 
-        Parameters
-        ----------
-        fraction : float
-            Fraction of the current stage that is done, 0 to 1.
-
-        Raises
-        ------
-        CancelledError
-            If the run is cancelled.
+        `fraction`: fraction of the current stage that is done, 0 to 1.
         """
         self.check()
         start, stop = self._span
         self._report(start + (stop - start) * fraction)
 
     def check(self) -> None:
-        """Stop if the run is cancelled.
-
-        Raises
-        ------
-        CancelledError
-            If the run is cancelled.
-        """
+        """Stop if the run is cancelled."""
         if self.is_cancelled():
             raise CancelledError()
 
     def is_cancelled(self) -> bool:
-        """Check whether the run is cancelled.
-
-        Returns
-        -------
-        bool
-            True if the computation should stop.
-        """
+        """Check whether the run is cancelled."""
         return self._cancelled is not None and self._cancelled()
 
     def warn(self, kind: str, **numbers: Any) -> None:
         """Add a warning to the result, unless it is already there.
 
-        Parameters
-        ----------
-        kind : str
-            Kind of the message; see `messages`.
-        **numbers
-            Values of the placeholders of its sentence.
+        `kind`: kind of the message; see `messages`; `**numbers`: values of the placeholders of its sentence.
         """
         self.extend([message(kind, **numbers)])
 
     def extend(self, found: list[Message]) -> None:
-        """Add those warnings to the result that are not already there.
-
-        Parameters
-        ----------
-        found : list of Message
-            The warnings.
-        """
+        """Add those warnings to the result that are not already there. `found`: the warnings."""
         self.warnings += [each for each in found if each not in self.warnings]
 
     def deliver(self, warned: Warned | None) -> None:
         """Deliver the warnings to the caller if the result cannot hold them.
 
-        Parameters
-        ----------
-        warned : callable, optional
-            Called with each sentence; if omitted, Python warnings are issued.
+        `warned`: called with each sentence; if omitted, Python warnings are issued.
         """
         for sentence in self.warnings:
             if warned is None:

@@ -21,16 +21,8 @@ class Majorisation:
     A step solves ``(V + A) X' = Σ w t(X) + A y``. Where pairs want a length in their own direction this is SMACOF;
     where they want their vector in the input, turned with its surroundings, it is as rigid as possible.
 
-    Parameters
-    ----------
-    terms : sequence of Term
-        Pairs and what they want.
-    anchor : (n,) ndarray of float, optional
-        a, how firmly each point is held at its target.
-    target : (n, d) ndarray of float, optional
-        y, read if there is an anchor.
-    solve : callable, optional
-        Solves for ``V + A``, if that is factored already.
+    `terms`: pairs and what they want; `anchor` (n,); `target` (n, d); `solve`: solves for ``V + A``, if that is
+    factored already.
 
     Examples
     --------
@@ -72,33 +64,9 @@ class Majorisation:
     ) -> tuple[FloatArray, FloatArray]:
         """Take so many steps, or fewer if the stress then hardly falls.
 
-        Parameters
-        ----------
-        start : (n, d) ndarray of float
-            Points.
-        steps : int
-            Number of steps at most.
-        tolerance : float, optional
-            Stop when a step lowers the stress by less than this fraction. Without, all steps are taken, and the stress
-            is not watched: momentum then restarts where a step turns against it.
-        momentum : bool
-            Whether steps gain momentum (Nesterov); without, they are those of SMACOF.
-        after : callable, optional
-            Changes the points after each step; it gets them and the solver.
-        monitor : Monitor, optional
-            Receives progress and is polled for cancellation.
-
-        Returns
-        -------
-        points : (n, d) ndarray of float
-            Where the steps end.
-        history : (s + 1,) ndarray of float
-            The stress at the start and after each step, never rising; empty without a tolerance.
-
-        Raises
-        ------
-        CancelledError
-            If the run is cancelled.
+        `start` (n, d); `steps`: number of steps at most; `tolerance`: stop when a step lowers the stress by less than
+        this fraction; `momentum`: whether steps gain momentum (Nesterov); without, they are those of SMACOF; `after`:
+        changes the points after each step; it gets them and the solver; gives points (n, d), history (s + 1,).
         """
         monitor = monitor or Monitor()
         points, ahead, gained = start, start, 0

@@ -29,14 +29,7 @@ class Term(Protocol):
 class Pairs:
     """A list of pairs of points.
 
-    Parameters
-    ----------
-    ends : (e, 2) ndarray of int
-        The two points of each pair.
-    weight : (e,) ndarray of float
-        Weights w, at least 0.
-    count : int
-        Number of points n.
+    `ends` (e, 2); `weight` (e,); `count`: number of points n.
 
     Examples
     --------
@@ -108,16 +101,7 @@ class WantedPairs(NamedTuple):
 class AllPairs:
     """All pairs of some points, as matrices: each wants a distance, ``Σ_{i<j} w_ij (δ_ij - d_ij)²``.
 
-    Parameters
-    ----------
-    chosen : (p,) ndarray of int
-        The points.
-    distances : (p, p) ndarray of float
-        Wanted distances δ, symmetric.
-    weights : (p, p) ndarray of float
-        Weights w, symmetric; the diagonal is not read.
-    count : int
-        Number of points n of which they are some.
+    `chosen` (p,); `distances` (p, p); `weights` (p, p); `count`: number of points n of which they are some.
 
     Examples
     --------

@@ -20,26 +20,8 @@ def intrinsic_delaunay(
     The surface does not change: a flipped edge runs straight over the two triangles it crosses. Many edges are
     flipped at once, the worst first, never two in one triangle. Borders and edges of more than two triangles stay.
 
-    Parameters
-    ----------
-    surface : Triangulation
-        Triangles of positive area.
-    monitor : Monitor, optional
-        Receives warnings; polled for cancellation between rounds of flips.
-    max_rounds : int, optional
-        Upper bound on the rounds of simultaneous flips, which rounding could otherwise continue forever; if omitted,
-        10,000 or the number of vertices, whichever is larger.
-
-    Returns
-    -------
-    Triangulation
-        The same vertices and surface under Delaunay triangles; all cotangent weights are non-negative, except
-        possibly at edges that may not be flipped.
-
-    Raises
-    ------
-    CancelledError
-        If the run is cancelled.
+    `surface`: triangles of positive area; `max_rounds`: upper bound on the rounds of simultaneous flips, which
+    rounding could otherwise continue forever; if omitted, 10,000 or the number of vertices, whichever is larger.
 
     Examples
     --------
@@ -72,15 +54,7 @@ def intrinsic_delaunay(
 def midpoint_refined(surface: Triangulation) -> Triangulation:
     """Split every triangle into four similar ones at the midpoints of its edges.
 
-    Parameters
-    ----------
-    surface : Triangulation
-        The surface.
-
-    Returns
-    -------
-    Triangulation
-        The same surface; vertex ``n + e`` is the midpoint of edge ``e``, the first n vertices keep their numbers.
+    `surface`: the surface.
 
     Examples
     --------

@@ -16,15 +16,7 @@ if TYPE_CHECKING:
 def stiffness(surface: Triangulation) -> csr_matrix:
     """Assemble the cotangent stiffness matrix L, positive semi-definite, with rows summing to 0.
 
-    Parameters
-    ----------
-    surface : Triangulation
-        Triangles of positive area.
-
-    Returns
-    -------
-    (n, n) scipy.sparse.csr_matrix
-        L; it has no unit. Borders carry the natural (Neumann) condition.
+    `surface`: triangles of positive area; gives (n, n).
 
     Examples
     --------
@@ -51,15 +43,7 @@ def stiffness(surface: Triangulation) -> csr_matrix:
 def mass(surface: Triangulation) -> FloatArray:
     """Compute the diagonal of the lumped mass matrix M: a third of the area of the triangles at each vertex.
 
-    Parameters
-    ----------
-    surface : Triangulation
-        The surface.
-
-    Returns
-    -------
-    (n,) ndarray of float
-        Vertex areas; they sum to the area of the surface.
+    `surface`: the surface; gives (n,).
 
     Examples
     --------

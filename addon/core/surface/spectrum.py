@@ -38,29 +38,7 @@ class Spectrum(NamedTuple):
 def compute_spectrum(stiffness: csr_matrix, mass: FloatArray, count: int, monitor: Monitor | None = None) -> Spectrum:
     """Solve the generalised eigenproblem for the smallest eigenvalues above 0.
 
-    Parameters
-    ----------
-    stiffness : (n, n) scipy.sparse.csr_matrix
-        L of a connected surface.
-    mass : (n,) ndarray of float
-        Diagonal of M.
-    count : int
-        Number K of eigenpairs wanted; at most n - 1 exist.
-    monitor : Monitor, optional
-        Polled for cancellation between matrix products.
-
-    Returns
-    -------
-    Spectrum
-        ``min(count, n - 1)`` eigenpairs with ``|(S - σ)⁻¹ (S v - λ v)| < 1e-8 λ/λ_1`` for ``S = M^-1/2 L M^-1/2``,
-        unit vectors ``v = M^1/2 h`` and σ just below 0.
-
-    Raises
-    ------
-    SolverError
-        If the solver does not converge to that residual.
-    CancelledError
-        If the run is cancelled.
+    `stiffness` (n, n); `mass` (n,); `count`: number K of eigenpairs wanted; at most n - 1 exist.
 
     Examples
     --------

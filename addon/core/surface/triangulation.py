@@ -38,19 +38,7 @@ class Triangulation(NamedTuple):
 def triangulated(vertices: FloatArray, faces: IntArray, slack: float = 1e-5) -> Triangulation:
     """Build the triangulation of a mesh in space, mollified so that every triangle has some area.
 
-    Parameters
-    ----------
-    vertices : (n, 3) ndarray of float
-        Vertex positions.
-    faces : (m, 3) ndarray of int
-        Triangles.
-    slack : float
-        As `factor` in `mollified`.
-
-    Returns
-    -------
-    Triangulation
-        The same triangles with their edge lengths.
+    `vertices` (n, 3); `faces` (m, 3); `slack`: as `factor` in `mollified`.
 
     Examples
     --------
@@ -68,17 +56,7 @@ def triangulated(vertices: FloatArray, faces: IntArray, slack: float = 1e-5) -> 
 def corner_lengths(vertices: FloatArray, faces: IntArray) -> FloatArray:
     """Measure the edges of every triangle.
 
-    Parameters
-    ----------
-    vertices : (n, 3) ndarray of float
-        Vertex positions.
-    faces : (m, 3) ndarray of int
-        Triangles.
-
-    Returns
-    -------
-    (m, 3) ndarray of float
-        Column i holds the length of the edge opposite to corner i.
+    `vertices` (n, 3); `faces` (m, 3); gives (m, 3).
 
     Examples
     --------
@@ -95,17 +73,8 @@ def mollified(lengths: FloatArray, factor: float = 1e-5) -> FloatArray:
 
     A mesh whose triangles are all thick enough is returned unchanged.
 
-    Parameters
-    ----------
-    lengths : (m, 3) ndarray of float
-        Edge lengths by triangle.
-    factor : float
-        Slack required of every triangle inequality, in units of the mean edge length.
-
-    Returns
-    -------
-    (m, 3) ndarray of float
-        Lengths with ``l_j + l_k - l_i >= factor * mean`` in every triangle.
+    `lengths` (m, 3); `factor`: slack required of every triangle inequality, in units of the mean edge length; gives
+    (m, 3).
 
     Examples
     --------
@@ -125,15 +94,7 @@ def mollified(lengths: FloatArray, factor: float = 1e-5) -> FloatArray:
 def face_areas(lengths: FloatArray) -> FloatArray:
     """Compute triangle areas from edge lengths (Heron's formula in Kahan's stable order).
 
-    Parameters
-    ----------
-    lengths : (m, 3) ndarray of float
-        Edge lengths by triangle.
-
-    Returns
-    -------
-    (m,) ndarray of float
-        Areas; 0 where a triangle inequality is violated.
+    `lengths` (m, 3); gives (m,).
 
     Examples
     --------
@@ -148,15 +109,7 @@ def face_areas(lengths: FloatArray) -> FloatArray:
 def corner_cotangents(lengths: FloatArray) -> FloatArray:
     """Compute the cotangent of every corner from edge lengths.
 
-    Parameters
-    ----------
-    lengths : (m, 3) ndarray of float
-        Edge lengths by triangle, of positive area.
-
-    Returns
-    -------
-    (m, 3) ndarray of float
-        Cotangents of the angle at each corner.
+    `lengths` (m, 3); gives (m, 3).
 
     Examples
     --------

@@ -53,51 +53,20 @@ class WorkingSurface:
         return self.coarsening is not None
 
     def numbers_of(self, vertices: IntArray) -> IntArray:
-        """Map vertices of the whole mesh to their numbers among the working vertices.
-
-        Parameters
-        ----------
-        vertices : (k,) ndarray of int
-            Vertices of the whole mesh; all of them were kept.
-
-        Returns
-        -------
-        (k,) ndarray of int
-            Their numbers here.
-        """
+        """Map vertices of the whole mesh to their numbers among the working vertices. `vertices` (k,); gives (k,)."""
         return np.searchsorted(self.kept, vertices)
 
     def prolong(self, values: FloatArray) -> FloatArray:
         """Interpolate values to all vertices of the mesh, smoothly over the surface.
 
-        Parameters
-        ----------
-        values : (c, d) or (c,) ndarray of float
-            Values on the working vertices.
-
-        Returns
-        -------
-        (n, d) or (n,) ndarray of float
-            Values on all vertices.
+        `values` (c, d); gives (n, d).
         """
         return values if self.coarsening is None else self.coarsening.prolong(values)
 
     def prolong_frames(self, rotation: FloatArray, shift: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Interpolate local rigid motions ``x ↦ x R + t`` to all vertices of the mesh.
 
-        Parameters
-        ----------
-        rotation : (c, 3, 3) ndarray of float
-            R of the working vertices.
-        shift : (c, 3) ndarray of float
-            Their t.
-
-        Returns
-        -------
-        rotation : (n, 3, 3) ndarray of float
-            R of all vertices, approximately a rotation: a mean of neighbouring ones.
-        shift : (n, 3) ndarray of float
-            Their t.
+        `rotation` (c, 3, 3); `shift` (c, 3); gives rotation (n, 3, 3), shift (n, 3).
 
         References
         ----------
@@ -107,38 +76,12 @@ class WorkingSurface:
         return motion[:, :9].reshape(-1, 3, 3), motion[:, 9:]
 
     def moved(self, points: FloatArray, monitor: Monitor) -> WorkingSurface:
-        """Return the same vertices and triangles in another shape of the mesh.
-
-        Parameters
-        ----------
-        points : (n, 3) ndarray of float
-            All vertices of that shape.
-        monitor : Monitor
-            Receives warnings; polled for cancellation.
-
-        Returns
-        -------
-        WorkingSurface
-            The same vertices, triangulated for that shape; the interpolation to all vertices is that of this surface.
-        """
+        """Return the same vertices and triangles in another shape of the mesh. `points` (n, 3)."""
         own = points[self.kept]
         return replace(self, points=own, triangulation=intrinsic_delaunay(triangulated(own, self.faces), monitor))
 
     def with_slack(self, slack: float, monitor: Monitor) -> WorkingSurface:
-        """Lengthen every edge a little further, for solvers that fail on degenerate triangles.
-
-        Parameters
-        ----------
-        slack : float
-            As in `mollified`.
-        monitor : Monitor
-            Receives warnings; polled for cancellation.
-
-        Returns
-        -------
-        WorkingSurface
-            The same vertices and triangles in space, retriangulated.
-        """
+        """Lengthen every edge a little further, for solvers that fail on degenerate triangles."""
         return replace(self, triangulation=intrinsic_delaunay(triangulated(self.points, self.faces, slack), monitor))
 
 
@@ -167,28 +110,8 @@ def working_surface(
 ) -> WorkingSurface:
     """Reduce a mesh to about `target` vertices and find its intrinsic Delaunay triangulation.
 
-    Parameters
-    ----------
-    points : (n, 3) ndarray of float
-        Vertices.
-    faces : (m, 3) ndarray of int
-        Triangles of one connected surface.
-    target : int, optional
-        Number of working vertices; all if omitted, or if there are hardly more.
-    fixed : (k,) ndarray of int, optional
-        Vertices that are kept.
-    monitor : Monitor, optional
-        Receives progress and warnings (stages *Coarse mesh* and *Triangulation*); polled for cancellation.
-
-    Returns
-    -------
-    WorkingSurface
-        The surface.
-
-    Raises
-    ------
-    CancelledError
-        If the run is cancelled.
+    `points` (n, 3); `faces` (m, 3); `target`: number of working vertices; all if omitted, or if there are hardly
+    more; `fixed` (k,).
 
     Examples
     --------

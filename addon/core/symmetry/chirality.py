@@ -14,17 +14,7 @@ def chirality(functions: FloatArray, faces: IntArray) -> FloatArray:
     lengths and no positions in space, only the orientation of the triangles. A mirror image of the surface has ``-c``;
     so does a surface whose functions are swapped as a mirror swaps them.
 
-    Parameters
-    ----------
-    functions : (n, k) ndarray of float
-        Values at the vertices; here geodesic distances from the feature points, on a surface of unit area.
-    faces : (m, 3) ndarray of int
-        Triangles, counter-clockwise seen from outside.
-
-    Returns
-    -------
-    (k, k, k) ndarray of float
-        c, in the cube of the unit of the functions.
+    `functions` (n, k); `faces` (m, 3); gives (k, k, k).
 
     Examples
     --------
@@ -47,19 +37,7 @@ def chirality(functions: FloatArray, faces: IntArray) -> FloatArray:
 def sided(handedness: FloatArray, side: IntArray, along: FloatArray) -> float:
     """Sum the handedness of the limbs on the left, the direction to the head, and the limbs on the right.
 
-    Parameters
-    ----------
-    handedness : (k, k, k) ndarray of float
-        Chirality of the distances from the feature points.
-    side : (k,) ndarray of int
-        1 on the left, -1 on the right, 0 in the middle.
-    along : (k,) ndarray of float
-        Weights with which the distances add up to a function that increases towards the head.
-
-    Returns
-    -------
-    float
-        The sum: its sign changes when left and right are swapped.
+    `handedness` (k, k, k); `side` (k,); `along` (k,).
 
     Examples
     --------

@@ -24,29 +24,7 @@ def feature_involutions(
 
     Distances alone cannot distinguish a mirror image from a swap of the forelegs only.
 
-    Parameters
-    ----------
-    distances : (k, k) ndarray of float
-        Geodesic distances between the feature points, symmetric, on a surface of unit area.
-    handedness : (k, k, k) ndarray of float
-        Chirality of the distances from them, as computed by `chirality`.
-    adf : (k,) ndarray of float
-        Auto Diffusion Function there; limbs that mirror each other have similar values.
-    most : int
-        Maximum number of swaps to return.
-    monitor : Monitor, optional
-        Polled for cancellation.
-
-    Returns
-    -------
-    list of tuple
-        The image of each feature point, (k,) ndarray of int, and a mismatch without unit. At least one pair is swapped;
-        the best swap comes first. Empty for more than 40 feature points.
-
-    Raises
-    ------
-    CancelledError
-        If the run is cancelled.
+    `distances` (k, k); `handedness` (k, k, k); `adf` (k,); `most`: maximum number of swaps to return.
 
     Examples
     --------

@@ -72,15 +72,7 @@ class Limbs(NamedTuple):
     def sorted_by(self, order: IntArray) -> Limbs:
         """Reorder the feature points.
 
-        Parameters
-        ----------
-        order : (k,) ndarray of int
-            Which feature point comes first, second, …
-
-        Returns
-        -------
-        Limbs
-            The limbs in that order.
+        `order` (k,).
 
         Examples
         --------
@@ -142,31 +134,9 @@ def limbs_of(
     shorter is the front; front, head and outside determine left. If they do not, or hardly (arms without legs), the
     order of the vertices does.
 
-    Parameters
-    ----------
-    distances : (k, k) ndarray of float
-        Geodesic distances between the feature points, symmetric, on a surface of unit area.
-    handedness : (k, k, k) ndarray of float
-        Chirality of the distances from them, as computed by `chirality`.
-    adf : (k,) ndarray of float
-        Auto Diffusion Function there.
-    places : callable
-        Returns the position of each of their limbs in the order of the vertices, (k,) ndarray of float; called if
-        nothing else distinguishes left from right.
-    joined : bool
-        Whether the surface consists of several parts with bridges between them.
-    monitor : Monitor, optional
-        Polled for cancellation.
-
-    Returns
-    -------
-    Limbs
-        The limbs.
-
-    Raises
-    ------
-    CancelledError
-        If the run is cancelled.
+    `distances` (k, k); `handedness` (k, k, k); `adf` (k,); `places`: returns the position of each of their limbs in
+    the order of the vertices, (k,) ndarray of float; called if nothing else distinguishes left from right; `joined`:
+    whether the surface consists of several parts with bridges between them.
 
     Examples
     --------
@@ -209,19 +179,7 @@ def lasting_order(limbs: Limbs, prominence: FloatArray, vertices: IntArray) -> I
     first. On a surface without left and right the most prominent come first; equally prominent ones are sorted by
     vertex.
 
-    Parameters
-    ----------
-    limbs : Limbs
-        Head, tail and sides.
-    prominence : (k,) ndarray of float
-        Their prominence.
-    vertices : (k,) ndarray of int
-        Their vertices.
-
-    Returns
-    -------
-    (k,) ndarray of int
-        Which feature point comes first, second, …
+    `limbs`: head, tail and sides; `prominence` (k,); `vertices` (k,); gives (k,).
 
     Examples
     --------

@@ -28,33 +28,11 @@ class Plane(NamedTuple):
     point: FloatArray
 
     def mirrored(self, points: FloatArray) -> FloatArray:
-        """Mirror points.
-
-        Parameters
-        ----------
-        points : (n, 3) ndarray of float
-            The points.
-
-        Returns
-        -------
-        (n, 3) ndarray of float
-            Their mirror images.
-        """
+        """Mirror points. `points` (n, 3); gives (n, 3)."""
         return self.mirrored_vectors(points - self.point) + self.point
 
     def mirrored_vectors(self, vectors: FloatArray) -> FloatArray:
-        """Mirror directions.
-
-        Parameters
-        ----------
-        vectors : (n, 3) ndarray of float
-            The directions.
-
-        Returns
-        -------
-        (n, 3) ndarray of float
-            Their mirror images.
-        """
+        """Mirror directions. `vectors` (n, 3); gives (n, 3)."""
         return np.asarray(vectors - 2.0 * (vectors @ self.normal)[:, None] * self.normal)
 
 
@@ -76,17 +54,7 @@ class MirrorMap(NamedTuple):
 def mirror_plane(points: FloatArray, partners: FloatArray, weights: FloatArray) -> Plane:
     """Find the plane that best mirrors points onto their partners.
 
-    Parameters
-    ----------
-    points, partners : (n, 3) ndarray of float
-        Points, and the wanted position of each mirror image.
-    weights : (n,) ndarray of float
-        Weight of each pair.
-
-    Returns
-    -------
-    Plane
-        The least-squares plane.
+    `points, partners` (n, 3); `weights` (n,).
 
     Examples
     --------
@@ -103,19 +71,7 @@ def mirror_plane(points: FloatArray, partners: FloatArray, weights: FloatArray) 
 def asymmetry(form: FloatArray, partner: IntArray, weights: FloatArray) -> float:
     """Measure the deviation of a form from its mirror image.
 
-    Parameters
-    ----------
-    form : (n, 3) ndarray of float
-        The form.
-    partner : (n,) ndarray of int
-        The mirror partner of each vertex.
-    weights : (n,) ndarray of float
-        Areas of the vertices.
-
-    Returns
-    -------
-    float
-        Root mean squared distance, in the unit of the form.
+    `form` (n, 3); `partner` (n,); `weights` (n,).
 
     Examples
     --------
@@ -132,31 +88,7 @@ def held_symmetric(body: ElasticBody, form: FloatArray, mirror: MirrorMap) -> Fl
 
     Details smaller than a limb keep their differences: the displacement to the mean is smoothed over the surface.
 
-    Parameters
-    ----------
-    body : ElasticBody
-        The surface.
-    form : (n, 3) ndarray of float
-        The form.
-    mirror : MirrorMap
-        Its mirror symmetry.
-
-    Returns
-    -------
-    (n, 3) ndarray of float
-        The form, symmetric.
-
-    Examples
-    --------
-    >>> from addon.core.surface.triangulation import triangulated
-    >>> points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
-    >>> faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
-    >>> body = ElasticBody(triangulated(points, faces), points, faces)
-    >>> skew = points + [[0.1, 0, 0], [0, 0, 0], [0, 0, 0], [0, 0, 0]]
-    >>> partner = np.array([1, 0, 2, 3])
-    >>> held = held_symmetric(body, skew, MirrorMap(partner, 1.0))
-    >>> asymmetry(held, partner, body.mass) < 0.5 * asymmetry(skew, partner, body.mass)
-    True
+    `body`: the surface; `form` (n, 3); `mirror`: its mirror symmetry; gives (n, 3).
     """
     for _ in range(_ROUNDS):
         way = _way_to_image(form, mirror.partner, body.mass)

@@ -36,23 +36,8 @@ def upright_rotation(
     stands along its longest axis, its broad side to the front; the first feature point and the order of the vertices
     determine the signs of its axes.
 
-    Parameters
-    ----------
-    form : (n, 3) ndarray of float
-        The form, of unit area, not mirrored.
-    weights : (n,) ndarray of float
-        Areas of the vertices.
-    limbs : Limbs
-        Head, tail and sides among them.
-    partner : (n,) ndarray of int or None
-        The mirror partner of each; if None, the feature points determine the plane.
-    stance : {'upright', 'two_legs', 'all_fours'}
-        The stance; 'upright' lets the surface decide.
-
-    Returns
-    -------
-    (3, 3) ndarray of float
-        R, proper; the upright form is ``form @ R``.
+    `form` (n, 3); `weights` (n,); `limbs`: head, tail and sides among them; `partner` (n,); `stance`: the stance;
+    'upright' lets the surface decide; gives (3, 3).
 
     Examples
     --------
@@ -82,15 +67,7 @@ def upright_rotation(
 def body_axes(form: FloatArray, weights: FloatArray, limbs: Limbs) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Find the directions of a form to its left, to its head and to its front; feature points determine the plane.
 
-    Parameters
-    ----------
-    form, weights, limbs
-        As in `upright_rotation`.
-
-    Returns
-    -------
-    left, headward, front : (3,) ndarray of float
-        Unit vectors, orthogonal and right-handed in this order.
+    Gives left, headward, front (3,).
 
     Examples
     --------

@@ -6,10 +6,8 @@ from addon.core.embedding.classical_scaling import (
     classical_scaling,
     landmark_scaling,
     leading_scaling,
-    least_squares_scaling,
     placed_around,
 )
-from addon.core.run.monitor import Monitor
 
 
 def test_classical_scaling_recovers_points_from_their_distances():
@@ -38,40 +36,6 @@ def test_landmark_scaling_of_a_plane_is_flat():
 
 def squared_misfit(distances, points, landmarks):
     return ((np.linalg.norm(points[:, None] - points[landmarks], axis=2) - distances) ** 2).sum()
-
-
-def test_least_squares_scaling_improves_on_classical_scaling(figure):
-    from addon.core.distances.farthest_points import farthest_points
-    from addon.core.distances.heat import HeatMethod
-    from addon.core.surface.delaunay import intrinsic_delaunay
-    from addon.core.surface.triangulation import triangulated
-
-    heat = HeatMethod(intrinsic_delaunay(triangulated(*figure)), refine=False)
-    landmarks, distances = farthest_points(heat, np.array([0]), heat.distances([0]), 60, monitor=Monitor())
-    start = landmark_scaling(distances, landmarks)
-    start -= start.mean(axis=0)
-    between = (distances[landmarks] + distances[landmarks].T) / 2
-    misfits = []
-    for steps in (0, 3, 15, 60):
-        layout = least_squares_scaling(distances, landmarks, start, steps=steps)
-        misfits.append(squared_misfit(between, layout[landmarks], np.arange(60)))
-    assert misfits == sorted(misfits, reverse=True)
-    assert misfits[-1] < 0.5 * misfits[0]
-    assert squared_misfit(distances, layout, landmarks) < 0.5 * squared_misfit(distances, start, landmarks)
-
-
-def test_least_squares_scaling_stays_where_the_distances_hold():
-    points = np.random.default_rng(0).normal(size=(80, 3)) * [3.0, 2.0, 1.0]
-    points -= points.mean(axis=0)
-    wanted = np.linalg.norm(points[:, None] - points[:9], axis=2)
-    np.testing.assert_allclose(least_squares_scaling(wanted, np.arange(9), points), points, atol=1e-9)
-
-
-def test_a_flat_start_stays_flat():
-    points = np.random.default_rng(0).normal(size=(80, 3)) * [3.0, 2.0, 0.0]
-    wanted = 1.3 * np.linalg.norm(points[:, None] - points[:9], axis=2)
-    layout = least_squares_scaling(wanted, np.arange(9), points - points.mean(axis=0), depth=0.0)
-    assert not layout[:, 2].any()
 
 
 def test_the_leading_axes_are_those_of_all_whatever_the_size_and_the_same_each_time():

@@ -7,7 +7,6 @@ from addon.core.measures.form_measures import (
     edge_stretch,
     hausdorff,
     summary,
-    worst_part_distortion,
 )
 from addon.core.mesh.geometry import signed_volume, surface_area
 from tests.meshes import shapes
@@ -50,13 +49,3 @@ def test_summary_has_every_measure(figure):
     assert set(summary(vertices, vertices, faces)) == {
         "compactness", "compactness_error", "hausdorff", "edge_distortion_median", "edge_distortion_95",
     }  # fmt: skip
-
-
-def test_the_worst_part_counts_unless_it_is_tiny(figure, sphere):
-    (first, own), (second, other) = figure, sphere
-    before, faces = np.concatenate([first, second]), np.concatenate([own, other + len(first)])
-    after = np.concatenate([1.1 * first, 0.7 * second])
-    assert worst_part_distortion(before, after, faces) == pytest.approx(0.3)
-    tiny = np.concatenate([before, np.eye(3)]), np.concatenate([faces, [np.arange(3) + len(before)]])
-    assert worst_part_distortion(tiny[0], np.concatenate([after, 2 * np.eye(3)]), tiny[1]) == pytest.approx(0.3)
-    assert worst_part_distortion(before, before, faces[:0]) == 0.0
