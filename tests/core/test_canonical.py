@@ -107,7 +107,14 @@ def test_the_pose_goes_out(real_mesh):
     assert apart(*forms) < 0.65 * apart(meshes[0][0], meshes[1][0])
 
 
-def test_every_long_stage_asks_often_whether_to_stop(figure: Mesh):
+@pytest.mark.parametrize(
+    ("method", "stages"),
+    [
+        ("straight", ("Spectrum", "Feature points", "Landmarks", "Layout", "Push", "Detail")),
+        ("local_features", ("Distances", "Landmarks", "Layout", "Embedding", "Detail")),
+    ],
+)
+def test_every_long_stage_asks_often_whether_to_stop(figure: Mesh, method, stages):
     asked: Counter[str] = Counter()
     stage = [""]
 
@@ -115,8 +122,9 @@ def test_every_long_stage_asks_often_whether_to_stop(figure: Mesh):
         asked[stage[0]] += 1
         return False
 
-    canonical_form(*figure, progress=lambda _, name: stage.__setitem__(0, name), cancelled=cancelled)
-    for name in ("Spectrum", "Feature points", "Landmarks", "Layout", "Push", "Detail"):
+    settings = Settings(method=method)
+    canonical_form(*figure, settings, progress=lambda _, name: stage.__setitem__(0, name), cancelled=cancelled)
+    for name in stages:
         assert asked[name] > 5, name  # the seconds between two questions are measured by the benchmark
 
 

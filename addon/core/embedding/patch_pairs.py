@@ -87,8 +87,14 @@ def landmark_pairs(landmarks: IntArray, layout: FloatArray, patches: list[AllPai
 
     wanted = cdist(layout[landmarks], layout[landmarks])
     weights = 1.0 - np.eye(len(landmarks))
-    total = np.zeros(len(layout))
-    for patch in patches:
-        np.add.at(total, patch.chosen, patch.weights.sum(axis=1))
+    total = total_weights(patches, len(layout))
     weights *= share * total[landmarks].sum() / max(weights.sum(), 1.0)
     return AllPairs(landmarks, wanted, weights, len(layout))
+
+
+def total_weights(patches: list[AllPairs], count: int) -> FloatArray:
+    """Sum the weights of all pairs that each of `count` vertices is in."""
+    total = np.zeros(count)
+    for patch in patches:
+        total[patch.chosen] += patch.weights.sum(axis=1)
+    return total

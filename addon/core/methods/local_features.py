@@ -15,7 +15,7 @@ from ..deformation.elastic_body import ElasticBody
 from ..distances.spectral import GreensFunction
 from ..embedding.classical_scaling import placed_around
 from ..embedding.layout import laid_out
-from ..embedding.patch_pairs import landmark_pairs, patch_pairs
+from ..embedding.patch_pairs import landmark_pairs, patch_pairs, total_weights
 from ..embedding.smacof import smacof
 from ..measures.alignment import outside_out
 from ..method_api.catalogue import Method
@@ -102,10 +102,7 @@ def _inside(found: SurfaceFeatures, body: ElasticBody, settings: Settings, monit
     struts: list[Term] = []
     if settings.smoothing > 0 and not body.is_edge.all():
         ends, lengths = body.near.ends[~body.is_edge], body.length[~body.is_edge]
-        total = np.zeros(count)
-        for pairs in sets:
-            np.add.at(total, pairs.chosen, pairs.weights.sum(axis=1))
-        share = _STRUTS * total / np.maximum(np.bincount(ends.ravel(), minlength=count), 1)
+        share = _STRUTS * total_weights(sets, count) / np.maximum(np.bincount(ends.ravel(), minlength=count), 1)
         struts.append(Pairs(ends, share[ends].mean(axis=1), count).wanting_lengths(lengths))
     return _Inside(sets, struts, sum(size**2 for size in sizes))
 

@@ -33,7 +33,7 @@ from ..method_api.surface_features import SurfaceFeatures
 from ..numerics.arrays import FloatArray, IntArray
 from ..run.monitor import Monitor
 from ..stress.majorisation import Majorisation
-from ..stress.pairs import Pairs
+from ..stress.pairs import Pairs, length
 from ..symmetry.limb_rolls import limbs_rolled
 from ..symmetry.limbs import Limbs
 from ..symmetry.mirror import asymmetry, held_symmetric
@@ -124,7 +124,7 @@ def pushed(body: ElasticBody, layout: Layout, landmarks: IntArray, limbs: Limbs,
     far = far_pairs(landmarks, limbs.ends(_END), _ENDS_SHARE, _PUSH, count)
     terms = [
         edges.wanting_lengths(body.length[edge]),
-        across.wanting_lengths(np.linalg.norm(across.apart(body.points), axis=1)),
+        across.wanting_lengths(length(across.apart(body.points))),
         wanting_far(far, layout.depth),
     ]
     return Majorisation(terms).lowered(layout.points, _PUSH_STEPS, monitor=monitor)[0]
