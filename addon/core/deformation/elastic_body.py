@@ -166,6 +166,23 @@ class ElasticBody:
         wanted = self.near.wanting(lambda *_: self._mapped(now, shrink))
         return Majorisation([wanted], _HARDLY * self.mass, np.zeros_like(form)).lowered(form, 1)[0]
 
+    def swung(self, form: FloatArray, target: FloatArray, share: float, firm: float = 1.0) -> FloatArray:
+        """Turn the surroundings of each point of a form, averaged over a time, as far as in a target; skin stays.
+
+        `firm`: from 0, not at all, to 1, the whole way. The rotation is the nearest to ``C² Σ w a bᵀ``, C =
+        ``Σ w a aᵀ``: the axis of a limb, along which most edges lie, counts most, since a limb that was bent is
+        straight but sheared in the target.
+        """
+        edges = self.is_edge[:, None]
+        now, then = self.near.apart(form), self.near.apart(target)
+        then *= (length(now) / length(then))[:, None]  # spikes of the target turn nothing
+        axis = self._covariances(edges * now, now, share)
+        axis /= np.trace(axis, axis1=1, axis2=2)[:, None, None]
+        then = firm * then + (1 - firm) * now
+        rotation = nearest_rotations(axis @ axis @ self._covariances(edges * now, then, share))
+        turned = self.near.wanting(lambda apart, _: self._mapped(apart, rotation))
+        return Majorisation([turned], _HARDLY * self.mass, form).lowered(form, 1)[0]
+
     def stretch(self, after: FloatArray, share: float) -> FloatArray:
         """Compute the logarithm of how much longer the edges around each vertex are than those of the body: (n,)."""
         long = (self.is_edge * self.length)[:, None] * np.column_stack([self.length, length(self.near.apart(after))])

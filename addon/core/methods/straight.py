@@ -4,9 +4,9 @@
                 one, or face each other through the body
     2 layout    the landmarks scaled to three dimensions, or to two where the third would be a tie
     3 push      far pairs, the landmarks, want a distance that no body reaches: every limb is pulled straight, and long
-    4 lengths   the stretch, averaged over a limb, is undone
-    5 detail    the input deformed towards that; hands and feet rolled alike, left made like right, edges mended; then
-                carried to all vertices by local rigid motions
+    4 lengths   the stretch, averaged over a limb, is undone; limbs keep their directions
+    5 detail    the input deformed towards that, its limbs turned the rest of the way; hands and feet rolled alike, left
+                made like right, edges mended; then carried to all vertices by local rigid motions
 
 Every step but the second lowers one stress, ``Σ w |d - t|² + p Σ m |x - y|²``, over pairs of vertices (d = x_i - x_j),
 where t is the vector that a pair wants: its direction with a given length, or its vector in the input, turned with its
@@ -44,10 +44,11 @@ _ROUND, _ROUND_STEPS, _ROUND_BENDING = 30.0, 6, 0.1  # pull of the layout on the
 _PUSH, _PUSH_STEPS = 40.0, 75  # force of all far pairs together
 _ACROSS = 4.0  # stiffness of a pair across an edge: a limb that is pushed does not crumple
 _EVEN_EDGE = np.sqrt(3)  # one over the stiffness of an edge between equilateral triangles
-_END, _ENDS_SHARE = 0.02, 0.5  # of the way to the next feature point: the end of a limb; and share of the force there
+_END, _ENDS_SHARE = 0.05, 0.5  # of the way to the next feature point: the end of a limb; and share of the force there
 _LIMB = 0.05  # time over which a stretch is averaged: the skin at one joint is stretched in every pose
-_PULL, _DETAIL_STEPS = 12.5, 8  # of the detail at preserve 1/2: the one trade between pose and edges
+_PULL, _DETAIL_STEPS = 10.0, 8  # of the detail at preserve 1/2: the one trade between pose and edges
 _LEAST_PULL = 0.3  # at any wish for detail
+_SWING = 0.002  # time over which limbs are turned back: lengths undone and skin at a joint bend them again
 _BENDING = 0.8  # times preserve²: share of their turned vector in what edges want; the rest wants lengths
 _MEND, _MEND_STEPS, _MEND_BENDING = 200.0, 4, 0.6  # pull of the last steps, which mend edges and move no limb
 
@@ -65,7 +66,7 @@ def straight_form(found: SurfaceFeatures, settings: Settings, monitor: Monitor) 
         with monitor.stage("Push"):
             shape = pushed(body, layout, landmarks, found.limbs, monitor)
         with monitor.stage("Lengths"):
-            return layout._replace(points=body.without_stretch(shape, _LIMB))
+            return layout._replace(points=body.swung(body.without_stretch(shape, _LIMB), shape, _SWING))
 
     shape, depth = monitor.kept("straightened", [body, landmarks], straightened)
     preserve, mirror = settings.preserve_detail, None
@@ -76,8 +77,7 @@ def straight_form(found: SurfaceFeatures, settings: Settings, monitor: Monitor) 
             with monitor.stage("Symmetry"):
                 mirror = mirror_partners(body, shape, found.spectrum.eigenvectors, found.limbs, landmarks, monitor)
             if mirror is not None:
-                firm = mirror._replace(sure=mirror.sure * min(1.0, 2 * (1 - preserve)))  # or as rigid as possible
-                shape = held_symmetric(body, shape, firm)
+                shape = held_symmetric(body, shape, mirror._replace(sure=mirror.sure * firmness(preserve)))
         with monitor.stage("Detail"):
             shape = mended(body, shape, monitor)
     partner = None if mirror is None else mirror.partner
@@ -136,7 +136,13 @@ def pushed(body: ElasticBody, layout: Layout, landmarks: IntArray, limbs: Limbs,
 def detailed(body: ElasticBody, shape: FloatArray, preserve: float, monitor: Monitor) -> FloatArray:
     """Deform the input towards a shape, the less the more of its detail is to be preserved (above 0 to 1)."""
     pull = max(_PULL * ((1 - preserve) / preserve) ** 2, _LEAST_PULL)
-    return body.towards(shape, pull, _DETAIL_STEPS, bending=_BENDING * preserve**2, pressed=True, monitor=monitor)
+    near = body.towards(shape, pull, _DETAIL_STEPS, bending=_BENDING * preserve**2, pressed=True, monitor=monitor)
+    return body.swung(near, shape, _SWING, firmness(preserve))
+
+
+def firmness(preserve: float) -> float:
+    """Tell how far what follows the detail may go: the whole way up to preserve 1/2, nowhere at 1, all rigid."""
+    return min(1.0, 2 * (1 - preserve))
 
 
 def mended(body: ElasticBody, shape: FloatArray, monitor: Monitor) -> FloatArray:
