@@ -12,10 +12,9 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import cast
 
-import numpy as np
-
-from ..batch.plain_files import has_blender, read_plain
 from ..blender.files.kinds_of_files import PLAIN
+from ..blender.files.plain_files import has_blender, read_plain
+from ..blender.files.polygon_mesh import fans
 from ..core import InvalidMeshError
 from ..core.numerics.arrays import FloatArray, IntArray
 from ..scheduling.attempts import Failure
@@ -70,10 +69,10 @@ def _plain_triangles(path: Path) -> tuple[FloatArray, IntArray] | None:
     """Read a file that does not need Blender; .obj and .ply are left to Blender if it is installed."""
     if path.suffix.lower() != ".off" and (path.suffix.lower() not in PLAIN or has_blender()):
         return None
-    vertices, polygons = read_plain(path)
-    if any(len(corners) != 3 for corners in polygons):
+    mesh = read_plain(path)
+    if any(len(corners) != 3 for corners in mesh.polygons):
         return None
-    return vertices, np.array(polygons, dtype=np.int64).reshape(-1, 3)
+    return mesh.vertices, fans(mesh.polygons)
 
 
 def _read_by_blender(path: Path) -> tuple[FloatArray, IntArray]:
