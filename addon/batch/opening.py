@@ -14,7 +14,7 @@ from .wanted import Wanted
 
 
 def open_file(path: Path, wanted: Wanted, names: Sequence[str] = ()) -> OpenFile:
-    """Open a mesh file, in place of the one that is open in Blender; `names` are the required objects, empty for all."""
+    """Open a mesh file, in place of one that is open in Blender; `names` are the required objects, empty for all."""
     if not has_blender():
         from .plain_file import PlainFile
 
