@@ -64,7 +64,7 @@ def test_forms_and_lines_are_the_same(kind, both, meshes, tmp_path):
     name = Path(line["output"]).name
     one, two = (read_plain(tmp_path / folder / name) for folder in ("blender", "plain"))
     assert one.polygons == two.polygons
-    np.testing.assert_allclose(one.vertices, two.vertices, atol=1e-3 * np.ptp(two.vertices))
+    np.testing.assert_allclose(one.vertices, two.vertices, atol=1e-3 * float(np.ptp(two.vertices)))
     marks = [
         [text for text in (tmp_path / folder / name).read_text().splitlines() if text.startswith(("g", "property"))]
         for folder in ("blender", "plain")
