@@ -168,7 +168,7 @@ def test_whose_pose_it_is_must_be_said(words, two_files, tmp_path):
     assert run(two_files[0], "--output", tmp_path / "out", *words, about="pose-like") == (2, [])
 
 
-@pytest.mark.parametrize("words", [["--format", "blend"], ["--format", "obj", "--frame", "3"]])
+@pytest.mark.parametrize("words", [["--format", "blend"], ["--format", "obj", "--frames", "1:3"]])
 def test_what_needs_blender_is_told(words, tmp_path, monkeypatch):
     monkeypatch.setattr(opening, "has_blender", lambda: False)
     shapes.write_off(tmp_path / "figure.off", *shapes.figure(12))

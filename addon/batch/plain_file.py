@@ -24,6 +24,8 @@ class PlainFile:
     """A .off, .obj or .ply file; the methods are those of `OpenFile`."""
 
     def __init__(self, path: Path, wanted: Wanted, names: Sequence[str]) -> None:
+        if wanted.shown:
+            raise CanonicalFormError(f"--mesh shown, --frame and --frames: this {_NEEDS_BLENDER}.")
         self._wanted = wanted
         self._mesh = read_plain(path)
         self._faces = fans(self._mesh.polygons)
@@ -35,7 +37,9 @@ class PlainFile:
         self, body: Body, frame: int | None, reference: Reference, progress: Progress | None = None
     ) -> FormReport:
         """Compute the form or the pose."""
-        self._require_plain()
+        if f".{self._wanted.format}" not in PLAIN:
+            kinds = ", ".join(kind[1:] for kind in PLAIN)
+            raise CanonicalFormError(f"--format {self._wanted.format} {_NEEDS_BLENDER}. Without it, choose {kinds}.")
         vertices, settings = self._mesh.vertices, self._wanted.settings
         if isinstance(reference, Likeness):
             posed, _ = reference.posed(vertices, self._faces, settings, progress)
@@ -69,11 +73,3 @@ class PlainFile:
     def warnings(self) -> list[str]:
         """Return no warnings: there are no scripts that could have been left off."""
         return []
-
-    def _require_plain(self) -> None:
-        """Reject options that need Blender."""
-        if self._wanted.shown:
-            raise CanonicalFormError(f"--mesh shown, --frame and --frames: this {_NEEDS_BLENDER}.")
-        if f".{self._wanted.format}" not in PLAIN:
-            kinds = ", ".join(kind[1:] for kind in PLAIN)
-            raise CanonicalFormError(f"--format {self._wanted.format} {_NEEDS_BLENDER}. Without it, choose {kinds}.")
