@@ -52,7 +52,7 @@ def main(words: Sequence[str], output: TextIO, *, alone: bool = False) -> int:
     try:
         with redirect_stdout(output):  # for --help
             options = parsed(list(words))
-        run = (_MatchRun if options.command == "match" else _FormsRun)(options, output, alone)
+        run = (_MatchRun if options.command == "match" else _Run)(options, output, alone)
     except SystemExit as stop:
         return int(stop.code or 0)
     except CanonicalFormError as error:
@@ -85,7 +85,7 @@ class _Task(NamedTuple):
 
 
 class _Run:
-    """What is wanted, the workers that do it, and the lines that they return."""
+    """The forms or poses of files: what is wanted, the workers that do it, and the lines that they return."""
 
     def __init__(self, options: Namespace, output: TextIO, alone: bool) -> None:
         if options.jobs < 1:
@@ -104,52 +104,14 @@ class _Run:
             stages=sys.stderr.isatty() and options.jobs == 1 and not options.scheduler,
         )
         self._output = output
+        self._targets: list[Targets] = []
         self._told = {"done": 0, "failed": 0, "skipped": 0}
         self._plan(options)
         require_folder(options.output)
         self._crew = _hired(options, alone)
 
     def _plan(self, options: Namespace) -> None:
-        """Find the files and name their results."""
-        raise NotImplementedError
-
-    def _tasks(self) -> list[_Task]:
-        """Return the work, after what has to be done first."""
-        raise NotImplementedError
-
-    def all(self) -> int:
-        """Do the work, report each task when it is finished, and return the exit code."""
-        tasks = self._tasks()
-        progress = FileCount(len(tasks), time.monotonic)
-        work = ((number, (task.function, task.arguments)) for number, task in enumerate(tasks))
-        for number, result in self._crew.results(work):
-            progress.clear()
-            if isinstance(result, Failure):
-                result = [{**tasks[int(str(number))].head, "error": _reason(result)}]
-            self._tell(result)
-            progress.done()
-        return int(self._told["failed"] > 0)
-
-    def close(self) -> None:
-        """Release the workers, and remove their partial files."""
-        self._crew.close()
-        for partial in self._wanted.output.glob(f".*.{self._wanted.mark}.partial*"):
-            partial.unlink(missing_ok=True)
-
-    def _tell(self, lines: list[Line]) -> None:
-        """Print lines, and report errors."""
-        for line in lines:
-            if "error" in line:
-                files = " and ".join(line[name] for name in ("input", "other") if name in line)
-                complain(f"{files}: {line['error']}")
-            self._told["failed" if "error" in line else "skipped" if line.get("skipped") else "done"] += 1
-            print(json.dumps({"schema": SCHEMA, **line}), file=self._output, flush=True)
-
-
-class _FormsRun(_Run):
-    """The forms or poses of many files."""
-
-    def _plan(self, options: Namespace) -> None:
+        """Find the files, and name their results."""
         self._read = read_pose if options.command == "pose-like" else compute_reference
         files = found_files(options.meshes, options.output)
         stems = output_stems(files)
@@ -166,15 +128,24 @@ class _FormsRun(_Run):
         ]
 
     def all(self) -> int:
-        """Do the work; on a terminal, count the results of several files at the end."""
+        """Do the work, report each task when it is finished, and return the exit code."""
         began = time.monotonic()
-        code = super().all()
+        tasks = self._tasks()
+        progress = FileCount(len(tasks), time.monotonic)
+        work = ((number, (task.function, task.arguments)) for number, task in enumerate(tasks))
+        for number, result in self._crew.results(work):
+            progress.clear()
+            if isinstance(result, Failure):
+                result = [{**tasks[int(str(number))].head, "error": _reason(result)}]
+            self._tell(result)
+            progress.done()
         if len(self._targets) > 1 and sys.stderr.isatty():
             counts = ", ".join(f"{count} {name}" for name, count in self._told.items() if count)
             complain(f"{counts}, {time.monotonic() - began:.0f} s.")
-        return code
+        return int(self._told["failed"] > 0)
 
     def _tasks(self) -> list[_Task]:
+        """Return the work that is not done yet, after the reference is known."""
         pending = []
         for each in self._targets:
             if self._wanted.skip_existing and not self._wanted.frames and each.of_file().exists():
@@ -196,9 +167,24 @@ class _FormsRun(_Run):
             raise CanonicalFormError(f"The reference {self._reference_path} cannot be used. {_reason(found)}")
         return found  # type: ignore[no-any-return]
 
+    def close(self) -> None:
+        """Release the workers, and remove their partial files."""
+        self._crew.close()
+        for partial in self._wanted.output.glob(f".*.{self._wanted.mark}.partial*"):
+            partial.unlink(missing_ok=True)
+
+    def _tell(self, lines: list[Line]) -> None:
+        """Print lines, and report errors."""
+        for line in lines:
+            if "error" in line:
+                files = " and ".join(line[name] for name in ("input", "other") if name in line)
+                complain(f"{files}: {line['error']}")
+            self._told["failed" if "error" in line else "skipped" if line.get("skipped") else "done"] += 1
+            print(json.dumps({"schema": SCHEMA, **line}), file=self._output, flush=True)
+
 
 class _MatchRun(_Run):
-    """The match of two files."""
+    """The match of two files, in one task."""
 
     def _plan(self, options: Namespace) -> None:
         self._files: list[Path] = options.meshes

@@ -5,10 +5,7 @@ Blender may crash on a damaged file, so it reads in a separate process.
 
 from __future__ import annotations
 
-import os
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import cast
 
@@ -90,26 +87,9 @@ def _read_by_blender(path: Path) -> tuple[FloatArray, IntArray]:
     from ..blender.objects.mesh_reading import read_mesh
 
     try:
-        with _blender_silenced():
-            objects = open_meshes(path)
+        objects = open_meshes(path)
     except (OSError, RuntimeError) as error:  # Blender's operators raise RuntimeError
         raise InvalidMeshError(str(error)) from error
     if len(objects) > 1:
         raise InvalidMeshError(f"{path.name} holds {len(objects)} meshes; an evaluation needs one a file.")
     return read_mesh(objects[0].data)
-
-
-@contextmanager
-def _blender_silenced() -> Iterator[None]:
-    """Suppress the output of Blender's importers, which would disturb the progress bar."""
-    sys.stdout.flush()
-    kept = os.dup(1)
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nowhere, 1)
-    try:
-        yield
-    finally:
-        sys.stdout.flush()
-        os.dup2(kept, 1)
-        os.close(nowhere)
-        os.close(kept)
