@@ -8,10 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from addon.batch import command, matching
+from addon.batch import command, opening
 from addon.batch.lines import FileCount, stage_line
-from addon.batch.plain_files import fans, read_plain, write_plain
 from addon.blender.files.kinds_of_files import PLAIN
+from addon.blender.files.plain_files import read_plain, write_plain
+from addon.blender.files.polygon_mesh import PolygonMesh, fans
 from addon.core import InvalidMeshError, Settings, pose_like
 from tests.meshes import shapes
 
@@ -23,8 +24,8 @@ POLYGONS = [[0, 1, 2, 3], [2, 4, 3]]
 @pytest.mark.parametrize("kind", PLAIN)
 def test_what_is_written_is_read_again(kind, tmp_path):
     path = tmp_path / f"mesh{kind}"
-    write_plain(path, POINTS / 3, POLYGONS, "")
-    points, polygons = read_plain(path)
+    write_plain(path, PolygonMesh(POINTS / 3, POLYGONS))
+    points, polygons = read_plain(path)[:2]
     np.testing.assert_allclose(points, POINTS / 3, atol=1e-9)
     assert polygons == POLYGONS
     assert [each.name for each in tmp_path.iterdir()] == [path.name]
@@ -39,7 +40,7 @@ def test_binary_ply_with_more_properties_is_read(name, order, tmp_path):
     body = b"".join(struct.pack(f"{order}fffB", *point, 7) for point in POINTS)
     body += b"".join(struct.pack(f"{order}B{len(each)}i", len(each), *each) for each in POLYGONS)
     (tmp_path / "mesh.ply").write_bytes(header.encode() + body)
-    points, polygons = read_plain(tmp_path / "mesh.ply")
+    points, polygons = read_plain(tmp_path / "mesh.ply")[:2]
     np.testing.assert_array_equal(points, POINTS)
     assert polygons == POLYGONS
 
@@ -47,7 +48,7 @@ def test_binary_ply_with_more_properties_is_read(name, order, tmp_path):
 def test_obj_with_normals_uvs_and_negative_numbers_is_read(tmp_path):
     lines = [f"v {x} {y} {z}" for x, y, z in POINTS] + ["vt 0 0", "vn 0 0 1", "f 1/1/1 2/1/1 3//1 4", "f -3 -1 -2"]
     (tmp_path / "mesh.obj").write_text("\n".join(lines))
-    assert read_plain(tmp_path / "mesh.obj")[1] == [[0, 1, 2, 3], [2, 4, 3]]
+    assert read_plain(tmp_path / "mesh.obj").polygons == [[0, 1, 2, 3], [2, 4, 3]]
 
 
 def test_polygons_are_cut_into_triangles():
@@ -83,19 +84,19 @@ def run(*words, about="compute"):
 
 
 def test_the_command_works_without_blender(tmp_path, monkeypatch):
-    monkeypatch.setattr(command, "has_blender", lambda: False)
+    monkeypatch.setattr(opening, "has_blender", lambda: False)
     vertices, faces = shapes.figure(14)
     for kind in ("off", "obj", "ply"):
-        write_plain(tmp_path / f"{kind}.{kind}", vertices, faces.tolist(), "")
+        write_plain(tmp_path / f"{kind}.{kind}", PolygonMesh(vertices, faces.tolist()))
     code, lines = run(tmp_path, "--output", tmp_path / "out", "--format", "off", "--reference", "first")
     assert code == 0
-    forms = [read_plain(tmp_path / "out" / f"{kind}.off")[0] for kind in ("obj", "off", "ply")]
+    forms = [read_plain(tmp_path / "out" / f"{kind}.off").vertices for kind in ("obj", "off", "ply")]
     for form in forms[1:]:
         np.testing.assert_allclose(form, forms[0], atol=1e-5)
     assert {line["vertices"] for line in lines} == {len(vertices)}
     code, [turned, *_] = run(tmp_path / "obj.obj", "--output", tmp_path / "turned", "--format", "off", "--axes", "Y,Z")
     code, [plain, *_] = run(tmp_path / "obj.obj", "--output", tmp_path / "plain", "--format", "off")
-    one, two = (read_plain(tmp_path / name / "obj.off")[0] for name in ("turned", "plain"))
+    one, two = (read_plain(tmp_path / name / "obj.off").vertices for name in ("turned", "plain"))
     np.testing.assert_allclose(one[:, 1], two[:, 2], atol=1e-6)  # Z is up in the scene, Y in the file
     np.testing.assert_allclose(one[:, 2], -two[:, 1], atol=1e-6)
     assert turned["feature_points"] == plain["feature_points"]
@@ -104,12 +105,11 @@ def test_the_command_works_without_blender(tmp_path, monkeypatch):
 @pytest.fixture
 def two_files(tmp_path, monkeypatch):
     """A figure, and the same with other triangles, turned."""
-    monkeypatch.setattr(command, "has_blender", lambda: False)
-    monkeypatch.setattr(matching, "has_blender", lambda: False)
+    monkeypatch.setattr(opening, "has_blender", lambda: False)
     vertices, faces = shapes.figure(12)
-    write_plain(tmp_path / "here.ply", vertices, faces.tolist(), "")
+    write_plain(tmp_path / "here.ply", PolygonMesh(vertices, faces.tolist()))
     others, other_faces = shapes.figure(13)
-    write_plain(tmp_path / "there.off", others[:, [1, 2, 0]], other_faces.tolist(), "")
+    write_plain(tmp_path / "there.off", PolygonMesh(others[:, [1, 2, 0]], other_faces.tolist()))
     return tmp_path / "here.ply", tmp_path / "there.off"
 
 
@@ -118,8 +118,8 @@ def test_a_mesh_is_posed_like_another_without_blender(two_files, tmp_path):
     words = (here, "--reference", there, "--output", tmp_path / "out", "--format", "obj")
     code, [line] = run(*words, about="pose-like")
     assert code == 0
-    posed, polygons = read_plain(tmp_path / "out" / "here.obj")
-    (vertices, faces), (others, other_faces) = map(read_plain, two_files)
+    posed, polygons = read_plain(tmp_path / "out" / "here.obj")[:2]
+    (vertices, faces), (others, other_faces) = (read_plain(path)[:2] for path in two_files)
     settings = Settings(max_iterations=2, landmark_count=12)
     found = pose_like(vertices, np.array(faces), others, np.array(other_faces), settings)
     np.testing.assert_allclose(posed, found.vertices, atol=1e-5)
@@ -145,11 +145,11 @@ def test_two_files_are_matched_without_blender(two_files, tmp_path):
     assert code == 0
     assert Path(line["output"]) == tmp_path / "out" / "here-there.npz"
     with np.load(line["output"]) as found:
-        count = len(read_plain(here)[0])
+        count = len(read_plain(here).vertices)
         assert found["vertices"].shape == found["confidence"].shape == (count,)
         assert found["corners"].shape == found["weights"].shape == (count, 3)
         np.testing.assert_allclose(found["weights"].sum(axis=1), 1.0)
-        assert 0 <= found["corners"].min() <= found["corners"].max() < len(read_plain(there)[0])
+        assert 0 <= found["corners"].min() <= found["corners"].max() < len(read_plain(there).vertices)
         assert len(found["sides"]) == len(line["sides"])
     assert [path.name for path in (tmp_path / "out").iterdir()] == ["here-there.npz"]
 
@@ -168,9 +168,9 @@ def test_whose_pose_it_is_must_be_said(words, two_files, tmp_path):
     assert run(two_files[0], "--output", tmp_path / "out", *words, about="pose-like") == (2, [])
 
 
-@pytest.mark.parametrize("words", [["--format", "blend"], ["--format", "obj", "--frame", "3"]])
+@pytest.mark.parametrize("words", [["--format", "blend"], ["--format", "obj", "--frames", "1:3"]])
 def test_what_needs_blender_is_told(words, tmp_path, monkeypatch):
-    monkeypatch.setattr(command, "has_blender", lambda: False)
+    monkeypatch.setattr(opening, "has_blender", lambda: False)
     shapes.write_off(tmp_path / "figure.off", *shapes.figure(12))
     code, [line] = run(tmp_path / "figure.off", "--output", tmp_path / "out", *words)
     assert code == 1
@@ -201,7 +201,7 @@ def test_a_stage_is_shown_where_it_is_wanted_and_wiped_away(capsys):
 def test_two_files_of_one_name_can_be_matched(two_files, tmp_path):
     here, _ = two_files
     other = tmp_path / f"{here.stem}.ply"
-    write_plain(other, *read_plain(here), "")
+    write_plain(other, read_plain(here))
     one = tmp_path / here.name
     one.write_bytes(here.read_bytes())
     code, [line] = run(one, other, "--output", tmp_path / "out", about="match")

@@ -30,8 +30,11 @@ TOLERANCES = ROOT / "tools" / "release_tolerances.toml"
 MEASURED_BY = (
     "addon/core",
     "addon/evaluation",
-    "addon/batch/plain_files.py",
+    "addon/blender/files/obj_format.py",
     "addon/blender/files/off_format.py",
+    "addon/blender/files/plain_files.py",
+    "addon/blender/files/ply_format.py",
+    "addon/blender/files/polygon_mesh.py",
     "addon/blender/files/reading_files.py",
     "addon/blender/objects/mesh_reading.py",
     "tests/meshes",

@@ -1,23 +1,22 @@
-"""The arguments of the command line, their help, and the run that they describe."""
+"""The arguments of the command line, their help, and what they mean."""
 
 from __future__ import annotations
 
 import argparse
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ..blender.files.kinds_of_files import PLAIN, READ, WRITTEN
+from ..blender.files.plain_files import has_blender
 from ..core.method_api.catalogue import methods
 from ..core.method_api.options import Option, options_of
 from ..core.method_api.settings import Settings
 from ..core.numerics.arrays import FloatArray
 from ..core.run.errors import CanonicalFormError
-from .plain_files import has_blender
+from .wanted import Wanted
 
-_PLAIN = tuple(kind[1:] for kind in PLAIN)
 _POSING = """\
 examples:
   pose-like scans --output posed --pose t             every scan of a folder in a T-pose
@@ -45,109 +44,13 @@ one mesh failed, 2 the words make no sense, 130 stopped by Ctrl+C.
 """
 
 
-@dataclass(frozen=True, eq=False)
-class Wanted:
-    """What a run does with each file.
-
-    Attributes
-    ----------
-    output : Path
-        Folder for the results.
-    format : str
-        Kind of file to write.
-    settings : Settings
-        Options of the method.
-    shown : bool
-        Whether to use meshes as modifiers, armatures and shape keys show them.
-    frames : tuple of int
-        Frames to compute; empty for the frame at which the file was saved.
-    frame_keys : bool
-        Whether to store the forms of all frames as shape keys in one .blend file.
-    objects : tuple of str
-        Names of the objects to compute; empty for all.
-    together : bool
-        Whether all objects of a file form one body.
-    axes : (3, 3) ndarray of float or None
-        Rotation from the axes of the scene to those of the file, for row vectors; None to write .obj and .ply in local
-        space.
-    value : float
-        Value of the shape key in a .blend file.
-    trusted : bool
-        Whether scripts and Python drivers in .blend files run.
-    skip_existing : bool
-        Skip files that already have a result.
-    pose : str
-        The mannequin that provides the pose, 'T' or 'A'; empty to use the pose of a reference.
-    side : int
-        Which way to match: -1 for the most likely, or its index.
-    mark : str
-        Distinguishes temporary files of this run from those of others.
-    stages : bool
-        Whether each worker shows its current stage.
-    inputs : tuple of Path
-        All files of the run: none of them is overwritten.
-    """
-
-    output: Path
-    format: str = "blend"
-    settings: Settings = field(default_factory=Settings)
-    shown: bool = False
-    frames: tuple[int, ...] = ()
-    frame_keys: bool = False
-    objects: tuple[str, ...] = ()
-    together: bool = False
-    axes: FloatArray | None = None
-    value: float = 1.0
-    trusted: bool = False
-    skip_existing: bool = False
-    pose: str = ""
-    side: int = -1
-    mark: str = ""
-    stages: bool = False
-    inputs: tuple[Path, ...] = ()
-
-
 def parsed(words: list[str]) -> argparse.Namespace:
-    """Parse the arguments of the command line.
-
-    Parameters
-    ----------
-    words : list of str
-        The arguments after the name of the command.
-
-    Returns
-    -------
-    argparse.Namespace
-        The options; `wanted_of` interprets them.
-
-    Raises
-    ------
-    SystemExit
-        If help was requested, or the arguments are invalid.
-    """
+    """Parse the arguments of the command line."""
     return _parser().parse_args(words)
 
 
-def wanted_of(options: argparse.Namespace, **more: Any) -> Wanted:
-    """Interpret the options.
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        The options.
-    **more
-        Further attributes of `Wanted`.
-
-    Returns
-    -------
-    Wanted
-        What to do with each file.
-
-    Raises
-    ------
-    CanonicalFormError
-        If an option is out of range; the message names it.
-    """
+def wanted_of(options: argparse.Namespace, mark: str, *, stages: bool) -> Wanted:
+    """Interpret the options."""
     frames = _frames(options.frames) if options.frames else () if options.frame is None else (options.frame,)
     frame_keys = options.frames_as == "keys"
     if frame_keys and (not options.frames or options.format != "blend"):
@@ -157,7 +60,7 @@ def wanted_of(options: argparse.Namespace, **more: Any) -> Wanted:
     return Wanted(
         output=options.output,
         format=options.format,
-        settings=settings_of(options),
+        settings=_settings(options),
         shown=options.mesh == "shown" or bool(frames),
         frames=frames,
         frame_keys=frame_keys,
@@ -169,7 +72,8 @@ def wanted_of(options: argparse.Namespace, **more: Any) -> Wanted:
         trusted=options.trust_scripts,
         pose=(options.pose or "").upper(),
         side=options.side,
-        **more,
+        mark=mark,
+        stages=stages,
     )
 
 
@@ -222,6 +126,10 @@ def _parser() -> argparse.ArgumentParser:
     _add_trust(matching)
     _add_side(matching)
     _add_method(matching, None)
+    matching.set_defaults(
+        format="npz", mesh="base", frame=None, frames=None, frames_as="files", together=False, axes=None, value=1.0,
+        skip_existing=False, pose=None, jobs=1, scheduler=None,
+    )  # fmt: skip
     return parser
 
 
@@ -233,8 +141,8 @@ def _add_files(parser: argparse.ArgumentParser) -> None:
     )
     files.add_argument("--output", type=Path, required=True, metavar="DIR", help="folder for the results")
     files.add_argument(
-        "--format", choices=tuple(dict.fromkeys((*WRITTEN, *_PLAIN))), default="blend" if has_blender() else "obj",
-        help="what to write (default: blend, obj without Blender); off without Blender only",
+        "--format", choices=WRITTEN, default="blend" if has_blender() else "obj",
+        help="what to write (default: blend, obj without Blender)",
     )  # fmt: skip
     files.add_argument("--skip-existing", action="store_true", help="skip files that already have their result")
     files.add_argument("--jobs", type=int, default=1, metavar="N", help="number of files processed at once")
@@ -316,24 +224,8 @@ def _add_option(parser: argparse._ArgumentGroup, name: str, about: Option, defau
     parser.add_argument(_flag(name), **told)
 
 
-def settings_of(options: argparse.Namespace) -> Settings:
-    """Create settings from the options of the method.
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        The options.
-
-    Returns
-    -------
-    Settings
-        The settings.
-
-    Raises
-    ------
-    CanonicalFormError
-        If an option is out of range.
-    """
+def _settings(options: argparse.Namespace) -> Settings:
+    """Create settings from the options of the method."""
     words = vars(options)
     chosen = {name: words[name] for name in options_of(Settings)}
     if chosen["feature_points"]:
@@ -348,7 +240,7 @@ def settings_of(options: argparse.Namespace) -> Settings:
 
 def _axes(text: str, kind: str) -> FloatArray:
     """Return the rotation to axes given as UP,FACING."""
-    if kind not in _PLAIN:
+    if f".{kind}" not in PLAIN:
         raise CanonicalFormError(f"--axes is for .obj, .ply and .off; .{kind} has axes of its own.")
     named = {
         sign + letter: direction * np.eye(3)[place]

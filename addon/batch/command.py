@@ -7,22 +7,24 @@ import os
 import sys
 import time
 from argparse import Namespace
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import redirect_stdout, suppress
 from pathlib import Path
 from secrets import token_hex
-from typing import TextIO
+from typing import Any, NamedTuple, TextIO
 
 from ..blender.files.file_access import require_folder
 from ..blender.jobs.likeness import Likeness
 from ..blender.words.file_errors import sentence
-from ..core import CanonicalForm, CanonicalFormError
+from ..core import CanonicalFormError
 from ..scheduling.attempts import Failure
 from ..scheduling.crews import Crew, DaskCrew, InThisProcess, LocalCrew
-from .arguments import Wanted, parsed, settings_of, wanted_of
+from .arguments import parsed, wanted_of
+from .computing import compute_file, compute_reference, read_pose
 from .inputs import found_files, output_stems, separators
 from .lines import SCHEMA, FileCount, Line, complain
-from .plain_files import has_blender
+from .matching import match_files
+from .open_files import Reference
 from .targets import Targets
 
 _ATTEMPTS = 2  # of a file that may have killed its worker: another file may be the cause
@@ -50,7 +52,7 @@ def main(words: Sequence[str], output: TextIO, *, alone: bool = False) -> int:
     try:
         with redirect_stdout(output):  # for --help
             options = parsed(list(words))
-        run = _MatchRun(options, alone) if options.command == "match" else _Run(options, alone)
+        run = (_MatchRun if options.command == "match" else _Run)(options, output, alone)
     except SystemExit as stop:
         return int(stop.code or 0)
     except CanonicalFormError as error:
@@ -60,7 +62,7 @@ def main(words: Sequence[str], output: TextIO, *, alone: bool = False) -> int:
         complain(sentence(error))
         return 2
     try:
-        return run.all(output)
+        return run.all()
     except KeyboardInterrupt:
         complain("Interrupted; files written so far are complete.")
         return 130
@@ -74,15 +76,18 @@ def main(words: Sequence[str], output: TextIO, *, alone: bool = False) -> int:
         run.close()
 
 
-def _mark() -> str:
-    """Return a name for this run's partial files; processes of different containers may have the same number."""
-    return f"{os.getpid()}-{token_hex(4)}"
+class _Task(NamedTuple):
+    """Work for a worker, and the files that its line names if the worker dies."""
+
+    head: Line
+    function: Callable[..., list[Line]]
+    arguments: tuple[Any, ...]
 
 
 class _Run:
-    """A run over several files."""
+    """The forms or poses of files: what is wanted, the workers that do it, and the lines that they return."""
 
-    def __init__(self, options: Namespace, alone: bool) -> None:
+    def __init__(self, options: Namespace, output: TextIO, alone: bool) -> None:
         if options.jobs < 1:
             raise CanonicalFormError(f"--jobs must be at least 1; got {options.jobs}.")
         if alone and (options.jobs > 1 or options.scheduler):
@@ -93,217 +98,111 @@ class _Run:
         if options.scheduler:  # the workers have their own working directories
             options.output = options.output.resolve()
             options.meshes = [path.resolve() for path in options.meshes]
+        self._wanted = wanted_of(
+            options,
+            mark=f"{os.getpid()}-{token_hex(4)}",  # processes of different containers may have the same number
+            stages=sys.stderr.isatty() and options.jobs == 1 and not options.scheduler,
+        )
+        self._output = output
+        self._targets: list[Targets] = []
+        self._told = {"done": 0, "failed": 0, "skipped": 0}
+        self._plan(options)
+        require_folder(options.output)
+        self._crew = _hired(options, alone)
+
+    def _plan(self, options: Namespace) -> None:
+        """Find the files, and name their results."""
+        self._read = read_pose if options.command == "pose-like" else compute_reference
         files = found_files(options.meshes, options.output)
         stems = output_stems(files)
-        named = options.reference
-        self._posing = options.command == "pose-like"
-        first = named == "first" and not self._posing
-        self._reference_path = None if named is None else files[0] if first else Path(named)
-        if options.scheduler and self._reference_path is not None:
-            self._reference_path = self._reference_path.resolve()
-        inputs = (*files, *([self._reference_path] if self._reference_path else []))
-        require_folder(options.output)
-        self.wanted = wanted_of(
-            options,
-            mark=_mark(),
-            stages=sys.stderr.isatty() and options.jobs == 1 and not options.scheduler,
-            inputs=inputs,
-        )
+        self._reference_path: Path | None = None
+        if options.reference == "first" and options.command == "compute":
+            self._reference_path = files[0]
+        elif options.reference is not None:
+            named = Path(options.reference)
+            self._reference_path = named.resolve() if options.scheduler else named
+        inputs = (*files, *([] if self._reference_path is None else [self._reference_path]))
         self._targets = [
             Targets(path, options.output, stem, dash, options.format, inputs)
             for path, stem, dash in zip(files, stems, separators(stems), strict=True)
         ]
-        self._crew = _hired(options, alone)
-        self._told = {"done": 0, "failed": 0, "skipped": 0}
 
-    def all(self, output: TextIO) -> int:
-        """Process all files and report each when it is finished."""
+    def all(self) -> int:
+        """Do the work, report each task when it is finished, and return the exit code."""
         began = time.monotonic()
-        pending = [number for number, each in enumerate(self._targets) if not self._is_done(each)]
-        for number in sorted(set(range(len(self._targets))) - set(pending)):
-            self._tell([self._targets[number].skipped(self._targets[number].of_file(), None)], output)
-        reference = self._reference() if pending else None
-        progress = FileCount(len(pending), time.monotonic)
-        work = ((number, (compute_file, (self._targets[number], self.wanted, reference))) for number in pending)
-        for name, result in self._crew.results(work):
+        tasks = self._tasks()
+        progress = FileCount(len(tasks), time.monotonic)
+        work = ((number, (task.function, task.arguments)) for number, task in enumerate(tasks))
+        for number, result in self._crew.results(work):
             progress.clear()
-            path = self._targets[int(str(name))].path
             if isinstance(result, Failure):
-                result = [{"input": str(path), "error": _CRASHED if result.died else result.reason}]
-            self._tell(result, output)
+                result = [{**tasks[int(str(number))].head, "error": _reason(result)}]
+            self._tell(result)
             progress.done()
         if len(self._targets) > 1 and sys.stderr.isatty():
             counts = ", ".join(f"{count} {name}" for name, count in self._told.items() if count)
             complain(f"{counts}, {time.monotonic() - began:.0f} s.")
         return int(self._told["failed"] > 0)
 
+    def _tasks(self) -> list[_Task]:
+        """Return the work that is not done yet, after the reference is known."""
+        pending = []
+        for each in self._targets:
+            if self._wanted.skip_existing and not self._wanted.frames and each.of_file().exists():
+                self._tell([each.skipped(each.of_file(), None)])  # several results are checked when the file is open
+            else:
+                pending.append(each)
+        reference = self._reference() if pending else None
+        return [_Task({"input": str(each.path)}, compute_file, (each, self._wanted, reference)) for each in pending]
+
+    def _reference(self) -> Reference:
+        """Compute the form of the reference, or read its pose, in a worker; return the pose of a mannequin."""
+        if self._wanted.pose:
+            return Likeness(self._wanted.pose, side=self._wanted.side)
+        if self._reference_path is None:
+            return None
+        work = iter([("reference", (self._read, (self._reference_path, self._wanted)))])
+        ((_, found),) = self._crew.results(work)
+        if isinstance(found, Failure):
+            raise CanonicalFormError(f"The reference {self._reference_path} cannot be used. {_reason(found)}")
+        return found  # type: ignore[no-any-return]
+
     def close(self) -> None:
         """Release the workers, and remove their partial files."""
         self._crew.close()
-        for partial in self.wanted.output.glob(f".*.{self.wanted.mark}.partial*"):
+        for partial in self._wanted.output.glob(f".*.{self._wanted.mark}.partial*"):
             partial.unlink(missing_ok=True)
 
-    def _is_done(self, targets: Targets) -> bool:
-        """Return whether a file already has its only result; several results are checked when the file is open."""
-        return self.wanted.skip_existing and not self.wanted.frames and targets.of_file().exists()
-
-    def _reference(self) -> CanonicalForm | Likeness | None:
-        """Compute the form of the reference, or read its pose, in a worker; return the pose of a mannequin."""
-        if self.wanted.pose:
-            return Likeness(self.wanted.pose, side=self.wanted.side)
-        if self._reference_path is None:
-            return None
-        read = read_pose if self._posing else compute_reference
-        work = iter([("reference", (read, (self._reference_path, self.wanted)))])
-        ((_, found),) = self._crew.results(work)
-        if isinstance(found, Failure):
-            reason = _CRASHED if found.died else found.reason
-            raise CanonicalFormError(f"The reference {self._reference_path} cannot be used. {reason}")
-        return found  # type: ignore[no-any-return]
-
-    def _tell(self, lines: list[Line], output: TextIO) -> None:
-        """Print the lines of a file, and report errors."""
+    def _tell(self, lines: list[Line]) -> None:
+        """Print lines, and report errors."""
         for line in lines:
             if "error" in line:
-                complain(f"{line['input']}: {line['error']}")
+                files = " and ".join(line[name] for name in ("input", "other") if name in line)
+                complain(f"{files}: {line['error']}")
             self._told["failed" if "error" in line else "skipped" if line.get("skipped") else "done"] += 1
-            print(json.dumps({"schema": SCHEMA, **line}), file=output, flush=True)
+            print(json.dumps({"schema": SCHEMA, **line}), file=self._output, flush=True)
 
 
-class _MatchRun:
-    """A match of two files, in a separate process."""
+class _MatchRun(_Run):
+    """The match of two files, in one task."""
 
-    def __init__(self, options: Namespace, alone: bool) -> None:
-        self._options, self._mark = options, _mark()
-        settings_of(options)
-        output: Path = options.output
-        require_folder(output)
-        one, other = (path.stem for path in options.meshes)
-        if one.casefold() == other.casefold():
+    def _plan(self, options: Namespace) -> None:
+        self._files: list[Path] = options.meshes
+        stems = [path.stem for path in self._files]
+        if stems[0].casefold() == stems[1].casefold():
             with suppress(CanonicalFormError):  # the same folder, as a.ply and a.glb: one file all the same
-                one, other = output_stems(options.meshes)
-        self._target = output / f"{one}-{other}.npz"
-        self._crew: Crew = InThisProcess() if alone else LocalCrew(1, _ATTEMPTS, one_thread=False)
+                stems = output_stems(self._files)
+        self._target = options.output / f"{'-'.join(stems)}.npz"
 
-    def all(self, output: TextIO) -> int:
-        """Match the files, and report the result."""
-        work = iter([("match", (compute_match, (self._options, self._target, self._mark, sys.stderr.isatty())))])
-        ((_, line),) = self._crew.results(work)
-        if isinstance(line, Failure):
-            one, other = self._options.meshes
-            line = {"input": str(one), "other": str(other), "error": _CRASHED if line.died else line.reason}
-        if "error" in line:
-            complain(f"{line['input']} and {line['other']}: {line['error']}")
-        print(json.dumps({"schema": SCHEMA, **line}), file=output, flush=True)
-        return int("error" in line)
-
-    def close(self) -> None:
-        """Release the worker."""
-        self._crew.close()
+    def _tasks(self) -> list[_Task]:
+        one, other = self._files
+        head = {"input": str(one), "other": str(other)}
+        return [_Task(head, match_files, (one, other, self._target, self._wanted))]
 
 
-def compute_file(targets: Targets, wanted: Wanted, reference: CanonicalForm | Likeness | None) -> list[Line]:
-    """Compute the meshes of one file, in a worker process.
-
-    Parameters
-    ----------
-    targets : Targets
-        The file, and the names of its results.
-    wanted : Wanted
-        What to do with the file.
-    reference : CanonicalForm, Likeness or None
-        The form to align to, or the pose that is applied instead of computing a form.
-
-    Returns
-    -------
-    list of dict
-        The result lines.
-    """
-    if not has_blender():
-        from .plain_computing import compute_plainly
-
-        return list(compute_plainly(targets, wanted, reference))
-    _keep_output_clean()
-    from .computing import compute_in_blender
-
-    return list(compute_in_blender(targets, wanted, reference))
-
-
-def compute_reference(path: Path, wanted: Wanted) -> CanonicalForm:
-    """Compute the reference form that others are aligned to, in a worker process.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-    wanted : Wanted
-        What to do with the other files.
-
-    Returns
-    -------
-    CanonicalForm
-        Its form.
-
-    Raises
-    ------
-    CanonicalFormError
-        If the file cannot be read or the form cannot be computed.
-    """
-    if not has_blender():
-        from .plain_computing import reference_plainly
-
-        return reference_plainly(path, wanted)
-    _keep_output_clean()
-    from .computing import reference_in_blender
-
-    return reference_in_blender(path, wanted)
-
-
-def read_pose(path: Path, wanted: Wanted) -> Likeness:
-    """Read the pose that is applied to others, in a worker process.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-    wanted : Wanted
-        What to do with the other files.
-
-    Returns
-    -------
-    Likeness
-        The pose.
-
-    Raises
-    ------
-    CanonicalFormError
-        If the file cannot be read.
-    """
-    if has_blender():
-        _keep_output_clean()
-    from .matching import read_likeness
-
-    return read_likeness(path, wanted.objects, wanted.side, trusted=wanted.trusted)
-
-
-def compute_match(options: Namespace, target: Path, mark: str, stages: bool) -> Line:
-    """Match two files, in a worker process.
-
-    Parameters
-    ----------
-    options, target, mark, stages
-        As in `match_files`.
-
-    Returns
-    -------
-    dict
-        The result line.
-    """
-    if has_blender():
-        _keep_output_clean()
-    from .matching import match_files
-
-    return match_files(options, target, mark, stages)
+def _reason(failure: Failure) -> str:
+    """Return why a worker has no result."""
+    return _CRASHED if failure.died else failure.reason
 
 
 def _hired(options: Namespace, alone: bool) -> Crew:
@@ -317,10 +216,3 @@ def _hired(options: Namespace, alone: bool) -> Crew:
             raise CanonicalFormError("Blender works on one file at a time. Start the Dask workers with --nthreads 1.")
         return cluster
     return LocalCrew(options.jobs, _ATTEMPTS, one_thread=options.jobs > 1)
-
-
-def _keep_output_clean() -> None:
-    """Redirect what Blender prints in a worker to standard error: standard output is for result lines."""
-    if "bpy" not in sys.modules:
-        sys.stdout.flush()
-        os.dup2(2, 1)

@@ -12,24 +12,9 @@ from ..core.run.errors import CanonicalFormError
 
 
 def found_files(words: Sequence[Path], output: Path) -> list[Path]:
-    """Return the files that the arguments stand for: folders stand for the meshes in them, patterns for matching files.
+    """Return the files that the arguments stand for: folders for the meshes in them, patterns for matching files.
 
-    Parameters
-    ----------
-    words : sequence of Path
-        Files, folders, and patterns (where no file has that name).
-    output : Path
-        The folder for results; folders and patterns do not include files in it.
-
-    Returns
-    -------
-    list of Path
-        Files in the order of the arguments, those of a folder or pattern sorted by name.
-
-    Raises
-    ------
-    CanonicalFormError
-        If a folder contains no mesh, or no file matches a pattern.
+    Folders and patterns leave out files in the folder for results, `output`.
     """
     found: list[Path] = []
     for word in words:
@@ -59,20 +44,7 @@ def _is_mesh(path: Path) -> bool:
 def output_stems(paths: Sequence[Path]) -> list[str]:
     """Name each result after its file; if files in several folders have the same name, prefix the folder names.
 
-    Parameters
-    ----------
-    paths : sequence of Path
-        The files.
-
-    Returns
-    -------
-    list of str
-        Names without a file name extension, unique on any file system.
-
-    Raises
-    ------
-    CanonicalFormError
-        If a file is given twice, or two files differ only by their extensions; the message names both.
+    The names are unique on any file system, or an error names two files that would have the same.
 
     Examples
     --------
@@ -102,16 +74,6 @@ def output_stems(paths: Sequence[Path]) -> list[str]:
 
 def separators(stems: Sequence[str]) -> list[str]:
     """Choose separators between the names of files and of objects, so that no two results have the same name.
-
-    Parameters
-    ----------
-    stems : sequence of str
-        Names of the files' results.
-
-    Returns
-    -------
-    list of str
-        Dashes: more than one if the name of another file continues with a dash.
 
     Examples
     --------

@@ -7,36 +7,21 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from ..blender.words.file_errors import sentence
 from ..core.run.errors import CanonicalFormError
 
 SCHEMA = 1  # version of the fields, increased when a field changes its meaning
 Line = dict[str, Any]
 
 
-def failure(line: Line, error: Exception, told: str | None = None) -> Line:
+def failure(line: Line, error: Exception, told: str) -> Line:
     """Create the line for an error; unexpected errors are reported as bugs.
-
-    Parameters
-    ----------
-    line : dict
-        Known fields of the mesh.
-    error : Exception
-        The exception that was raised.
-    told : str, optional
-        Its message, with advice.
-
-    Returns
-    -------
-    dict
-        The line.
 
     Examples
     --------
-    >>> failure({"input": "a.obj"}, OSError("No room."))
+    >>> failure({"input": "a.obj"}, OSError(28, "No space left on device"), "No room.")
     {'input': 'a.obj', 'error': 'No room.'}
     """
-    text = (told or (sentence(error) if isinstance(error, OSError) else str(error))).strip()
+    text = told.strip()
     if isinstance(error, ModuleNotFoundError):
         return {**line, "error": f"The Python module {error.name} is missing: pip install {error.name}"}
     if not isinstance(
@@ -47,28 +32,12 @@ def failure(line: Line, error: Exception, told: str | None = None) -> Line:
 
 
 def complain(text: str) -> None:
-    """Print a message to standard error.
-
-    Parameters
-    ----------
-    text : str
-        The message.
-    """
+    """Print a message to standard error."""
     print(f"canonical_form: {plain(text)}", file=sys.stderr, flush=True)
 
 
 def plain(text: str) -> str:
-    r"""Replace control characters, as names in files may contain anything.
-
-    Parameters
-    ----------
-    text : str
-        A text.
-
-    Returns
-    -------
-    str
-        The text in one line, with a question mark for every non-printable character.
+    r"""Replace each character that cannot be printed, as names in files may contain anything.
 
     Examples
     --------
@@ -80,20 +49,7 @@ def plain(text: str) -> str:
 
 @contextmanager
 def stage_line(name: str, wanted: bool) -> Iterator[Any]:
-    """Show the current stage of a mesh, in one line of a terminal.
-
-    Parameters
-    ----------
-    name : str
-        Name of the mesh.
-    wanted : bool
-        Whether to show anything.
-
-    Yields
-    ------
-    callable or None
-        Takes the completed fraction and the stage.
-    """
+    """Show the current stage of a mesh, in one line of a terminal."""
     if not wanted:
         yield None
         return
@@ -110,15 +66,7 @@ def stage_line(name: str, wanted: bool) -> Iterator[Any]:
 
 
 class FileCount:
-    """Progress over all files in one line: the current file and the remaining time.
-
-    Parameters
-    ----------
-    total : int
-        Number of files.
-    clock : callable
-        Returns the time in seconds.
-    """
+    """Progress over all files in one line: the current file and the remaining time."""
 
     def __init__(self, total: int, clock: Any) -> None:
         self._total, self._clock = total, clock
@@ -139,13 +87,7 @@ class FileCount:
             sys.stderr.flush()
 
     def text(self) -> str:
-        """Return the text of the progress line.
-
-        Returns
-        -------
-        str
-            As in ``file 3 of 100 · 12 s left``.
-        """
+        """Return the text of the progress line, as ``file 3 of 100 · 12 s left``."""
         text = f"file {min(self._done + 1, self._total)} of {self._total}"
         if self._done:
             seconds = (self._clock() - self._began) / self._done * (self._total - self._done)

@@ -1,67 +1,43 @@
-"""The match of two files: read, matched, written as arrays, reported in a line."""
+"""The match of two files, in a worker: read, matched, written as arrays, reported in a line."""
 
 from __future__ import annotations
 
-from argparse import Namespace
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
 from ..blender.files.replacing_files import replaced
-from ..blender.jobs.likeness import Likeness, PoseArrays
 from ..core import CanonicalFormError, Match, match
-from .arguments import settings_of
+from .computing import read_pose
 from .lines import Line, failure, stage_line
-from .plain_files import fans, has_blender, read_plain
+from .opening import explained
+from .wanted import Wanted
 
 
-def match_files(options: Namespace, target: Path, mark: str, stages: bool) -> Line:
-    """Match the meshes of two files and write the match.
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        The options: two files, objects, side and settings.
-    target : Path
-        The .npz file to write: `vertices`, `corners`, `weights`, `confidence` for each vertex of the first mesh, and
-        the scores of the `sides`.
-    mark : str
-        Distinguishes temporary files of this run from those of others.
-    stages : bool
-        Whether to show the current stage.
-
-    Returns
-    -------
-    dict
-        The result line.
-    """
-    one, other = options.meshes
+def match_files(one: Path, other: Path, target: Path, wanted: Wanted) -> list[Line]:
+    """Match the meshes of two files and write the match."""
     line: Line = {"input": str(one), "other": str(other)}
     try:
-        trusted = options.trust_scripts
-        named = options.objects or ()
-        found_here, found_there = (read_likeness(path, named, trusted=trusted) for path in (one, other))
-        if named and found_here.name not in named and found_there.name not in named:
-            raise CanonicalFormError(f"Neither file has a mesh called {' or '.join(named)}.")
+        found_here, found_there = read_pose(one, wanted), read_pose(other, wanted)
+        if wanted.objects and not {found_here.name, found_there.name} & set(wanted.objects):
+            raise CanonicalFormError(f"Neither file has a mesh called {' or '.join(wanted.objects)}.")
         here, there = found_here.reference, found_there.reference
         assert here is not None
         assert there is not None
-        with stage_line(f"{one.name} and {other.name}", stages) as progress:
+        with stage_line(f"{one.name} and {other.name}", wanted.stages) as progress:
             found = match(
                 here.pose,
                 here.faces,
                 there.pose,
                 there.faces,
-                settings_of(options),
-                side="auto" if options.side < 0 else options.side,
+                wanted.settings,
+                side="auto" if wanted.side < 0 else wanted.side,
                 progress=progress,
             )
-        replaced(target, lambda partial: _write(partial, found), mark)
+        replaced(target, lambda partial: _write(partial, found), wanted.mark)
     except Exception as error:  # any error is reported in the line
-        return failure(line, error)
-    return {
-        **line,
+        return [failure(line, error, explained(error))]
+    figures = {
         "output": str(target),
         "vertices": len(found.vertices),
         "sides": [round(score, 3) for score in found.sides],
@@ -70,38 +46,7 @@ def match_files(options: Namespace, target: Path, mark: str, stages: bool) -> Li
         "warnings": [str(each) for each in found.warnings],
         "other_warnings": [str(each) for each in found.other_warnings],
     }
-
-
-def read_likeness(path: Path, names: Sequence[str], side: int = -1, *, trusted: bool = False) -> Likeness:
-    """Read the pose of the mesh of a file, or of the largest one, with or without Blender.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-    names : sequence of str
-        Names of the objects to use, as far as they exist.
-    side : int
-        Which way to match: -1 for the most likely, or its index.
-    trusted : bool
-        Whether scripts and Python drivers in a .blend file run.
-
-    Returns
-    -------
-    Likeness
-        The pose.
-
-    Raises
-    ------
-    CanonicalFormError
-        If the file cannot be read.
-    """
-    if has_blender():
-        from .computing import likeness_in_blender
-
-        return likeness_in_blender(path, names, side, trusted=trusted)
-    vertices, polygons = read_plain(path)
-    return Likeness("OBJECT", path.stem, PoseArrays(vertices, fans(polygons), vertices), side)
+    return [{**line, **figures}]
 
 
 def _write(path: Path, found: Match) -> None:

@@ -37,34 +37,11 @@ class Targets(NamedTuple):
     inputs: tuple[Path, ...]
 
     def of_file(self, frame: int | None = None) -> Path:
-        """Return the file for the only result of the input file.
-
-        Parameters
-        ----------
-        frame : int, optional
-            The frame of the result.
-
-        Returns
-        -------
-        Path
-            The path of the result.
-        """
+        """Return the file for the only result of the input file."""
         return self.output / f"{self.stem}{_numbered(frame)}.{self.format}"
 
     def of_objects(self, names: Sequence[str], frame: int | None = None) -> list[Path]:
-        """Return the files for the results of several objects.
-
-        Parameters
-        ----------
-        names : sequence of str
-            Names of the objects; they may contain any character.
-        frame : int, optional
-            The frame of the results.
-
-        Returns
-        -------
-        list of Path
-            The paths of the results, unique on any file system.
+        """Return the files for the results of several objects, unique on any file system.
 
         Examples
         --------
@@ -85,36 +62,12 @@ class Targets(NamedTuple):
         return found
 
     def skipped(self, target: Path, frame: int | None) -> dict[str, Any]:
-        """Return the line for an existing result that was skipped.
-
-        Parameters
-        ----------
-        target : Path
-            The path of the result.
-        frame : int or None
-            The frame of the result.
-
-        Returns
-        -------
-        dict
-            The result line.
-        """
+        """Return the line for an existing result that was skipped."""
         line: dict[str, Any] = {"input": str(self.path), "output": str(target), "skipped": True}
         return line if frame is None else {**line, "frame": frame}
 
     def require_new(self, target: Path) -> None:
-        """Refuse to overwrite any input file of this run, under whatever name.
-
-        Parameters
-        ----------
-        target : Path
-            The path of the result.
-
-        Raises
-        ------
-        CanonicalFormError
-            If it is an input file.
-        """
+        """Refuse to overwrite any input file of this run, under whatever name."""
         for source in self.inputs if target.exists() else ():
             if source.exists() and target.samefile(source):
                 raise CanonicalFormError(f"The result would overwrite an input, {source}. Choose another --output.")

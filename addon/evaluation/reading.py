@@ -5,17 +5,13 @@ Blender may crash on a damaged file, so it reads in a separate process.
 
 from __future__ import annotations
 
-import os
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import cast
 
-import numpy as np
-
-from ..batch.plain_files import has_blender, read_plain
 from ..blender.files.kinds_of_files import PLAIN
+from ..blender.files.plain_files import has_blender, read_plain
+from ..blender.files.polygon_mesh import fans
 from ..core import InvalidMeshError
 from ..core.numerics.arrays import FloatArray, IntArray
 from ..scheduling.attempts import Failure
@@ -70,10 +66,10 @@ def _plain_triangles(path: Path) -> tuple[FloatArray, IntArray] | None:
     """Read a file that does not need Blender; .obj and .ply are left to Blender if it is installed."""
     if path.suffix.lower() != ".off" and (path.suffix.lower() not in PLAIN or has_blender()):
         return None
-    vertices, polygons = read_plain(path)
-    if any(len(corners) != 3 for corners in polygons):
+    mesh = read_plain(path)
+    if any(len(corners) != 3 for corners in mesh.polygons):
         return None
-    return vertices, np.array(polygons, dtype=np.int64).reshape(-1, 3)
+    return mesh.vertices, fans(mesh.polygons)
 
 
 def _read_by_blender(path: Path) -> tuple[FloatArray, IntArray]:
@@ -91,26 +87,9 @@ def _read_by_blender(path: Path) -> tuple[FloatArray, IntArray]:
     from ..blender.objects.mesh_reading import read_mesh
 
     try:
-        with _blender_silenced():
-            objects = open_meshes(path)
+        objects = open_meshes(path)
     except (OSError, RuntimeError) as error:  # Blender's operators raise RuntimeError
         raise InvalidMeshError(str(error)) from error
     if len(objects) > 1:
         raise InvalidMeshError(f"{path.name} holds {len(objects)} meshes; an evaluation needs one a file.")
     return read_mesh(objects[0].data)
-
-
-@contextmanager
-def _blender_silenced() -> Iterator[None]:
-    """Suppress the output of Blender's importers, which would disturb the progress bar."""
-    sys.stdout.flush()
-    kept = os.dup(1)
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nowhere, 1)
-    try:
-        yield
-    finally:
-        sys.stdout.flush()
-        os.dup2(kept, 1)
-        os.close(nowhere)
-        os.close(kept)

@@ -328,8 +328,11 @@ def keys_of(path: Path, methods: Sequence[Method]) -> list[str]:
 
 
 _MATTER = (  # in addition to the core
-    "batch/plain_files.py",
+    "blender/files/obj_format.py",
     "blender/files/off_format.py",
+    "blender/files/plain_files.py",
+    "blender/files/ply_format.py",
+    "blender/files/polygon_mesh.py",
     "blender/files/reading_files.py",
     "blender/objects/mesh_reading.py",
     "evaluation/correspondences/matchers.py",

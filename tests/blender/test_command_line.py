@@ -199,7 +199,7 @@ def test_broken_off_files_are_refused(tmp_path, text, words):
 def test_off_with_counts_on_the_first_line_colours_and_quads(tmp_path):
     path = tmp_path / "quad.off"
     path.write_text("COFF 4 1 0\n0 0 0 255 0 0\n1 0 0 0 0 0\n1 1 0 0 0 0\n0 1 0 9 9 9\n4 0 1 2 3 0.5 0.5 0.5\n")
-    vertices, polygons = read_off(path)
+    vertices, polygons = read_off(path)[:2]
     np.testing.assert_array_equal(vertices[2], [1, 1, 0])
     assert polygons == [[0, 1, 2, 3]]
 

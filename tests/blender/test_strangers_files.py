@@ -352,7 +352,7 @@ def test_names_do_not_command_the_terminal(capsys):
 
 
 def test_arrays_that_are_not_what_they_seem_are_refused_by_the_plain_readers(tmp_path):
-    from addon.batch.plain_files import read_plain
+    from addon.blender.files.plain_files import read_plain
 
     head = "ply\nformat {} 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face "
     lists, points = "property list char int vertex_indices\nend_header\n", "0 0 0 1 0 0 0 1 0\n"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Collection, Iterable
 from pathlib import Path
 
 from ...core.run.errors import CanonicalFormError, InvalidMeshError
@@ -58,3 +59,25 @@ def require_folder(folder: Path) -> None:
         raise CanonicalFormError(
             f"Nothing can be written to {folder}: {reason(error)}. Choose another --output."
         ) from error
+
+
+def require_named(path: Path, names: Iterable[str], there: Collection[str]) -> None:
+    """Require that a file holds the objects that were asked for.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    names : iterable of str
+        Names of the objects.
+    there : collection of str
+        Names of the mesh objects in the file.
+
+    Raises
+    ------
+    InvalidMeshError
+        If one is missing; the message names it.
+    """
+    missing = sorted(set(names) - set(there))
+    if missing:
+        raise InvalidMeshError(f"{path.name} holds no mesh object named {', '.join(map(repr, missing))}.")

@@ -17,5 +17,5 @@ IMPORTERS = {  # Blender's operators by file kind; the first that exists is used
 }
 READ = (".blend", ".off", *IMPORTERS)
 EXPORTERS = {"glb": "export_scene.gltf", "fbx": "export_scene.fbx", "usdc": "wm.usd_export"}
-WRITTEN = ("blend", "obj", "ply", *EXPORTERS)
-PLAIN = (".off", ".obj", ".ply")  # read and written without Blender, with positions and polygons only
+PLAIN = (".off", ".obj", ".ply")  # read and written without Blender; they hold one object
+WRITTEN = ("blend", "obj", "ply", *EXPORTERS, "off")

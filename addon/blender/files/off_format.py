@@ -1,4 +1,4 @@
-"""Reads the Object File Format (.off), which Blender does not import."""
+"""Reads and writes Object File Format files (.off), which Blender does not."""
 
 from __future__ import annotations
 
@@ -8,31 +8,13 @@ from pathlib import Path
 import numpy as np
 
 from ...core import InvalidMeshError
-from ...core.numerics.arrays import FloatArray
+from .polygon_mesh import PolygonMesh, Polygons, coordinates, counted
 
 _HEADS = {"".join(parts) for parts in product(("", "ST"), ("", "C"), ("", "N"), ("OFF",))}  # 4OFF, nOFF: not 3D
 
 
-def read_off(path: Path) -> tuple[FloatArray, list[list[int]]]:
-    """Read the vertices and polygons of an .off file; colours and normals are ignored.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-
-    Returns
-    -------
-    vertices : (n, 3) ndarray of float
-        Positions.
-    polygons : list of list of int
-        Vertex indices of every polygon.
-
-    Raises
-    ------
-    InvalidMeshError
-        If the file is not in that format; the message describes the error.
-    """
+def read_off(path: Path) -> PolygonMesh:
+    """Read the vertices and polygons of an .off file; colours and normals are ignored."""
     lines = [line.split("#", 1)[0].split() for line in path.read_text(encoding="utf-8", errors="replace").splitlines()]
     lines = [words for words in lines if words]
     if not lines or not lines[0][0].endswith("OFF"):
@@ -51,7 +33,7 @@ def read_off(path: Path) -> tuple[FloatArray, list[list[int]]]:
         if any(len(words) < 3 for words in body[:vertex_count]):
             raise InvalidMeshError(f"{path.name} has a vertex with less than three coordinates.")
         vertices = np.array([words[:3] for words in body[:vertex_count]], dtype=np.float64).reshape(-1, 3)
-        polygons = []
+        polygons: Polygons = []
         for words in body[vertex_count : vertex_count + face_count]:
             corners = [int(word) for word in words[1 : 1 + int(words[0])]]
             if len(corners) != int(words[0]) or min(corners) < 0 or max(corners) >= vertex_count:
@@ -59,4 +41,10 @@ def read_off(path: Path) -> tuple[FloatArray, list[list[int]]]:
             polygons.append(corners)
     except (ValueError, IndexError) as error:
         raise InvalidMeshError(f"{path.name} is not a well-formed .off file ({error}).") from error
-    return vertices, polygons
+    return PolygonMesh(vertices, polygons)
+
+
+def off_lines(mesh: PolygonMesh) -> list[str]:
+    """List the lines of an .off file: vertices and polygons."""
+    counts = f"{len(mesh.vertices)} {len(mesh.polygons)} 0"
+    return ["OFF", counts, *coordinates(mesh.vertices), *counted(mesh.polygons)]

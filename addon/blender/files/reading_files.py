@@ -10,10 +10,9 @@ from pathlib import Path
 from typing import Any
 
 import bpy
-import numpy as np
 
 from ...core import InvalidMeshError
-from .file_access import require_readable
+from .file_access import require_named, require_readable
 from .kinds_of_files import IMPORTERS, READ
 from .off_format import read_off
 from .outside_references import require_own_buffers
@@ -103,9 +102,7 @@ def open_meshes(
         if obj.type == "MESH" and visible and len(obj.data.polygons) and (not names or obj.name in names):
             there.add(obj.name)
             found.setdefault(obj.data if shared else obj, obj)
-    missing = sorted(set(names) - there)
-    if missing:
-        raise InvalidMeshError(f"{path.name} holds no mesh object named {', '.join(map(repr, missing))}.")
+    require_named(path, names, there)
     if not found:
         raise InvalidMeshError(f"{path.name} holds no mesh with faces.")
     return list(found.values())
@@ -232,9 +229,9 @@ def _import(path: Path) -> None:
     """Import a file into the open, empty file."""
     kind = path.suffix.lower()
     if kind == ".off":
-        vertices, polygons = read_off(path)
+        read = read_off(path)
         mesh = bpy.data.meshes.new(path.stem)
-        mesh.from_pydata(np.asarray(vertices).tolist(), [], polygons)
+        mesh.from_pydata(read.vertices.tolist(), [], read.polygons)
         obj = bpy.data.objects.new(path.stem, mesh)
         bpy.context.scene.collection.objects.link(obj)
         return

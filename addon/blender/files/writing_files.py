@@ -14,7 +14,10 @@ from ...core import InvalidMeshError
 from ...core.numerics.arrays import FloatArray, IntArray
 from ..mesh_items.key_removal import remove_all_keys
 from .kinds_of_files import EXPORTERS
+from .obj_format import word
 from .outside_references import without_foreign_pictures
+from .plain_files import write_lines, write_plain
+from .polygon_mesh import PolygonMesh
 from .reading_files import last_line, quiet
 from .replacing_files import replaced
 
@@ -77,9 +80,9 @@ def save_blend(path: Path, mark: str = "") -> None:
 def save_forms(path: Path, shown: Sequence[Shown], mark: str = "", *, pictures: Path | None = None) -> list[str]:
     """Write forms with the polygons, UV maps and materials of their meshes.
 
-    .obj and .ply files hold one form, in local space and in the vertex order of the mesh; .obj stores the patches as
-    groups and keeps n-gons, .ply stores them as colours and has no UV map. Blender writes the other kinds, in world
-    space, with the patches as colours.
+    .obj, .ply and .off files hold one form, in local space and in the vertex order of the mesh; .obj stores the patches
+    as groups, .ply as colours and without UV map, .off positions and polygons only. Blender writes the other kinds, in
+    world space, with the patches as colours.
 
     Parameters
     ----------
@@ -109,13 +112,13 @@ def save_forms(path: Path, shown: Sequence[Shown], mark: str = "", *, pictures: 
             replaced(path, lambda partial: _export(partial, kind, shown), mark)
         return left_out
     (one,) = shown
-    materials = [slot.material for slot in one.obj.material_slots if slot.material is not None]
-    beside = _free_mtl(path)
-    text = _as_obj(one, beside.name) if kind == "obj" else _as_ply(one)
-    if kind == "obj" and materials:
-        lines = [_OWN_MTL, *(line for material in materials for line in _as_mtl(material))]
-        replaced(beside, lambda partial: _write(partial, "\n".join(lines) + "\n"), mark)
-    replaced(path, lambda partial: _write(partial, text), mark)
+    mesh = _polygon_mesh(one)
+    if kind == "obj" and any(mesh.materials):
+        beside = _free_mtl(path)
+        used = [slot.material for slot in one.obj.material_slots if slot.material is not None]
+        write_lines(beside, [_OWN_MTL, *(line for material in used for line in _as_mtl(material))], mark)
+        mesh = mesh._replace(library=beside.name)
+    write_plain(path, mesh, mark)
     return []
 
 
@@ -134,11 +137,6 @@ def _starts_with(path: Path, text: str) -> bool:
         return False
     with path.open("rb") as file:
         return file.read(len(text)) == text.encode()
-
-
-def _write(path: Path, text: str) -> None:
-    """Write a text file that is identical on every system."""
-    path.write_text(text, encoding="utf-8", newline="\n")
 
 
 def _export(path: Path, kind: str, shown: Sequence[Shown]) -> None:
@@ -202,73 +200,31 @@ def _copy(shown: Shown, name: str) -> bpy.types.Object:
     return copy
 
 
-def _as_obj(shown: Shown, beside: str) -> str:
-    """Write a form as .obj: vertices, UVs of the active map, polygons with their groups and materials."""
+def _polygon_mesh(shown: Shown) -> PolygonMesh:
+    """Read what a text file holds of an object, shaped as its form."""
     mesh = shown.obj.data
-    names = [slot.material.name if slot.material else "" for slot in shown.obj.material_slots]
-    lines = [f"mtllib {beside}"] if any(names) else []
-    lines += [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in shown.form.tolist()]
-    corner_uv: list[int] | None = None
+    corner_uv = None
     if mesh.uv_layers.active is not None:
-        uv = np.empty(2 * len(mesh.loops), dtype=np.float32)
-        mesh.uv_layers.active.data.foreach_get("uv", uv)
-        places, number = np.unique(uv.reshape(-1, 2), axis=0, return_inverse=True)
-        lines += [f"vt {u:.9g} {v:.9g}" for u, v in places.tolist()]
-        corner_uv = (number.ravel() + 1).tolist()
-    group, material = None, ""
-    patches = shown.patches.tolist()
-    for polygon in mesh.polygons:
-        corners = list(polygon.vertices)
-        own = max(patches[corner] for corner in corners)
-        if own != group:
-            group = own
-            lines.append(f"g Patch_{own + 1}" if own >= 0 else "g")
-        called = names[polygon.material_index] if polygon.material_index < len(names) else ""
-        if called != material:
-            material = called
-            lines.append(f"usemtl {_word(called)}" if called else "usemtl ")  # as Blender ends a material
-        if corner_uv is None:
-            lines.append("f " + " ".join(str(corner + 1) for corner in corners))
-        else:
-            uvs = corner_uv[polygon.loop_start : polygon.loop_start + len(corners)]
-            lines.append("f " + " ".join(f"{corner + 1}/{uv}" for corner, uv in zip(corners, uvs, strict=True)))
-    return "\n".join(lines) + "\n"
+        corner_uv = np.empty(2 * len(mesh.loops), dtype=np.float32)
+        mesh.uv_layers.active.data.foreach_get("uv", corner_uv)
+        corner_uv = corner_uv.reshape(-1, 2)
+    return PolygonMesh(
+        shown.form,
+        [list(polygon.vertices) for polygon in mesh.polygons],
+        shown.patches,
+        shown.colours,
+        corner_uv,
+        [slot.material.name if slot.material else "" for slot in shown.obj.material_slots],
+        [polygon.material_index for polygon in mesh.polygons],
+    )
 
 
 def _as_mtl(material: bpy.types.Material) -> list[str]:
     """Return the .mtl lines for a material: its name, colour and first image."""
     red, green, blue, alpha = material.diffuse_color
-    lines = [f"newmtl {_word(material.name)}", f"Kd {red:.6g} {green:.6g} {blue:.6g}", f"d {alpha:.6g}"]
+    lines = [f"newmtl {word(material.name)}", f"Kd {red:.6g} {green:.6g} {blue:.6g}", f"d {alpha:.6g}"]
     nodes = material.node_tree.nodes if material.node_tree is not None else ()
     images = [node.image for node in nodes if node.type == "TEX_IMAGE" and node.image is not None]
     if images and images[0].filepath:
         lines.append(f"map_Kd {bpy.path.abspath(images[0].filepath)}")
     return [*lines, ""]
-
-
-def _word(name: str) -> str:
-    """Replace spaces in a name, as they end a name in .obj."""
-    return "_".join(name.split()) or "_"
-
-
-def _as_ply(shown: Shown) -> str:
-    """Write a form as .ply: vertices with the colours of their patches, and polygons."""
-    polygons = [list(polygon.vertices) for polygon in shown.obj.data.polygons]
-    most = max(map(len, polygons))
-    if most > 255:
-        name = shown.obj.data.name
-        raise InvalidMeshError(f"{name} has a face of {most} corners, and .ply holds 255. Write .obj instead.")
-    lines = ["ply", "format ascii 1.0", f"element vertex {len(shown.form)}"]
-    lines += [f"property double {axis}" for axis in "xyz"] + [
-        f"property uchar {name}" for name in ("red", "green", "blue")
-    ]
-    lines += [f"element face {len(polygons)}", "property list uchar int vertex_indices", "end_header"]
-    linear = np.clip(shown.colours[:, :3], 0, 1)
-    encoded = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)  # sRGB
-    colours = np.round(255 * encoded).astype(int).tolist()
-    lines += [
-        f"{x:.9g} {y:.9g} {z:.9g} {red} {green} {blue}"
-        for (x, y, z), (red, green, blue) in zip(shown.form.tolist(), colours, strict=True)
-    ]
-    lines += [f"{len(corners)} " + " ".join(map(str, corners)) for corners in polygons]
-    return "\n".join(lines) + "\n"

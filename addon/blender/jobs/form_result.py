@@ -12,13 +12,13 @@ from ..mesh_items.palette import Colours, colours_of
 from ..objects.combining import Combined
 from ..objects.mesh_reading import Reading
 from ..objects.object_warnings import warnings_by_object
-from ..records.form_report import FormReport, StressReport
+from ..records.form_report import FormReport, patch_sizes
 from ..results.match_values import MatchValues
 from ..words.wording import told
 from .request import Request
 
 if TYPE_CHECKING:
-    from ...core.numerics.arrays import FloatArray, IntArray
+    from ...core.numerics.arrays import FloatArray
     from ...core.results import AnyResult
 
 _ASYMMETRIC = 0.02  # units of sqrt(area): a larger distance between the halves causes a warning
@@ -102,7 +102,7 @@ def results_of(
                 vertices=len(reading.vertices),
                 faces=len(reading.faces),
                 feature_points=points[number].tolist(),
-                patch_sizes=_sizes(own.patches, len(report.feature_points)),
+                patch_sizes=patch_sizes(own.patches, len(report.feature_points)),
             ),
             Colours(*each, colours.palette),
             [shape[number] for shape in between],
@@ -140,17 +140,10 @@ def _split(found: AnyResult, readings: Sequence[Reading], whole: Combined) -> Se
 
 def _report(readings: Sequence[Reading], whole: Combined, found: AnyResult, request: Request) -> FormReport:
     """Create the report for a whole body."""
-    from ...core import CanonicalForm, FeaturePatches
-    from ...core.measures.form_measures import summary
+    from ...core import FeaturePatches, PosedLike
 
-    report = FormReport(
-        vertices=len(whole.vertices),
-        faces=len(whole.faces),
-        feature_points=found.feature_points.tolist(),
-        patch_sizes=_sizes(found.patches, len(found.feature_points)),
-        timings=found.timings,
-        warnings=warnings_by_object(found.warnings, readings),
-    )
+    report = FormReport.of(found, whole.vertices, whole.faces, request.settings, hausdorff=request.hausdorff)
+    report.warnings = warnings_by_object(found.warnings, readings)
     if isinstance(found, FeaturePatches):
         return report
     apart = max(whole.asymmetries(found.vertices))
@@ -162,20 +155,6 @@ def _report(readings: Sequence[Reading], whole: Combined, found: AnyResult, requ
                 apart=apart,
             )
         )
-    measures = summary(whole.vertices, found.vertices, found.faces, request.hausdorff)
-    report.measures = {name: None if np.isnan(value) else value for name, value in measures.items()}
-    report.pieces = request.settings.pieces
-    if isinstance(found, CanonicalForm):
-        report.method = request.settings.method
-        if len(found.stress):
-            report.stress = StressReport(float(found.stress[0]), float(found.stress[-1]), len(found.stress) - 1)
-            report.pair_count, report.pair_reduction = found.pair_count, found.pair_reduction
-    elif request.likeness is not None:
+    if isinstance(found, PosedLike) and request.likeness is not None:
         report.like = request.likeness.report(found)
     return report
-
-
-def _sizes(patches: IntArray, count: int) -> list[int]:
-    """Count the vertices in each patch."""
-    sizes: list[int] = np.bincount(patches[patches >= 0], minlength=count).tolist()
-    return sizes

@@ -3,9 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
 
 from .stored_values import listed, maybe, named, real, whole, words
+
+if TYPE_CHECKING:
+    from ...core import Settings
+    from ...core.numerics.arrays import FloatArray, IntArray
+    from ...core.results import AnyResult
 
 
 class StressReport(NamedTuple):
@@ -124,6 +131,53 @@ class FormReport:
         return self.measures.get("compactness_error")
 
     @classmethod
+    def of(
+        cls, found: AnyResult, vertices: FloatArray, faces: IntArray, settings: Settings, *, hausdorff: bool = True
+    ) -> FormReport:
+        """Report a result on arrays.
+
+        Parameters
+        ----------
+        found : CanonicalForm, PosedLike or FeaturePatches
+            The result.
+        vertices : (n, 3) ndarray of float
+            Positions that it was computed from.
+        faces : (m, 3) ndarray of int
+            Triangles.
+        settings : Settings
+            Options that it was computed with.
+        hausdorff : bool
+            Whether to measure the Hausdorff distance.
+
+        Returns
+        -------
+        FormReport
+            The report, with the warnings as the core words them.
+        """
+        from ...core import CanonicalForm, FeaturePatches
+        from ...core.measures.form_measures import summary
+
+        report = cls(
+            vertices=len(vertices),
+            faces=len(faces),
+            feature_points=found.feature_points.tolist(),
+            patch_sizes=patch_sizes(found.patches, len(found.feature_points)),
+            timings=found.timings,
+            warnings=[str(each) for each in found.warnings],
+        )
+        if isinstance(found, FeaturePatches):
+            return report
+        measures = summary(vertices, found.vertices, found.faces, hausdorff)
+        report.measures = {name: None if np.isnan(value) else value for name, value in measures.items()}
+        report.pieces = settings.pieces
+        if isinstance(found, CanonicalForm):
+            report.method = settings.method
+            if len(found.stress):
+                report.stress = StressReport(float(found.stress[0]), float(found.stress[-1]), len(found.stress) - 1)
+                report.pair_count, report.pair_reduction = found.pair_count, found.pair_reduction
+        return report
+
+    @classmethod
     def from_json(cls, data: dict[str, Any]) -> FormReport:
         """Build a report from its JSON object.
 
@@ -205,3 +259,27 @@ class FormReport:
         if self.objects:
             data["objects"] = self.objects
         return data | {"timings": self.timings, "warnings": self.warnings}
+
+
+def patch_sizes(patches: IntArray, count: int) -> list[int]:
+    """Count the vertices in each patch.
+
+    Parameters
+    ----------
+    patches : (n,) ndarray of int
+        Patch of each vertex; -1 for none.
+    count : int
+        Number of patches.
+
+    Returns
+    -------
+    list of int
+        The counts.
+
+    Examples
+    --------
+    >>> patch_sizes(np.array([0, 1, 1, -1]), 3)
+    [1, 2, 0]
+    """
+    sizes: list[int] = np.bincount(patches[patches >= 0], minlength=count).tolist()
+    return sizes

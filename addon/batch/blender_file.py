@@ -1,0 +1,175 @@
+"""A file kept open in Blender: its objects, computed by the same job as that of the panel."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+from ..blender.files.face_indices import require_whole_faces
+from ..blender.files.reading_files import open_meshes, scripts_left_off
+from ..blender.files.writing_files import Shown, save_blend, save_forms
+from ..blender.jobs.form_item import FormItem
+from ..blender.jobs.form_task import FormTask
+from ..blender.jobs.likeness import Likeness
+from ..blender.jobs.pose_reading import read_likeness
+from ..blender.jobs.request import Request
+from ..blender.objects.mesh_reading import refusal
+from ..blender.records.form_report import FormReport
+from ..blender.results.frame_keys import keep_for_frame
+from ..blender.results.result_clearing import clear_from
+from ..core import CanonicalForm, CanonicalFormError
+from ..core.numerics.arrays import FloatArray
+from ..core.run.monitor import Progress
+from .open_files import Body, MeshInFile, Reference
+from .wanted import Wanted
+
+_LEFT_OFF = (
+    "Scripts or Python drivers in this file were left off; what they would move is not moved. "
+    "If you trust the file, add --trust-scripts."
+)
+_PICTURES_LEFT_OUT = (
+    "Pictures from outside the folder of this file were left out: {}. If you trust the file, add --trust-scripts."
+)
+
+
+class BlenderFile:
+    """The file that is open in Blender, of any kind that it reads; the methods are those of `OpenFile`.
+
+    Objects that share a mesh count once if the mesh holds their result, or if their forms are equal.
+    """
+
+    def __init__(self, path: Path, wanted: Wanted, names: Sequence[str]) -> None:
+        self._path, self._wanted = path, wanted
+        self._frame: int | None = None
+        self._item: FormItem | None = None  # the last one computed
+        held = wanted.format == "blend" if wanted.together else not wanted.shown
+        objects = open_meshes(path, names, shared=held, trusted=wanted.trusted)
+        require_whole_faces(objects)
+        for obj in objects if wanted.together and not held else ():  # two eyes: each has a form of its own
+            if obj.data.users > 1:
+                obj.data = obj.data.copy()
+        self.meshes = [MeshInFile(obj.name, len(obj.data.vertices), obj) for obj in objects]
+
+    def compute(
+        self, body: Body, frame: int | None, reference: Reference, progress: Progress | None = None
+    ) -> FormReport:
+        """Compute the body and write its result to the open file."""
+        wanted, objects = self._wanted, self._objects(body, frame)
+        for obj in objects if wanted.frame_keys and frame == wanted.frames[0] else ():
+            clear_from(obj)  # a key per frame is not an update of one form
+        task = FormTask(objects, self._request(reference))
+        if wanted.frame_keys and task.resized:
+            raise CanonicalFormError(
+                f"Modifiers change the number of vertices of {', '.join(task.resized)}, so that no shape key can hold "
+                "the forms. Apply or remove them, or choose --frames-as files."
+            )
+        task.compute(progress)
+        task.write()
+        if task.errors:
+            raise CanonicalFormError(" ".join(task.errors))
+        (self._item,) = task.items
+        if frame is not None and wanted.frame_keys:
+            for name in self._item.written_to:
+                keep_for_frame(bpy.data.objects[name], frame, wanted.frames)
+        return _whole_report(self._item)
+
+    def write(self, target: Path) -> list[str]:
+        """Save the open file, or export the last result."""
+        wanted, item = self._wanted, self._item
+        if wanted.format == "blend":
+            save_blend(target, wanted.mark)
+            return []
+        assert item is not None
+        shown = [
+            Shown(obj, _in_axes(result.found.vertices, obj, wanted), result.found.patches, result.colours.patches)  # type: ignore[union-attr]
+            for obj, result in zip(map(bpy.data.objects.get, item.written_to), item.results, strict=True)
+        ]
+        read = [each.source for each in self.meshes]
+        try:
+            left_out = save_forms(target, shown, wanted.mark, pictures=None if wanted.trusted else self._path.parent)
+        finally:
+            bpy.data.batch_remove([each.obj for each in shown if each.obj not in read])
+        return [_PICTURES_LEFT_OUT.format(", ".join(left_out))] if left_out else []
+
+    def form(self, body: Body) -> CanonicalForm:
+        """Compute the form of the body without writing it."""
+        frame = self._wanted.frames[0] if self._wanted.frames else None
+        task = FormTask(self._objects(body, frame), self._request(None))
+        task.compute()
+        item = task.items[0]
+        if item.error is not None or item.whole_form is None:
+            raise CanonicalFormError(item.error or f"{self._path.name} has no form.")
+        return item.whole_form
+
+    def pose(self, mesh: MeshInFile) -> Likeness:
+        """Read the pose that the object is shown in."""
+        _make_active(mesh.source)
+        return read_likeness(mesh.source, self._wanted.side)
+
+    def warnings(self) -> list[str]:
+        """Say whether Blender left scripts or drivers off."""
+        return [_LEFT_OFF] if scripts_left_off(self._path) else []
+
+    def _objects(self, body: Body, frame: int | None) -> list[bpy.types.Object]:
+        """Return the objects of a body at a frame, the first of them active, if all of them can be used."""
+        if frame is not None and frame != self._frame:
+            bpy.context.scene.frame_set(frame)
+            self._frame = frame
+        objects = [each.source for each in body]
+        _make_active(objects[0])
+        for obj in objects:
+            reason = refusal(obj)
+            if reason is not None:
+                raise CanonicalFormError(reason)
+        return objects
+
+    def _request(self, reference: Reference) -> Request:
+        """Create the request: shown meshes get a new object, as their number of vertices may differ."""
+        wanted = self._wanted
+        form = None if isinstance(reference, Likeness) else reference
+        return Request(
+            wanted.settings,
+            value=wanted.value,
+            deformed=wanted.shown,
+            new_object=wanted.shown and wanted.format != "blend",
+            hausdorff=True,
+            objects="TOGETHER" if wanted.together else "EACH",
+            reference=None if form is None else lambda _cancelled: form,
+            likeness=reference if isinstance(reference, Likeness) else None,
+        )
+
+
+def _make_active(obj: bpy.types.Object) -> None:
+    """Make an object the active one, as it may be in Edit Mode; several objects may be, as the file was saved."""
+    if obj.name in bpy.context.view_layer.objects:
+        bpy.context.view_layer.objects.active = obj
+
+
+def _whole_report(item: FormItem) -> FormReport:
+    """Return the report on a body; the vertices of several objects are numbered through them."""
+    reports = [result.report for result in item.results]
+    if len(reports) == 1:
+        return reports[0]
+    starts = np.cumsum([0, *(each.vertices for each in reports)]).tolist()
+    points = zip(*(each.feature_points for each in reports), strict=True)
+    return replace(
+        reports[0],
+        vertices=starts[-1],
+        faces=sum(each.faces for each in reports),
+        feature_points=[
+            next((start + own for start, own in zip(starts, each, strict=False) if own >= 0), -1) for each in points
+        ],
+        patch_sizes=[sum(each) for each in zip(*(each.patch_sizes for each in reports), strict=True)],
+    )
+
+
+def _in_axes(form: FloatArray, obj: bpy.types.Object, wanted: Wanted) -> FloatArray:
+    """Transform a form from local space to the axes of the file, if these are given."""
+    if wanted.axes is None:
+        return form
+    placed = np.array(obj.matrix_world)
+    return np.asarray((form @ placed[:3, :3].T + placed[:3, 3]) @ wanted.axes)
