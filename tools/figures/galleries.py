@@ -1,5 +1,6 @@
-"""Figures 5 and 6: poses and their forms, and one pose by every method."""
+"""Figures 5 and 6: poses and their forms, and one pose by every method; and the contact sheet of the README."""
 
+import numpy as np
 from matplotlib.figure import Figure
 
 from addon.core import canonical_form
@@ -7,7 +8,7 @@ from addon.core.measures.alignment import rigid_fit
 from addon.core.measures.form_measures import compactness_error
 from addon.evaluation.methods import DEFAULT, INPUT, KNOWN
 from tools.figures.drawing import show
-from tools.figures.models import facing
+from tools.figures.models import SIDE, facing
 
 POSES = 6
 
@@ -25,6 +26,26 @@ def draw_poses(models):
             turn, shift = rigid_fit(form, first)
             show(grid[2 * row, column], vertices, faces, facing(label), title=pose)
             show(grid[2 * row + 1, column], form @ turn + shift, faces, facing(label), patches=found.patches)
+    for axes in grid.ravel():
+        axes.set_axis_off()
+    return figure, {}
+
+
+def draw_contact_sheet(models):
+    """Draw the poses of every shape, and their forms, aligned to the first, from two sides."""
+    columns = max(map(len, models.values()))
+    figure = Figure(figsize=(1.6 * columns, 4.8 * len(models)), layout="constrained")
+    grid = figure.subplots(3 * len(models), columns, squeeze=False)
+    for row, (label, poses) in enumerate(models.items()):
+        first, turn = None, facing(label)
+        other = np.eye(3) if (turn != np.eye(3)).any() else SIDE
+        for (_, vertices, faces), (top, middle, low) in zip(poses, grid[3 * row : 3 * row + 3].T, strict=False):
+            form = canonical_form(vertices, faces).vertices
+            first = form if first is None else first
+            rotation, shift = rigid_fit(form, first)
+            show(top, vertices, faces, turn)
+            show(middle, form @ rotation + shift, faces, turn)
+            show(low, form @ rotation + shift, faces, other)
     for axes in grid.ravel():
         axes.set_axis_off()
     return figure, {}
