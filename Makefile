@@ -39,7 +39,7 @@ site: environment ## build the site: the documents, and a repository that Blende
 	$(python) tools/site/build.py
 
 bench: environment ## measure, and write docs/results.md; DATA=folder of meshes, ONLY=poses,limbs, BODIES=man
-	$(bench) $(if $(ONLY),--only $(ONLY)) $(if $(BODIES),--bodies $(BODIES)) $(if $(AMOUNT),--amount $(AMOUNT))
+	$(bench) $(if $(ONLY),--only $(ONLY)) $(if $(BODIES),--bodies $(BODIES))
 
 ablation: environment ## what each step and constant of the default buys; DATA=folder of meshes
 	$(bench) --only ablation $(if $(BODIES),--bodies $(BODIES))

@@ -10,7 +10,7 @@ import pytest
 from addon.core import canonical_form
 from tests.meshes import shapes
 from tools.benchmarks import results
-from tools.benchmarks.__main__ import KINDS, main
+from tools.benchmarks.__main__ import main
 from tools.benchmarks.experiment import Experiment, agrees, shown
 from tools.benchmarks.experiments import EXPERIMENTS
 from tools.benchmarks.experiments.ablation import VARIANTS, against_default
@@ -48,7 +48,7 @@ class Counted:
 def run(measure, data, folder, *words, code=0):
     """Run the driver with one experiment in a folder of documents of its own."""
     measure.__module__ = quality.__module__
-    experiments = {"halves": Experiment("halves", folders, measure, kind="forms")}
+    experiments = {"halves": Experiment("halves", folders, measure, first=True)}
     given = [str(data), "--output", str(folder / "docs"), *words]
     assert main(given, experiments, folder / "kept") == code
     page = folder / "docs" / results.PAGE
@@ -131,7 +131,7 @@ def test_what_cannot_be_measured_is_told(data, tmp_path, capsys):
     empty = tmp_path / "empty"
     empty.mkdir()
     assert main([str(empty), "--only", "quality", "--output", str(tmp_path)]) == 2
-    assert "quality: there are no meshes for it in" in capsys.readouterr().err
+    assert "quality: no meshes for it in" in capsys.readouterr().err
 
 
 def test_the_page_is_made_from_the_records():
@@ -173,8 +173,7 @@ def test_a_figure_agrees_to_its_last_digit_or_its_tolerance(column, told, measur
 def test_every_experiment_says_what_its_columns_mean():
     for name, each in EXPERIMENTS.items():
         assert len(each.about) > 40, name
-        assert each.kind in KINDS, name
-        assert not {name} & {*KINDS, "all"}
+    assert "all" not in EXPERIMENTS
 
 
 def test_the_code_that_figures_depend_on_is_there():

@@ -11,7 +11,7 @@ from typing import Any
 from tools.benchmarks.mesh_sets import Body
 
 Row = dict[str, Any]  # numbers, texts or None, by column
-Measure = Callable[[Any, Any], Iterable[Row]]  # of a body with a setting
+Measure = Callable[[Any, Any], Iterable[Row]]  # of a body with a setting; `mesh` and `setting` are added to each row
 LOOSE = {"seconds": 1.0, "time /": 0.4, "GB": 0.3, "MB": 0.5, "wait": 2.0, "rounding": math.inf}
 """Words in the name of a column, and the share by which its numbers may differ when they are measured again: seconds of
 another machine say little, ratios of times more. All other numbers are the same in every run, to the last digit shown.
@@ -53,34 +53,15 @@ def agrees(column: str, told: Any, measured: Any) -> bool:
 
 @dataclass(frozen=True)
 class Experiment:
-    """One table of the results.
+    """One table of the results."""
 
-    Attributes
-    ----------
-    name : str
-        Its name on the command line, and its heading.
-    meshes : callable
-        Returns the bodies in a folder of data; those that are generated need none.
-    measure : callable
-        Returns the rows of one body with one setting. `mesh` and `setting` are added. Its docstring is on the page: it
-        says what the columns mean.
-    settings : mapping of str to object
-        Passed to `measure` one by one.
-    table : callable
-        Turns the rows of all bodies and settings into those of the table.
-    note : callable
-        Returns a sentence on the rows, below the table.
-    kind : str
-        "forms" is what ``make bench`` measures, "stress" runs for long and is measured by name only.
-    """
-
-    name: str
-    meshes: Callable[[Path | None], Sequence[Body]]
-    measure: Measure
-    settings: Mapping[str, Any] = field(default_factory=lambda: {"": None})
-    table: Callable[[list[Row]], list[Row]] = list
-    note: Callable[[list[Row]], str] = lambda rows: ""
-    kind: str = "more"
+    name: str  # on the command line, and the heading
+    meshes: Callable[[Path | None], Sequence[Body]]  # in a folder of data; generated ones need none
+    measure: Measure  # its docstring is on the page, and says what the columns mean
+    settings: Mapping[str, Any] = field(default_factory=lambda: {"": None})  # passed to `measure` one by one
+    table: Callable[[list[Row]], list[Row]] = list  # turns the rows of all bodies and settings into those to show
+    note: Callable[[list[Row]], str] = lambda rows: ""  # a sentence on the rows, below the table
+    first: bool = False  # whether `make bench` measures it if no experiment is named
 
     @property
     def about(self) -> str:

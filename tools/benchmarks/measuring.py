@@ -1,12 +1,10 @@
-"""Seconds, peak memory and processes: how the experiments time, and survive what they run."""
+"""Seconds and processes: how the experiments time, and survive what they run."""
 
 from __future__ import annotations
 
 import multiprocessing
-import sys
 import time
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -68,18 +66,3 @@ def _answer(pipe: Any, function: Callable, arguments: tuple) -> None:
         pipe.send(function(*arguments))
     except Exception as error:  # raised again where the result is awaited
         pipe.send(error)
-
-
-def with_peak(function: Callable, *arguments: Any) -> tuple[Any, float, float]:
-    """Return the result of a function, and the gigabytes of this process before and at most; Linux only."""
-    if sys.platform != "linux":
-        raise OSError("Peak memory is read from /proc: measure it on Linux.")
-    Path("/proc/self/clear_refs").write_text("5")  # resets the peak
-    before = _gigabytes("VmRSS")
-    result = function(*arguments)
-    return result, before, _gigabytes("VmHWM")
-
-
-def _gigabytes(name: str) -> float:
-    status = Path("/proc/self/status").read_text()
-    return int(next(line for line in status.splitlines() if line.startswith(f"{name}:")).split()[1]) / 1e6

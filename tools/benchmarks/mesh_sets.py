@@ -34,21 +34,11 @@ class Poses(NamedTuple):
 
 @dataclass(frozen=True)
 class Body:
-    """One body in its poses, read when they are first asked for.
-
-    Attributes
-    ----------
-    name : str
-        Its name in the tables.
-    load : callable
-        Returns the poses.
-    files : tuple of Path
-        What they are read from: kept results depend on it.
-    """
+    """One body in its poses, read when they are first asked for."""
 
     name: str
     load: Callable[[], Poses]
-    files: tuple[Path, ...] = ()
+    files: tuple[Path, ...] = ()  # what the poses are read from: kept results depend on it
 
     @cached_property
     def poses(self) -> Poses:

@@ -51,10 +51,7 @@ def code_of(module: str) -> frozenset[Path]:
 
 
 def key_of(module: str, body: Body, setting: str) -> str:
-    """Return a digest of all that a result depends on: code, Python, packages, the contents of meshes, and the setting.
-
-    The dates of files do not count: a copy of the meshes has the same results.
-    """
+    """Return a digest of all that a result depends on: code, Python, packages, the contents of meshes, the setting."""
     digest = hashlib.sha256(f"{sys.version} {body.name} {setting} {_versions(PACKAGES)}".encode())
     for path in [*sorted(code_of(module)), *body.files]:
         digest.update(path.name.encode() + path.read_bytes())
@@ -144,19 +141,7 @@ def page(records: Mapping[str, Any], experiments: Mapping[str, Experiment]) -> s
 def differences(
     records: Mapping[str, Any], measured: Mapping[str, Any], text: str, experiments: Mapping[str, Experiment]
 ) -> list[str]:
-    """Return a sentence for each figure on the page that is not the recorded or the measured one.
-
-    Parameters
-    ----------
-    records : mapping
-        What is recorded, by experiment.
-    measured : mapping
-        What was measured again.
-    text : str
-        The page.
-    experiments : mapping of str to Experiment
-        All experiments.
-    """
+    """Return a sentence for each figure of the page `text` that is not the recorded one, or not the measured one."""
     sentences = []
     told, made = text.splitlines(), page(records, experiments).splitlines()
     sentences += [f"{PAGE} has by hand: {line}" for line in told if line not in set(made)]

@@ -14,41 +14,31 @@ POSES = 6
 
 
 def draw_poses(models):
-    figure = Figure(figsize=(1.7 * POSES, 3.4 * len(models)), layout="constrained")
-    grid = figure.subplots(2 * len(models), POSES)
-    for row, (label, poses) in enumerate(models.items()):
-        first = None
-        for column, (pose, vertices, faces) in enumerate(poses[:POSES]):
-            found = canonical_form(vertices, faces)
-            form = found.vertices
-            if first is None:
-                first = form
-            turn, shift = rigid_fit(form, first)
-            show(grid[2 * row, column], vertices, faces, facing(label), title=pose)
-            show(grid[2 * row + 1, column], form @ turn + shift, faces, facing(label), patches=found.patches)
-    for axes in grid.ravel():
-        axes.set_axis_off()
-    return figure, {}
+    """Draw poses of every shape, and their forms, aligned to the first."""
+    return _sheet({label: poses[:POSES] for label, poses in models.items()}, sides=1), {}
 
 
 def draw_contact_sheet(models):
-    """Draw the poses of every shape, and their forms, aligned to the first, from two sides."""
-    columns = max(map(len, models.values()))
-    figure = Figure(figsize=(1.6 * columns, 4.8 * len(models)), layout="constrained")
-    grid = figure.subplots(3 * len(models), columns, squeeze=False)
-    for row, (label, poses) in enumerate(models.items()):
-        first, turn = None, facing(label)
-        other = np.eye(3) if (turn != np.eye(3)).any() else SIDE
-        for (_, vertices, faces), (top, middle, low) in zip(poses, grid[3 * row : 3 * row + 3].T, strict=False):
-            form = canonical_form(vertices, faces).vertices
-            first = form if first is None else first
-            rotation, shift = rigid_fit(form, first)
-            show(top, vertices, faces, turn)
-            show(middle, form @ rotation + shift, faces, turn)
-            show(low, form @ rotation + shift, faces, other)
+    """Draw all poses of every shape, and their forms from two sides."""
+    return _sheet(models, sides=2), {}
+
+
+def _sheet(models, sides):
+    rows, columns = 1 + sides, max(map(len, models.values()))
+    figure = Figure(figsize=(1.7 * columns, 1.7 * rows * len(models)), layout="constrained")
+    grid = figure.subplots(rows * len(models), columns, squeeze=False)
     for axes in grid.ravel():
         axes.set_axis_off()
-    return figure, {}
+    for row, (label, poses) in enumerate(models.items()):
+        first, turns = None, [facing(label), SIDE if facing(label) is not SIDE else np.eye(3)]
+        for (pose, vertices, faces), (top, *below) in zip(poses, grid[rows * row : rows * (row + 1)].T, strict=False):
+            found = canonical_form(vertices, faces)
+            first = found.vertices if first is None else first
+            rotation, shift = rigid_fit(found.vertices, first)
+            show(top, vertices, faces, turns[0], title=pose)
+            for axes, turn in zip(below, turns, strict=False):
+                show(axes, found.vertices @ rotation + shift, faces, turn, patches=found.patches)
+    return figure
 
 
 def draw_methods(models):

@@ -91,8 +91,8 @@ def methods(collection: Body, setting: tuple[str, int | None, list[str]]) -> Ite
         }
 
 
-@experiment("animal-matches", lambda data: together(animals(data)), settings={"ours": "ours"})
-@experiment("matches", bodies_of, settings={"ours": "ours"})
+@experiment("animal-matches", lambda data: together(animals(data)), settings={"": "ours"})
+@experiment("matches", bodies_of, settings={"": "ours"})
 def matches(collection: Body, methods: str) -> Iterator[Row]:
     """Every pose matched with every other, which is reduced to 70 % of its vertices and shuffled, five poses of a
     body. *error*: geodesic distance of the match from the truth in 1/100 sqrt(area), mean and most; *near*: share

@@ -30,7 +30,7 @@ def overall(rows: list[Row]) -> str:
 
 
 @experiment("animals", animals)
-@experiment("quality", folders, note=overall, kind="forms")
+@experiment("quality", folders, note=overall, first=True)
 def quality(body: Body, _: None) -> Iterator[Row]:
     """The default form of every pose. *Pose ratio*: how far the forms are apart over how far the poses are,
     *mirrored*: with mirror images allowed; *geodesics change*: from pose to pose, which no method can remove.
@@ -93,7 +93,7 @@ def geodesics_change(poses: list[np.ndarray], faces: np.ndarray) -> float:
     finest,
     settings={f"{count}, normal": (count, Settings(), 100) for count in (10_000, 40_000, 160_000)}
     | {"20000, draft": (20_000, Settings(quality="draft"), 25)},
-    kind="forms",
+    first=True,
 )
 def speed(body: Body, setting: tuple[int, Settings, int]) -> Iterator[Row]:
     """The finest body, resized: median of three runs in one process, and the same over the factorisation and some
@@ -125,7 +125,7 @@ def speed(body: Body, setting: tuple[int, Settings, int]) -> Iterator[Row]:
     "tessellation",
     folders,
     settings={"uniform": uniform, "adaptive": adaptive, "quad-dominant": quad_dominant, "noise of 0.2 edges": noisy},
-    kind="forms",
+    first=True,
 )
 def tessellation(body: Body, change: Callable[..., Mesh]) -> Iterator[Row]:
     """The first pose of each body with other triangles: distance of its form from that of the mesh as it is, root

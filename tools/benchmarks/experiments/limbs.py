@@ -93,7 +93,7 @@ def halfway(points: np.ndarray, faces: np.ndarray, form: np.ndarray) -> Row:
 @experiment(
     "in-betweens",
     generated(**{f"{degrees}°": partial(shapes.joint, degrees) for degrees in (60, 90, 120, 150)}),
-    settings={"straight": shapes.joint(0)[0]},
+    settings={"": shapes.joint(0)[0]},
 )
 def bent_limb(body: Body, straight: np.ndarray) -> Iterator[Row]:
     """A limb bent by an angle: change of volume halfway to the same limb straight."""
