@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from tools.benchmarks.experiment import Experiment, Row
-from tools.benchmarks.mesh_sets import Body
+from tools.benchmarks.mesh_sets import Body, Collection
 
 ROOT = Path(__file__).resolve().parents[2]
 KEPT = ROOT / "build" / "benchmarks"
@@ -64,7 +64,8 @@ def kept_rows(experiment: Experiment, body: Body, setting: str, folder: Path = K
     path = folder / experiment.name / f"{words}-{key_of(experiment.measure.__module__, body, setting)}.json"
     if not path.is_file():
         measured = experiment.measure(body, experiment.settings[setting])
-        rows = [{"mesh": body.name, "setting": setting} | _plain(row) for row in measured]
+        mesh = "" if isinstance(body, Collection) else body.name
+        rows = [{"mesh": mesh, "setting": setting} | _plain(row) for row in measured]
         path.parent.mkdir(parents=True, exist_ok=True)
         part = path.with_suffix(".part")
         part.write_text(json.dumps(rows), encoding="utf-8")
