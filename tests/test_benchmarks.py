@@ -174,6 +174,7 @@ def test_every_experiment_says_what_its_columns_mean():
     for name, each in EXPERIMENTS.items():
         assert len(each.about) > 40, name
     assert "all" not in EXPERIMENTS
+    assert [name for name, each in EXPERIMENTS.items() if each.most == 1] == ["speed", "scale"]  # hours otherwise
 
 
 def test_the_code_that_figures_depend_on_is_there():

@@ -43,7 +43,7 @@ def main(words: Sequence[str], experiments: dict[str, Experiment] = EXPERIMENTS,
     for name, experiment in experiments.items():
         if not (everything or name in given or (experiment.first and not given)):
             continue
-        bodies = chosen(experiment.meshes(options.data), bodies_given)
+        bodies = chosen(experiment.meshes(options.data), bodies_given)[: experiment.most]
         if not bodies:
             print(f"{name}: no meshes for it in {options.data or 'DATA, which is not given'}.", file=sys.stderr)
             failed |= name in given

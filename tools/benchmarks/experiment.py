@@ -61,6 +61,7 @@ class Experiment:
     settings: Mapping[str, Any] = field(default_factory=lambda: {"": None})  # passed to `measure` one by one
     table: Callable[[list[Row]], list[Row]] = list  # turns the rows of all bodies and settings into those to show
     note: Callable[[list[Row]], str] = lambda rows: ""  # a sentence on the rows, below the table
+    most: int | None = None  # bodies, of those that are chosen
     first: bool = False  # whether `make bench` measures it if no experiment is named
 
     @property

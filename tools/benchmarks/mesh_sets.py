@@ -91,9 +91,9 @@ def humans(data: Path | None) -> list[Body]:
     return [body for body in folders(data) if body.name in HUMANS]
 
 
-def finest(data: Path | None) -> list[Body]:
-    """Return the body with the most vertices among the folders."""
-    return sorted(folders(data), key=lambda body: -len(body.first[0]))[:1]
+def finest_first(data: Path | None) -> list[Body]:
+    """Return the bodies of the folders, that with the most vertices first."""
+    return sorted(folders(data), key=lambda body: -len(body.first[0]))
 
 
 def creatures(data: Path | None) -> list[Body]:

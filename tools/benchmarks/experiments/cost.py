@@ -14,7 +14,7 @@ from tests.meshes.families import torus
 from tests.meshes.remeshing import noisy, resized
 from tools.benchmarks import one_form
 from tools.benchmarks.experiment import Row, experiment
-from tools.benchmarks.mesh_sets import Body, finest, folders, generated
+from tools.benchmarks.mesh_sets import Body, finest_first, folders, generated
 
 SIZES = (10_000, 40_000, 160_000, 640_000, 1_000_000)
 STAGES = {"Surface": "surface", "Coarse mesh": "coarse mesh", "Prolongation": "back to all vertices",
@@ -48,7 +48,7 @@ def growth(rows: list[Row]) -> str:
     return f"Exponent of time against n from 40,000: **{np.polyfit(np.log(n), np.log(seconds), 1)[0]:.2f}**."
 
 
-@experiment("scale", finest, settings={f"{count}": count for count in SIZES}, note=growth, first=True)
+@experiment("scale", finest_first, most=1, settings={f"{count}": count for count in SIZES}, note=growth, first=True)
 def scale(body: Body, count: int) -> Iterator[Row]:
     """The finest body, resized: the first run of a new process, hence longer than under speed, by stage; peak memory,
     and how much of it the form takes beyond the mesh and the program.

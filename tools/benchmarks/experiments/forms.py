@@ -18,7 +18,7 @@ from tests.meshes.shapes import Mesh, unit
 from tools.benchmarks.experiment import Row, experiment
 from tools.benchmarks.game_animals import animals
 from tools.benchmarks.measuring import library_seconds, timed
-from tools.benchmarks.mesh_sets import Body, apart, finest, folders, pose_ratio
+from tools.benchmarks.mesh_sets import Body, apart, finest_first, folders, pose_ratio
 
 
 def overall(rows: list[Row]) -> str:
@@ -90,7 +90,8 @@ def geodesics_change(poses: list[np.ndarray], faces: np.ndarray) -> float:
 
 @experiment(
     "speed",
-    finest,
+    finest_first,
+    most=1,
     settings={f"{count}, normal": (count, Settings(), 100) for count in (10_000, 40_000, 160_000)}
     | {"20000, draft": (20_000, Settings(quality="draft"), 25)},
     first=True,
