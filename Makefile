@@ -1,4 +1,5 @@
 python = .venv/bin/python
+bench = $(python) -m tools.benchmarks $(DATA)
 .PHONY: help environment run test doctest check package docs bench ablation evaluate figures moving-picture \
   rooms-picture test-window guide-pictures site blenders translations release-check
 
@@ -37,12 +38,11 @@ site: environment ## build the site: the documents, and a repository that Blende
 	$(python) -m pip install --quiet --disable-pip-version-check -r tools/site/requirements.txt
 	$(python) tools/site/build.py
 
-bench: environment ## remake the benchmarks; DATA=folder of meshes
-	$(python) tools/benchmarks/form_tables.py $(DATA)
-	$(python) tools/benchmarks/contact_sheet.py build/benchmarks/gallery.npz docs/pictures/contact-sheet.png
+bench: environment ## measure, and write docs/results.md; DATA=folder of meshes, ONLY=poses,limbs, BODIES=man
+	$(bench) $(if $(ONLY),--only $(ONLY)) $(if $(BODIES),--bodies $(BODIES))
 
 ablation: environment ## what each step and constant of the default buys; DATA=folder of meshes
-	$(python) tools/benchmarks/ablation.py $(DATA)
+	$(bench) --only ablation $(if $(BODIES),--bodies $(BODIES))
 
 evaluate: environment ## run all methods over a dataset; DATA=folder
 	$(python) -m addon evaluate $(DATA) --output build/evaluation
@@ -56,9 +56,9 @@ moving-picture: environment ## remake the moving picture of the README
 rooms-picture: environment ## remake the picture of the rooms from the imports of the core
 	$(python) tools/figures/rooms.py
 
-release-check: environment ## measure the documents' figures again, hours; DATA=folder of meshes, TAG=v1.2.3
+release-check: environment ## measure again, hours, and compare with docs/results.md; DATA=folder, TAG=v1.2.3
 	$(if $(TAG),$(python) tools/release_check.py $(TAG))
-	$(python) tools/release_figures.py $(DATA) $(if $(ONLY),--only $(ONLY))
+	$(bench) --check $(if $(ONLY),--only $(ONLY))
 
 blenders: ## run the whole suite in every Blender that is a Python module; the table in docs/reviewers.md
 	python3 tools/blenders.py $(BLENDERS)

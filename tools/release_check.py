@@ -15,16 +15,6 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 
 
-def manifest_version(text: str) -> str | None:
-    """Read the version of the extension from the text of its manifest; None if there is none."""
-    return tomllib.loads(text).get("version")
-
-
-def project_version(text: str) -> str | None:
-    """Read the version of the project from the text of pyproject.toml; None if there is none."""
-    return tomllib.loads(text).get("project", {}).get("version")
-
-
 def citation_version(text: str) -> str | None:
     """Read the version from the text of CITATION.cff, from its top level only; None if there is none."""
     found = re.search(r"""^version:\s*["']?([^"'\s#]+)""", text, flags=re.MULTILINE)
@@ -39,36 +29,20 @@ def released_version(text: str) -> str | None:
     >>> released_version("# Changelog\\n\\n## Unreleased\\n\\n## 1.2.0 (2026-03-01)\\n\\n## 1.1.0 (2026-01-01)\\n")
     '1.2.0'
     """
-    for heading in re.findall(r"^## (.+)$", text, flags=re.MULTILINE):
-        version = re.match(r"(\d+\.\d+\.\d+)(?=\s|$)", heading)
-        if version and "unreleased" not in heading.lower():
-            return version.group(1)
-    return None
+    headings = re.findall(r"^## (\d+\.\d+\.\d+)(?=\s|$)(.*)", text, flags=re.MULTILINE)
+    return next((version for version, rest in headings if "unreleased" not in rest.lower()), None)
 
 
 PLACES: dict[str, Callable[[str], str | None]] = {
-    "blender_manifest.toml": manifest_version,
-    "pyproject.toml": project_version,
+    "blender_manifest.toml": lambda text: tomllib.loads(text).get("version"),
+    "pyproject.toml": lambda text: tomllib.loads(text).get("project", {}).get("version"),
     "CITATION.cff": citation_version,
     "docs/CHANGELOG.md": released_version,
 }
 
 
 def disagreements(tag: str, root: Path) -> list[str]:
-    """Compare a tag with the versions in the files of a checkout.
-
-    Parameters
-    ----------
-    tag : str
-        The tag of the release, such as v1.2.3.
-    root : Path
-        The folder of the checkout.
-
-    Returns
-    -------
-    list of str
-        One message per difference; empty if there are none.
-    """
+    """Return one message for each file of a checkout whose version is not that of a tag, such as v1.2.3."""
     if not re.fullmatch(r"v\d+\.\d+\.\d+", tag):
         return [f"The tag {tag!r} is not of the form vX.Y.Z."]
     wanted, sentences = tag.removeprefix("v"), []
@@ -76,12 +50,9 @@ def disagreements(tag: str, root: Path) -> list[str]:
         path = root / name
         if not path.is_file():
             sentences.append(f"{name} is missing.")
-            continue
-        found = version_of(path.read_text(encoding="utf-8"))
-        if found is None:
-            sentences.append(f"{name} states no released version; the tag says {wanted}.")
-        elif found != wanted:
-            sentences.append(f"{name} states version {found}; the tag says {wanted}.")
+        elif (found := version_of(path.read_text(encoding="utf-8"))) != wanted:
+            states = f"version {found}" if found else "no released version"
+            sentences.append(f"{name} states {states}; the tag says {wanted}.")
     return sentences
 
 

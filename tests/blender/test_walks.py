@@ -1,11 +1,17 @@
+"""Random walks; CANONICAL_FORM_WALKS=20,500 makes twenty of 500 steps instead of two short ones."""
+
+import os
+
 import bpy
 import pytest
 
 from tests.blender.walks import Walk
 from tests.meshes import shapes
 
+WALKS, STEPS = map(int, os.environ.get("CANONICAL_FORM_WALKS", "2,60").split(","))
 
-@pytest.mark.parametrize("seed", [1, 2])
-def test_a_short_walk(blender, seed):
+
+@pytest.mark.parametrize("seed", range(1, WALKS + 1))
+def test_a_walk(blender, seed):
     bpy.context.preferences.filepaths.save_version = 0
-    Walk("addon", shapes.figure(12), seed).run(60)
+    Walk("addon", shapes.figure(12), seed).run(STEPS)

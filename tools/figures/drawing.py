@@ -7,16 +7,35 @@ from addon.evaluation.pictures import drawn
 from tests.meshes import shapes
 
 BALL = np.array([200.0, 20.0, 20.0])
+FRONT = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])  # a view of what stands along the third axis
 
 
-def show(axes, vertices, faces, turn=None, field=None, patches=None, points=(), size=320, title=None, under=None):
+def colours_by_patch(patches):
+    """Return a colour for each vertex, 0 to 255."""
+    return 255 * mpl.colormaps["tab10"](np.asarray(patches) % 10)[:, :3]
+
+
+def show(
+    axes,
+    vertices,
+    faces,
+    turn=None,
+    field=None,
+    patches=None,
+    colours=None,
+    points=(),
+    size=320,
+    title=None,
+    under=None,
+):
     """Draw one mesh and hide the axes."""
-    colours = np.tile([205.0, 205.0, 212.0], (len(vertices), 1))
+    if colours is None:
+        colours = np.tile([205.0, 205.0, 212.0], (len(vertices), 1))
     if field is not None:
         low, high = np.quantile(field, [0.01, 0.99])
         colours = 255 * mpl.colormaps["viridis"]((field - low) / max(high - low, 1e-300))[:, :3]
     if patches is not None:
-        colours = 255 * mpl.colormaps["tab10"](np.asarray(patches) % 10)[:, :3]
+        colours = colours_by_patch(patches)
     parts, triangles, paints, count = [vertices], [faces], [colours], len(vertices)
     ball, ball_faces = shapes.sphere(2)
     radius = 0.022 * np.linalg.norm(np.ptp(vertices, axis=0))

@@ -7,16 +7,11 @@ from addon.core import Settings, feature_patches
 from addon.core.distance_fields import heat_geodesics
 from addon.core.mesh.connectivity import component_labels
 from addon.core.mesh.edges import vertex_pairs
+from tests.meshes.remeshing import noisy
 from tools.figures.drawing import show
 from tools.figures.models import facing
 
 NEAR = 0.05  # of the geodesic diameter: feature points at a smaller distance count as the same
-
-
-def with_noise(vertices, faces, share=0.2):
-    i, j = vertex_pairs(faces).T
-    edge = np.linalg.norm(vertices[i] - vertices[j], axis=1).mean()
-    return vertices + share * edge * np.random.default_rng(0).normal(size=vertices.shape), faces
 
 
 def smoothed(vertices, faces, steps=20):
@@ -67,7 +62,7 @@ def draw(models):
     changed = [("as it is", vertices, faces, None), ("10 times as large", 10 * vertices, faces, None)]
     cut, cut_faces, used = occluded(vertices, faces, name)
     changed.append(("seen from the front only", cut, cut_faces, used))
-    changed.append(("noise of 0.2 edges", *with_noise(vertices, faces), None))
+    changed.append(("noise of 0.2 edges", *noisy(vertices, faces), None))
     changed.append(("smoothed 20 times", *smoothed(vertices, faces), None))
     changed += [(f"pose: {pose}", *mesh, None) for pose, *mesh in poses[1:4]]
     others = [(label, those) for label, those in models.items() if label != name]

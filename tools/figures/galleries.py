@@ -1,5 +1,6 @@
-"""Figures 5 and 6: poses and their forms, and one pose by every method."""
+"""Figures 5 and 6: poses and their forms, and one pose by every method; and the contact sheet of the README."""
 
+import numpy as np
 from matplotlib.figure import Figure
 
 from addon.core import canonical_form
@@ -7,27 +8,37 @@ from addon.core.measures.alignment import rigid_fit
 from addon.core.measures.form_measures import compactness_error
 from addon.evaluation.methods import DEFAULT, INPUT, KNOWN
 from tools.figures.drawing import show
-from tools.figures.models import facing
+from tools.figures.models import SIDE, facing
 
 POSES = 6
 
 
 def draw_poses(models):
-    figure = Figure(figsize=(1.7 * POSES, 3.4 * len(models)), layout="constrained")
-    grid = figure.subplots(2 * len(models), POSES)
-    for row, (label, poses) in enumerate(models.items()):
-        first = None
-        for column, (pose, vertices, faces) in enumerate(poses[:POSES]):
-            found = canonical_form(vertices, faces)
-            form = found.vertices
-            if first is None:
-                first = form
-            turn, shift = rigid_fit(form, first)
-            show(grid[2 * row, column], vertices, faces, facing(label), title=pose)
-            show(grid[2 * row + 1, column], form @ turn + shift, faces, facing(label), patches=found.patches)
+    """Draw poses of every shape, and their forms, aligned to the first."""
+    return _sheet({label: poses[:POSES] for label, poses in models.items()}, sides=1), {}
+
+
+def draw_contact_sheet(models):
+    """Draw all poses of every shape, and their forms from two sides."""
+    return _sheet(models, sides=2), {}
+
+
+def _sheet(models, sides):
+    rows, columns = 1 + sides, max(map(len, models.values()))
+    figure = Figure(figsize=(1.7 * columns, 1.7 * rows * len(models)), layout="constrained")
+    grid = figure.subplots(rows * len(models), columns, squeeze=False)
     for axes in grid.ravel():
         axes.set_axis_off()
-    return figure, {}
+    for row, (label, poses) in enumerate(models.items()):
+        first, turns = None, [facing(label), SIDE if facing(label) is not SIDE else np.eye(3)]
+        for (pose, vertices, faces), (top, *below) in zip(poses, grid[rows * row : rows * (row + 1)].T, strict=False):
+            found = canonical_form(vertices, faces)
+            first = found.vertices if first is None else first
+            rotation, shift = rigid_fit(found.vertices, first)
+            show(top, vertices, faces, turns[0], title=pose)
+            for axes, turn in zip(below, turns, strict=False):
+                show(axes, found.vertices @ rotation + shift, faces, turn, patches=found.patches)
+    return figure
 
 
 def draw_methods(models):

@@ -5,19 +5,19 @@ from pathlib import Path
 import numpy as np
 
 from tests.meshes import shapes
-from tests.meshes.shapes import poses_of, unit
+from tests.meshes.shapes import unit
+from tools.benchmarks.mesh_sets import folders
+
+SIDE = np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])
 
 
 def models(folder: Path | None):
     """Return the poses of every shape as ``{shape: [(pose, vertices, faces)]}``, the rest pose first, of unit area."""
-    if folder is None or not folder.is_dir():
+    if folder is None:
         return own_models()
-    found = {}
-    for inner in sorted(path for path in folder.iterdir() if path.is_dir()):
-        poses = [(pose, unit(vertices, faces), faces) for pose, vertices, faces in poses_of(inner)]
-        if poses:  # otherwise a folder of other files
-            found[inner.name] = poses
-    return found
+    found = {body.name: body.poses for body in folders(folder)}
+    return {name: [(pose, unit(vertices, faces), faces) for pose, vertices in zip(names, poses, strict=True)]
+            for name, (names, poses, faces) in found.items()}  # fmt: skip
 
 
 def own_models():
@@ -33,5 +33,4 @@ def own_models():
 
 def facing(shape):
     """Return a rotation that shows the animals of the shared data, which face along the third axis, from the side."""
-    side = np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])
-    return side if shape in ("bear", "horse") else np.eye(3)
+    return SIDE if shape in ("bear", "horse") else np.eye(3)

@@ -4,7 +4,9 @@ Rooms are stacked in the order of addon/core/README.md; arrows lead from a room 
 """
 
 import ast
+import re
 import sys
+import textwrap
 from pathlib import Path
 
 import matplotlib
@@ -22,29 +24,8 @@ COLUMNS = {  # horizontal positions of the rooms; the vertical position is the f
     "mesh": 1.5, "numerics": 1.5, "run": 1.5, "symmetry": 4.5, "matching": 3.0, "modelling": 4.5,
     "placing": 3.0, "stress": 0.0,
 }  # fmt: skip
-SAYS = {
-    "doors": "canonical_form, match, pose_like,\nlimb_shapes, distance_field …",
-    "methods": "one file per method:\nours, the paper's letter, rivals",
-    "method_api": "settings, catalogue, costs,\nthe features of a surface",
-    "posing": "shapes between pose\nand form, another's pose",
-    "stress": "pairs and what they\nwant, one minimiser",
-    "embedding": "layout, push, SMACOF,\npairs of equation 10",
-    "symmetry": "limbs told apart, left and right,\nforms held to them, upright",
-    "placing": "as posed, upright,\non a reference",
-    "matching": "which limbs and points are\nthe same, one form laid on another",
-    "measures": "alignment and\nfigures of a form",
-    "deformation": "elastic body, struts,\npressure",
-    "distances": "heat, fast marching,\nspectral",
-    "detection": "Auto Diffusion Function,\nfeature points",
-    "assembly": "pieces, bodies,\nand what rides on them",
-    "surface": "Delaunay, Laplacian,\nspectrum, working surface",
-    "patching": "geodesic Voronoi cells",
-    "mesh": "geometry, connectivity,\nrepair, coarsening",
-    "modelling": "a body for T-pose\nand A-pose",
-    "numerics": "factorisation, products",
-    "run": "errors, messages,\nprogress, memory",
-}
-WIDE, HIGH = 1.1, 0.64
+DOORS = "canonical_form, match, pose_like, limb_shapes, distance_field …"
+WIDE, HIGH = 1.3, 0.7
 
 
 def arrows() -> dict[str, set[str]]:
@@ -80,6 +61,11 @@ def floors(uses: dict[str, set[str]]) -> dict[str, int]:
 def main() -> None:
     uses = arrows()
     height = floors(uses)
+    rows = re.findall(r"^\| `(\w+)` \| (.*) \|$", (CORE / "README.md").read_text(encoding="utf-8"), flags=re.MULTILINE)
+    says = {
+        room: "\n".join(textwrap.wrap(text, 32, max_lines=3, placeholder=" …"))
+        for room, text in [("doors", DOORS), *rows]
+    }
     figure, axes = plt.subplots(figsize=(13, 11))
     for room, others in uses.items():
         direct = others - {far for near in others for far in reach(near, uses)}  # indirect imports are not drawn
@@ -94,7 +80,7 @@ def main() -> None:
         corner = (column - WIDE / 2, height[room] - HIGH / 2)
         axes.add_patch(plt.Rectangle(corner, WIDE, HIGH, facecolor=colour, edgecolor="0.4"))
         axes.text(column, height[room] + 0.17, room, ha="center", va="center", fontsize=13, weight="bold")
-        axes.text(column, height[room] - 0.11, SAYS[room], ha="center", va="center", fontsize=8, linespacing=1.2)
+        axes.text(column, height[room] - 0.11, says[room], ha="center", va="center", fontsize=8, linespacing=1.2)
     axes.set_xlim(-0.7, 5.2)
     axes.set_ylim(-0.5, max(height.values()) + 0.5)
     axes.axis("off")

@@ -25,6 +25,7 @@ FIGURES = {
     "4-overview": overview.draw,
     "5-poses": galleries.draw_poses,
     "6-methods": galleries.draw_methods,
+    "../contact-sheet": galleries.draw_contact_sheet,
 }
 
 
@@ -39,7 +40,7 @@ def main(data=None, only=""):
         figure, numbers = draw(found)
         path = folder / f"{name}.png"
         figure.savefig(path, dpi=100, metadata={"Software": None})
-        print(f"{path.relative_to(ROOT)}: {json.dumps(numbers)}", flush=True)
+        print(f"{path.resolve().relative_to(ROOT)}: {json.dumps(numbers)}", flush=True)
 
 
 if __name__ == "__main__":

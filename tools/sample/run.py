@@ -19,7 +19,7 @@ from addon.blender.files.writing_files import Shown, save_forms  # noqa: E402
 from addon.blender.objects.mesh_reading import read_mesh  # noqa: E402
 from addon.blender.records.record import require_record  # noqa: E402
 from tools.sample import clothed_figure  # noqa: E402
-from tools.sample.picture import render  # noqa: E402
+from tools.sample.picture import draw  # noqa: E402
 from tools.sample.posed_figure import build  # noqa: E402
 
 OUTPUT = ROOT / "build"
@@ -43,7 +43,7 @@ def main(levels: int) -> None:
         print(f"Warning: {warning}", flush=True)
     blend, picture = OUTPUT / "figure.blend", OUTPUT / "figure.png"
     bpy.ops.wm.save_as_mainfile(filepath=str(blend))
-    render(figure, picture)
+    draw(figure, picture)
     addon.unregister()
     bpy.ops.wm.read_factory_settings(use_empty=True)
     clothed_figure.build(levels=levels)

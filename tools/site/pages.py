@@ -19,42 +19,16 @@ _LINK = re.compile(r"(\]\()([^)#\s]*)(#[^)\s]*)?(\))")
 
 
 def page_places(root: Path) -> dict[str, str]:
-    """Return the location of each document of a checkout in the site.
-
-    Returns
-    -------
-    dict of str to str
-        The path of each page in the site, by the path of its document in the checkout.
-    """
+    """Return the path of each page in the site, by the path of its document in the checkout."""
     found = {str(path.relative_to(root)): str(path.relative_to(root / "docs")) for path in root.glob("docs/**/*.md")}
     return {**found, **ELSEWHERE}
 
 
 def turned_links(text: str, document: str, places: dict[str, str], root: Path) -> tuple[str, dict[str, str]]:
-    """Adapt the links of a document to the locations of pages and files in the site.
+    """Adapt the links of a document to the locations of pages, as `page_places` returns them, and files in the site.
 
-    Parameters
-    ----------
-    text : str
-        The document.
-    document : str
-        Its path in the checkout.
-    places : dict of str to str
-        As `page_places` returns them.
-    root : Path
-        The folder of the checkout.
-
-    Returns
-    -------
-    text : str
-        The page.
-    files : dict of str to str
-        Files that the site needs besides its pages: location in the site by path in the checkout.
-
-    Raises
-    ------
-    ValueError
-        If a link has no target.
+    Returns the page, and the files that the site needs besides its pages: their location by path in the checkout.
+    Raises ValueError if a link has no target.
     """
     files: dict[str, str] = {}
     here = PurePosixPath(places[document]).parent
@@ -91,25 +65,7 @@ def indented_lists(text: str) -> str:
 
 
 def gather(root: Path, target: Path) -> list[str]:
-    """Write the pages of the site, with linked pictures and files, to a folder.
-
-    Parameters
-    ----------
-    root : Path
-        The folder of the checkout.
-    target : Path
-        The folder, created anew.
-
-    Returns
-    -------
-    list of str
-        The locations of the pages.
-
-    Raises
-    ------
-    ValueError
-        If a link has no target.
-    """
+    """Write the pages of the site, with linked pictures and files, to a new folder; return their locations."""
     shutil.rmtree(target, ignore_errors=True)
     places = page_places(root)
     for document, place in places.items():

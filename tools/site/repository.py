@@ -12,24 +12,9 @@ from tools.package import blender_builder
 
 
 def make_repository(zips: list[Path], folder: Path) -> list[dict]:
-    """Copy zips to a folder, and write Blender's index, `index.json`, and a page to drag and drop the extension from.
+    """Copy zips to a new folder, and write Blender's index of them, and a page to drag and drop the extension from.
 
-    Parameters
-    ----------
-    zips : list of Path
-        Zips of the extension: of several platforms, or several versions.
-    folder : Path
-        The folder, created anew.
-
-    Returns
-    -------
-    list of dict
-        The entry of each zip in the index.
-
-    Raises
-    ------
-    ValueError
-        If Blender's tool cannot read all of them.
+    Returns the entry of each zip in the index. Raises ValueError if Blender's tool cannot read all of them.
     """
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
