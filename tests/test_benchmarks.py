@@ -15,7 +15,6 @@ from tools.benchmarks.experiment import Experiment, agrees, shown
 from tools.benchmarks.experiments import EXPERIMENTS
 from tools.benchmarks.experiments.ablation import VARIANTS, against_default
 from tools.benchmarks.experiments.forms import quality
-from tools.benchmarks.measuring import Lost, in_own_process
 from tools.benchmarks.mesh_sets import chosen, folders, generated, together
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -182,7 +181,7 @@ def test_the_code_that_figures_depend_on_is_there():
     found = results.code_of("tools.benchmarks.experiments.pieces")
     assert {"canonical.py", "shapes.py", "tables.py"} <= {path.name for path in found}
     own = {path.stem for path in found if "benchmarks" in path.parts}
-    assert own == {"pieces", "forms", "game_animals", "experiment", "mesh_sets", "measuring"}
+    assert own == {"pieces", "forms", "experiment", "mesh_sets", "measuring"}
 
 
 def test_bodies_are_chosen_by_name_in_collections_too():
@@ -196,20 +195,6 @@ def test_poses_of_one_folder_share_their_triangles(data):
     shapes.write_obj(data / "arm" / "ball.obj", *shapes.sphere(1))
     with pytest.raises(ValueError, match=r"have other triangles: one folder per mesh"):
         _ = folders(data)[0].poses
-
-
-def test_a_process_that_dies_or_hangs_is_told():
-    assert in_own_process(abs, -3) == 3
-    with pytest.raises(Lost, match=r"crash \(7\)"):
-        in_own_process(exit_at_once, 7)
-    with pytest.raises(ZeroDivisionError):
-        in_own_process(divmod, 1, 0)
-
-
-def exit_at_once(code):
-    import os
-
-    os._exit(code)
 
 
 def test_every_row_of_the_ablation_changes_something_that_exists(data):

@@ -1,8 +1,7 @@
-"""Seconds and processes: how the experiments time, and survive what they run."""
+"""Seconds: how the experiments time what they run."""
 
 from __future__ import annotations
 
-import multiprocessing
 import time
 from collections.abc import Callable
 from typing import Any
@@ -27,42 +26,3 @@ def library_seconds(vertices: np.ndarray, faces: np.ndarray, sources: int = 100)
     some = np.linspace(0, len(vertices) - 1, 20).astype(int)
     _, taken = timed(lambda: [solver.compute_distance(int(source)) for source in some])
     return factored + sources * taken / len(some)
-
-
-class Lost(Exception):
-    """A process ended without a result, or took too long."""
-
-
-def in_own_process(function: Callable, *arguments: Any, patience: float | None = None) -> Any:
-    """Return the result of a function of a module, called in a new process.
-
-    Raises
-    ------
-    Lost
-        If the process ends without a result, or takes more seconds than `patience`.
-    """
-    context = multiprocessing.get_context("spawn")
-    here, there = context.Pipe(duplex=False)
-    process = context.Process(target=_answer, args=(there, function, arguments), daemon=True)
-    process.start()
-    there.close()
-    try:
-        if not here.poll(patience):
-            raise Lost(f"timeout ({patience:.0f} s)")
-        answer = here.recv()
-    except EOFError:
-        process.join()
-        raise Lost(f"crash ({process.exitcode})") from None
-    finally:
-        process.kill()
-        process.join()
-    if isinstance(answer, Exception):
-        raise answer
-    return answer
-
-
-def _answer(pipe: Any, function: Callable, arguments: tuple) -> None:
-    try:
-        pipe.send(function(*arguments))
-    except Exception as error:  # raised again where the result is awaited
-        pipe.send(error)

@@ -76,7 +76,7 @@ class Settings:
                 "Normal",
                 "Computed on 1,600 vertices, interpolated to all: a second or two, more on large meshes",
             ),
-            Choice("full", "Full", "All vertices, all pairs in a patch: minutes above 20,000 vertices; for reference"),
+            Choice("full", "Full", "All vertices, no coarse mesh: minutes above 20,000 vertices; for reference"),
         ),
     )
     preserve_detail: float = option(

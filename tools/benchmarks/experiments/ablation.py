@@ -12,6 +12,7 @@ from unittest import mock
 import numpy as np
 
 from addon.core import Settings, canonical_form
+from addon.core.deformation.elastic_body import ElasticBody
 from addon.core.measures.form_measures import compactness_error, edge_stretch
 from addon.core.mesh.edges import is_closed
 from tools.benchmarks.experiment import Row, experiment
@@ -32,6 +33,14 @@ class Variant(NamedTuple):
 
 CORE = "addon.core."
 STRAIGHT, LAYOUT, ELASTIC = f"{CORE}methods.straight.", f"{CORE}embedding.layout.", f"{CORE}deformation.elastic_body."
+SWUNG, turn = f"{ELASTIC}ElasticBody.swung", ElasticBody.swung
+
+
+def swung(body: ElasticBody, form: np.ndarray, *given: Any, on: int) -> np.ndarray:
+    """Turn limbs in one of the two places where the default does: after the detail it says how firmly, the fifth."""
+    return turn(body, form, *given) if len(given) + 2 == on else form
+
+
 VARIANTS = {
     "default": Variant(),
     "jitter: landmarks 90": Variant({"landmark_count": 90}),
@@ -50,6 +59,8 @@ VARIANTS = {
     "no push at the ends": Variant(patches={f"{STRAIGHT}_ENDS_SHARE": 0.0}),
     "lengths not undone": Variant(patches={f"{ELASTIC}ElasticBody.without_stretch": lambda body, form, share: form}),
     "lengths averaged over .15": Variant(patches={f"{STRAIGHT}_LIMB": 0.15}),
+    "limbs not turned back after the lengths": Variant(patches={SWUNG: lambda *given: swung(*given, on=5)}),
+    "limbs not turned the rest of the way": Variant(patches={SWUNG: lambda *given: swung(*given, on=4)}),
     "no rolls": Variant(patches={f"{STRAIGHT}limbs_rolled": lambda body, form, *_: form}),
     "left not like right": Variant({"symmetry": "ignore"}),
     "edges want lengths alone": Variant(patches={f"{STRAIGHT}_BENDING": 0.0}),

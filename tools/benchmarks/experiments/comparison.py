@@ -12,7 +12,6 @@ from addon.core.mesh.coarsening import coarsened
 from addon.evaluation.methods import DEFAULT, INPUT, KNOWN
 from tests.meshes.shapes import write_off
 from tools.benchmarks.experiment import Row, experiment
-from tools.benchmarks.game_animals import animals
 from tools.benchmarks.mesh_sets import Body, Collection, folders, largest_pieces, together
 from tools.benchmarks.results import KEPT, ROOT, key_of
 
@@ -91,7 +90,6 @@ def methods(collection: Body, setting: tuple[str, int | None, list[str]]) -> Ite
         }
 
 
-@experiment("animal-matches", lambda data: together(animals(data)), settings={"": "ours"})
 @experiment("matches", bodies_of, settings={"": "ours"})
 def matches(collection: Body, methods: str) -> Iterator[Row]:
     """Every pose matched with every other, which is reduced to 70 % of its vertices and shuffled, five poses of a

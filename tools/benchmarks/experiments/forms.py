@@ -16,7 +16,6 @@ from addon.core.surface.triangulation import triangulated
 from tests.meshes.remeshing import adaptive, noisy, quad_dominant, resized, uniform
 from tests.meshes.shapes import Mesh, unit
 from tools.benchmarks.experiment import Row, experiment
-from tools.benchmarks.game_animals import animals
 from tools.benchmarks.measuring import library_seconds, timed
 from tools.benchmarks.mesh_sets import Body, apart, finest_first, folders, pose_ratio
 
@@ -29,7 +28,6 @@ def overall(rows: list[Row]) -> str:
     return f"Pose ratio overall, sum over sum: **{sums[0] / poses:.3f}**, mirror images allowed {sums[1] / poses:.3f}."
 
 
-@experiment("animals", animals)
 @experiment("quality", folders, note=overall, first=True)
 def quality(body: Body, _: None) -> Iterator[Row]:
     """The default form of every pose. *Pose ratio*: how far the forms are apart over how far the poses are,

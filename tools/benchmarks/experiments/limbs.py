@@ -19,7 +19,6 @@ from addon.core.posing.articulation import Articulation
 from addon.core.posing.limb_amounts import limb_amounts
 from tests.meshes import shapes, tubes
 from tools.benchmarks.experiment import Row, experiment
-from tools.benchmarks.game_animals import animals
 from tools.benchmarks.mesh_sets import Body, folders, generated, largest_pieces
 
 HEAT_SOURCES, STRESS_STEPS = 20, 300
@@ -130,7 +129,6 @@ def sets_of_poses(data: Path | None) -> list[Body]:
     return [*folders(data), *largest_pieces(data)]
 
 
-@experiment("animal-sets", animals)
 @experiment("sets", sets_of_poses)
 def sets(body: Body, _: None) -> Iterator[Row]:
     """Poses of one mesh, of rigged files the largest piece. *numbers off*: pairs of poses in which the limb
