@@ -57,15 +57,17 @@ def run(measure, data, folder, *words, code=0):
 def test_one_experiment_from_meshes_to_the_page(data, tmp_path):
     experiments = {"quality": EXPERIMENTS["quality"]}
     assert main([str(data), "--output", str(tmp_path / "docs")], experiments, tmp_path / "kept") == 0
-    (row,) = json.loads((tmp_path / "docs" / results.RAW).read_text())["quality"]["rows"]
+    row, other = json.loads((tmp_path / "docs" / results.RAW).read_text())["quality"]["rows"]
     page = (tmp_path / "docs" / results.PAGE).read_text(encoding="utf-8")
     _, poses, faces = folders(data)[0].poses
     feet = len(canonical_form(poses[1], faces).feature_points)
     assert (row["mesh"], row["poses"], row["features"]) == ("arm", 2, f"{feet}")
     assert 0 < row["pose ratio"] < 0.5  # the bend goes
     assert row["time / potpourri3d"] > 0
-    assert f"| arm | 2 | {feet} | {shown(row['pose ratio'])} |" in page
-    assert f"Pose ratio overall, sum over sum: **{row['pose ratio']:.3f}**" in page
+    assert (row["setting"], other["setting"]) == ("straight", "local_features")
+    assert f"| arm | straight | 2 | {feet} | {shown(row['pose ratio'])} |" in page
+    told = f"straight **{row['pose ratio']:.3f}**, local_features **{other['pose ratio']:.3f}**"
+    assert f"Pose ratio overall, sum over sum: {told}." in page
     assert "make bench ONLY=quality DATA=folder" in page
     assert page == results.page(results.read_records(tmp_path / "docs"), experiments)
 

@@ -11,7 +11,7 @@
 Every step but the second lowers one stress, ``Σ w |d - t|² + p Σ m |x - y|²``, over pairs of vertices (d = x_i - x_j),
 where t is the vector that a pair wants: its direction with a given length, or its vector in the input, turned with its
 surroundings. Lengths are in sqrt(area), diffusion times in shares of the area. What each step and constant buys:
-docs/measurements.md.
+docs/appendix.md.
 """
 
 from __future__ import annotations
