@@ -38,11 +38,11 @@ def overall(rows: list[Row]) -> str:
     first=True,
 )
 def quality(body: Body, settings: Settings) -> Iterator[Row]:
-    """The form of every pose, by the default and by equation 10, repaired. *Pose ratio*: how far the forms are apart over how far the poses are,
-    *mirrored*: with mirror images allowed; *geodesics change*: from pose to pose, which no method can remove.
-    Means over the poses, compactness error in 10⁻⁴, *asymmetry*: distance of the form from its own mirror image.
-    *time / potpourri3d*: over the factorisation and 100 sources of its heat method on the same mesh in the same
-    run, median.
+    """The form of every pose, by the default and by equation 10, repaired. *Pose ratio*: how far the forms are
+    apart over how far the poses are, *mirrored*: with mirror images allowed; *geodesics change*: from pose to pose,
+    which no method can remove. Means over the poses, compactness error in 10⁻⁴, *asymmetry*: distance of the form
+    from its own mirror image. *time / potpourri3d*: over the factorisation and 100 sources of its heat method on
+    the same mesh in the same run, median.
     """
     poses, faces = body.poses[1:]
     found, ratios, measures = [], [], []
