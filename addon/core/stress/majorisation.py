@@ -70,14 +70,14 @@ class Majorisation:
         """
         monitor = monitor or Monitor()
         points, ahead, gained = start, start, 0
-        value = self._pull(start)[1] if tolerance is not None else np.nan
+        value = self._stress(start) if tolerance is not None else np.nan
         history = [] if tolerance is None else [value]
         for number in range(steps):
-            new = self._solve(self._pull(ahead)[0])
+            new = self._solve(self._pull(ahead))
             new = new if after is None else after(new, self._solve)
             monitor.tick((number + 1) / steps)
             if tolerance is not None:
-                lower = self._pull(new)[1]
+                lower = self._stress(new)
                 if lower > value and gained:  # momentum carried too far: again from here, without
                     ahead, gained = points, 0
                     continue
@@ -91,13 +91,15 @@ class Majorisation:
                 break
         return points, np.array(history)
 
-    def _pull(self, points: FloatArray) -> tuple[FloatArray, float]:
-        """Sum what the pairs and the anchor want at each point, and the stress."""
+    def _pull(self, points: FloatArray) -> FloatArray:
+        """Sum what the pairs and the anchor want at each point: ``Σ w t + A y``."""
         target = points if self._target is None else self._target
-        pulled = [each.pull(points) for each in self._terms]
-        anchor = self._anchor[:, None]
-        stress = sum(value for _, value in pulled) + float((anchor * (points - target) ** 2).sum())
-        return sum((force for force, _ in pulled), anchor * target), stress
+        return sum((each.pull(points) for each in self._terms), self._anchor[:, None] * target)
+
+    def _stress(self, points: FloatArray) -> float:
+        """Sum the stress of the pairs and of the anchor."""
+        held = 0.0 if self._target is None else float((self._anchor[:, None] * (points - self._target) ** 2).sum())
+        return sum(each.stress(points) for each in self._terms) + held
 
 
 def anchored_solver(laplacian: object, anchor: FloatArray) -> Solve:

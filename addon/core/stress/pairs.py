@@ -22,8 +22,11 @@ class Term(Protocol):
     def laplacian(self) -> csr_matrix:
         """Assemble V: ``-w_ij`` off the diagonal, rows summing to 0."""
 
-    def pull(self, points: FloatArray) -> tuple[FloatArray, float]:
-        """Sum ``w t`` at both ends of each pair (``B(X) X`` where lengths are wanted), and the stress at the points."""
+    def pull(self, points: FloatArray) -> FloatArray:
+        """Sum ``w t`` at both ends of each pair: ``B(X) X`` where lengths are wanted."""
+
+    def stress(self, points: FloatArray) -> float:
+        """Sum ``w |d - t|²``."""
 
 
 class Pairs:
@@ -90,12 +93,15 @@ class WantedPairs(NamedTuple):
         """Assemble V."""
         return self.pairs.laplacian()
 
-    def pull(self, points: FloatArray) -> tuple[FloatArray, float]:
-        """Sum ``w t`` at the ends, and the stress."""
+    def pull(self, points: FloatArray) -> FloatArray:
+        """Sum ``w t`` at the ends."""
+        return self.pairs.pulled(self.wants(self.pairs.apart(points), points))
+
+    def stress(self, points: FloatArray) -> float:
+        """Sum ``w |d - t|²``."""
         apart = self.pairs.apart(points)
-        wanted = self.wants(apart, points)
-        missing = wanted - apart
-        return self.pairs.pulled(wanted), float(np.einsum("e,ei,ei->", self.pairs.weight, missing, missing))
+        missing = self.wants(apart, points) - apart
+        return float(np.einsum("e,ei,ei->", self.pairs.weight, missing, missing))
 
 
 class AllPairs:
@@ -107,7 +113,7 @@ class AllPairs:
     --------
     >>> line = np.array([[0.0], [1.0], [3.0]])
     >>> pairs = AllPairs(np.arange(3), np.abs(line - line.T), np.ones((3, 3)), 3)
-    >>> pairs.pull(2 * line)[1]
+    >>> pairs.stress(2 * line)
     14.0
     """
 
@@ -125,23 +131,30 @@ class AllPairs:
         rows, columns = (np.broadcast_to(each, block.shape).ravel() for each in (self.chosen[:, None], self.chosen))
         return coo_matrix((block.ravel(), (rows, columns)), shape=(self._count, self._count)).tocsr()
 
-    def pull(self, points: FloatArray) -> tuple[FloatArray, float]:
-        """Compute ``B(X) X`` and the stress."""
-        from scipy.spatial.distance import cdist
-
-        here = points[self.chosen]
-        here = here - here.mean(axis=0)  # near pairs lose nothing to the distance from the origin
-        straight = cdist(here, here)
-        missing = self.distances - straight
-        np.fill_diagonal(missing, 0.0)
-        stress = float(np.einsum("ij,ij,ij->", self.weights, missing, missing)) / 2
+    def pull(self, points: FloatArray) -> FloatArray:
+        """Compute ``B(X) X``."""
+        here, straight = self._apart(points)
         np.maximum(straight, _LEAST, out=straight)
         ratio = np.divide(self.distances, straight, out=straight)
         ratio *= self.weights
         np.fill_diagonal(ratio, 0.0)
         pulled = np.zeros_like(points)
         pulled[self.chosen] = ratio.sum(axis=1)[:, None] * here - ratio @ here
-        return pulled, stress
+        return pulled
+
+    def stress(self, points: FloatArray) -> float:
+        """Sum ``w (δ - d)²`` over the pairs."""
+        missing = self.distances - self._apart(points)[1]
+        np.fill_diagonal(missing, 0.0)
+        return float(np.einsum("ij,ij,ij->", self.weights, missing, missing)) / 2
+
+    def _apart(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Measure the chosen points, centred, and the distances between them."""
+        from scipy.spatial.distance import cdist
+
+        here = points[self.chosen]
+        here = here - here.mean(axis=0)  # near pairs lose nothing to the distance from the origin
+        return here, cdist(here, here)
 
 
 def length(vectors: FloatArray) -> FloatArray:
