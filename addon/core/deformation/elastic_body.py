@@ -180,6 +180,9 @@ class ElasticBody:
         axis /= np.trace(axis, axis1=1, axis2=2)[:, None, None]
         then = firm * then + (1 - firm) * now
         rotation = nearest_rotations(axis @ axis @ self._covariances(edges * now, then, share))
+        # wrinkles of the target turn from place to place, limbs do not
+        rotation = self.smoothed(rotation.reshape(-1, 9) * self.mass[:, None], share)
+        rotation = nearest_rotations(rotation.reshape(-1, 3, 3))
         turned = self.near.wanting(lambda apart, _: self._mapped(apart, rotation))
         return Majorisation([turned], _HARDLY * self.mass, form).lowered(form, 1)[0]
 

@@ -46,9 +46,9 @@ _ACROSS = 4.0  # stiffness of a pair across an edge: a limb that is pushed does 
 _EVEN_EDGE = np.sqrt(3)  # one over the stiffness of an edge between equilateral triangles
 _END, _ENDS_SHARE = 0.035, 0.5  # of the way to the next feature point: the end of a limb; and share of the force there
 _LIMB = 0.05  # time over which a stretch is averaged: the skin at one joint is stretched in every pose
-_PULL, _DETAIL_STEPS = 9.0, 8  # of the detail at preserve 1/2: the one trade between pose and edges
+_PULL, _DETAIL_STEPS = 12.0, 8  # of the detail at preserve 1/2: the one trade between pose and edges
 _LEAST_PULL = 0.3  # at any wish for detail
-_SWING = 0.0024  # time over which limbs are turned back: lengths undone and skin at a joint bend them again
+_SWING = 0.002  # time over which limbs are turned back: lengths undone and skin at a joint bend them again
 _BENDING = 0.8  # times preserve²: share of their turned vector in what edges want; the rest wants lengths
 _MEND, _MEND_STEPS, _MEND_BENDING = 200.0, 4, 0.6  # pull of the last steps, which mend edges and move no limb
 
