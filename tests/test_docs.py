@@ -97,11 +97,11 @@ def test_times_and_ratios_told_elsewhere_agree_with_the_results():
         assert "under half a minute for a million" in told, page
     ratios = {row["mesh"]: row["pose ratio"] for row in records["quality"]["rows"] if row["setting"] == "straight"}
     told = " ".join((ROOT / "docs" / "canonical-form.md").read_text(encoding="utf-8").split())
-    assert "About a fifth of the difference between two poses" in told
-    assert "a seventh for people, half for a bear" in told
-    assert np.mean(list(ratios.values())) == pytest.approx(1 / 5, rel=0.25)
-    assert ratios["man"] == pytest.approx(1 / 7, rel=0.15)
-    assert ratios["woman"] == pytest.approx(1 / 7, rel=0.15)
+    assert "About a quarter of the difference between two poses" in told
+    assert "a sixth for people, half for a bear" in told
+    assert np.mean(list(ratios.values())) == pytest.approx(1 / 4, rel=0.15)
+    assert ratios["man"] == pytest.approx(1 / 6, rel=0.15)
+    assert ratios["woman"] == pytest.approx(1 / 6, rel=0.15)
     assert ratios["bear"] == max(ratios.values()) == pytest.approx(1 / 2, rel=0.1)
 
 
