@@ -119,8 +119,8 @@ def test_a_form_is_laid_onto_that_of_another_mesh_of_the_body(real_mesh, pose):
 
 
 def test_a_form_that_may_as_well_lie_the_other_way_round_is_told(real_mesh):
-    rest, faces = real_mesh("man/rest.obj")
-    vertices, _ = real_mesh("man/benchmark_00.obj")
+    rest, faces = real_mesh("woman/rest.obj")
+    vertices, _ = real_mesh("woman/benchmark_00.obj")
     coarse = coarsened(vertices, faces, 7000)
     form = canonical_form(vertices[coarse.kept], coarse.faces, reference=canonical_form(rest, faces))
     assert [each.kind for each in form.warnings] == ["reference_sides"]

@@ -75,7 +75,7 @@ def quality(body: Body, settings: Settings) -> Iterator[Row]:
         "thickness, 95 %": mean["thickness_95"],
         "jags at borders": mean["border_jags"],
         "crossings added, worst": max(each["crossings_added"] for each in measures),
-        "asymmetry, worst": np.nanmax([form.asymmetry for form in found]),
+        "asymmetry, worst": max((form.asymmetry for form in found if form.asymmetry >= 0), default=None),
         "time / potpourri3d": np.median(ratios),
     }
 
