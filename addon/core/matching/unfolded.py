@@ -21,42 +21,18 @@ _WIDTH = 7.0  # their width in steps
 
 
 class Unfolded(NamedTuple):
-    """A surface of unit area on its working vertices, and its form.
+    """A surface of unit area on its working vertices, and its form."""
 
-    Attributes
-    ----------
-    form : (c, 3) ndarray of float
-        Its form.
-    faces : (d, 3) ndarray of int
-        Its triangles.
-    normals : (c, 3) ndarray of float
-        Normals of the form.
-    areas : (c,) ndarray of float
-        Areas of the vertices; their sum is 1.
-    eigenvectors : (c, K) ndarray of float
-        Eigenfunctions, orthonormal under the areas, lowest first.
-    curvature : (c, 2) ndarray of float
-        Mean curvature of the pose, smoothed over wide and over narrower neighbourhoods.
-    signature : (c, 40) ndarray of float
-        Logarithm of the wave kernel signature, over the root of their number.
-    limbs : Limbs
-        Feature points, distances from them, and the limbs identified among them.
-    whole_form : (n, 3) ndarray of float
-        The form of all vertices.
-    found : SurfaceFeatures
-        The pose, of unit area, and the interpolation to all vertices.
-    """
-
-    form: FloatArray
-    faces: IntArray
-    normals: FloatArray
-    areas: FloatArray
-    eigenvectors: FloatArray
-    curvature: FloatArray
-    signature: FloatArray
+    form: FloatArray  # (c, 3)
+    faces: IntArray  # (d, 3)
+    normals: FloatArray  # (c, 3) of the form
+    areas: FloatArray  # (c,) of the vertices; their sum is 1
+    eigenvectors: FloatArray  # (c, K) orthonormal under the areas, lowest first
+    curvature: FloatArray  # (c, 2) mean curvature of the pose, smoothed over wide and over narrower neighbourhoods
+    signature: FloatArray  # (c, 40) logarithm of the wave kernel signature, over the root of their number
     limbs: Limbs
-    whole_form: FloatArray
-    found: SurfaceFeatures
+    whole_form: FloatArray  # (n, 3) of all vertices
+    found: SurfaceFeatures  # the pose, of unit area, and the interpolation to all vertices
 
     @property
     def features(self) -> IntArray:

@@ -28,24 +28,12 @@ _TIE = 1e-8  # costs as close as this count as equal, lower vertex first, so tha
 
 
 class Coarsening(NamedTuple):
-    """A coarse mesh and how every other vertex hangs between its neighbours.
+    """A coarse mesh and how every other vertex hangs between its neighbours."""
 
-    Attributes
-    ----------
-    vertex_count : int
-        Number n of fine vertices.
-    kept : (c,) ndarray of int
-        The fine vertices that are left, in rising order.
-    faces : (m, 3) ndarray of int
-        Triangles of the coarse mesh; corners index `kept`.
-    rounds : list of (ndarray, csr_matrix)
-        Vertices removed together, in order of removal, and their weights ``(r, n)`` among the vertices left then.
-    """
-
-    vertex_count: int
-    kept: IntArray
-    faces: IntArray
-    rounds: list[tuple[IntArray, csr_matrix]]
+    vertex_count: int  # n, of the fine mesh
+    kept: IntArray  # (c,) the fine vertices that are left, rising
+    faces: IntArray  # (m, 3) corners index `kept`
+    rounds: list[tuple[IntArray, csr_matrix]]  # removed together, in order; weights (r, n) among those left then
 
     def prolong(self, values: FloatArray) -> FloatArray:
         """Interpolate values on the coarse vertices to all vertices, smoothly over the surface.

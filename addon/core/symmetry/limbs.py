@@ -21,39 +21,17 @@ _ALIKE = 0.1  # prominences that differ by less count as equal
 
 
 class Limbs(NamedTuple):
-    """The limbs identified among the feature points of a surface.
+    """The limbs identified among the k feature points of a surface of n vertices."""
 
-    Attributes
-    ----------
-    distances : (k, k) ndarray of float
-        Geodesic distances between them, symmetric, on a surface of unit area.
-    handedness : (k, k, k) ndarray of float
-        Chirality of the distances from them.
-    adf : (k,) ndarray of float
-        Auto Diffusion Function there.
-    partner : (k,) ndarray of int
-        The mirror partner of each; itself for those in the middle, and for all if there is no left and right.
-    side : (k,) ndarray of int
-        1 on the left, -1 on the right, 0 in the middle.
-    along : (k,) ndarray of float
-        Weights with which distances from the feature points add up to a function that increases towards the head.
-    margin : float
-        By how much the swap with the partners fits better than the next best, without unit; 0 without left and right.
-    features : (k,) ndarray of int
-        The feature points, among the n vertices of the surface.
-    to_features : (n, k) ndarray of float
-        Geodesic distances of all vertices from them.
-    """
-
-    distances: FloatArray
-    handedness: FloatArray
-    adf: FloatArray
-    partner: IntArray
-    side: IntArray
-    along: FloatArray
-    margin: float
-    features: IntArray
-    to_features: FloatArray
+    distances: FloatArray  # (k, k) geodesic, symmetric, on a surface of unit area
+    handedness: FloatArray  # (k, k, k) chirality of the distances from them
+    adf: FloatArray  # (k,) Auto Diffusion Function there
+    partner: IntArray  # (k,) mirror partner of each; itself in the middle, and for all without left and right
+    side: IntArray  # (k,) 1 on the left, -1 on the right, 0 in the middle
+    along: FloatArray  # (k,) weights with which distances from them add up to a function that rises towards the head
+    margin: float  # by how much the swap with the partners fits better than the next best; 0 without left and right
+    features: IntArray  # (k,) vertices of the surface
+    to_features: FloatArray  # (n, k) geodesic distances of all vertices from them
 
     def ends(self, share: float) -> list[IntArray]:
         """List the vertices at the end of each limb: within a share of the way to the next feature point.
