@@ -121,9 +121,7 @@ class ElasticBody:
         may open (0), or a mixture; `pressed`: whether a closed body keeps its compactness by an even pressure; gives
         (n, 3).
         """
-        if pull not in self._solvers:
-            self._solvers[pull] = anchored_solver(self.near.laplacian(), pull * self.mass)
-        solve = self._solvers[pull]
+        solve = self._solver(pull)
         share = np.where(self.is_edge, bending, 1.0)[:, None]
         times = chain([_WIDE], repeat(0.0))  # first over a limb, so that none stays inside out
 
@@ -162,9 +160,7 @@ class ElasticBody:
         torn = np.maximum(length(now) / np.maximum(_TORN * self.length, 1e-300), 1.0)[:, None]
         edges = self.is_edge[:, None]  # a limb that is pulled long is also thin, which struts would take for a stretch
         spreads = (self._covariances(edges * each, each, share) for each in (now / torn, turned))
-        shrink = stretch_between(*spreads)
-        wanted = self.near.wanting(lambda *_: self._mapped(now, shrink))
-        return Majorisation([wanted], _HARDLY * self.mass, np.zeros_like(form)).lowered(form, 1)[0]
+        return self._reassembled(self._mapped(now, stretch_between(*spreads)), np.zeros_like(form))
 
     def swung(self, form: FloatArray, target: FloatArray, share: float, firm: float = 1.0) -> FloatArray:
         """Turn the surroundings of each point of a form, averaged over a time, as far as in a target; skin stays.
@@ -173,24 +169,31 @@ class ElasticBody:
         ``Σ w a aᵀ``: the axis of a limb, along which most edges lie, counts most, since a limb that was bent is
         straight but sheared in the target.
         """
-        edges = self.is_edge[:, None]
         now, then = self.near.apart(form), self.near.apart(target)
         then *= (length(now) / length(then))[:, None]  # spikes of the target turn nothing
-        axis = self._covariances(edges * now, now, share)
-        axis /= np.trace(axis, axis1=1, axis2=2)[:, None, None]
         then = firm * then + (1 - firm) * now
-        rotation = nearest_rotations(axis @ axis @ self._covariances(edges * now, then, share))
+        skin = self.is_edge[:, None] * now
+        axis = self._covariances(skin, now, share)
+        rotation = nearest_rotations(axis @ axis @ self._covariances(skin, then, share))
         # wrinkles of the target turn from place to place, limbs do not
         rotation = self.smoothed(rotation.reshape(-1, 9) * self.mass[:, None], share)
-        rotation = nearest_rotations(rotation.reshape(-1, 3, 3))
-        turned = self.near.wanting(lambda apart, _: self._mapped(apart, rotation))
-        return Majorisation([turned], _HARDLY * self.mass, form).lowered(form, 1)[0]
+        return self._reassembled(self._mapped(now, nearest_rotations(rotation.reshape(-1, 3, 3))), form)
 
     def stretch(self, after: FloatArray, share: float) -> FloatArray:
         """Compute the logarithm of how much longer the edges around each vertex are than those of the body: (n,)."""
         long = (self.is_edge * self.length)[:, None] * np.column_stack([self.length, length(self.near.apart(after))])
         sums = np.maximum(self.smoothed(self.near.summed(long), share), np.finfo(float).tiny)
         return np.asarray(np.log(sums[:, 1] / sums[:, 0]))
+
+    def _solver(self, pull: float) -> Solve:
+        """Factor the stiffness of all pairs with a pull on each vertex, per area; once for each pull."""
+        if pull not in self._solvers:
+            self._solvers[pull] = anchored_solver(self.near.laplacian(), pull * self.mass)
+        return self._solvers[pull]
+
+    def _reassembled(self, vectors: FloatArray, place: FloatArray) -> FloatArray:
+        """Find the positions whose pairs have given vectors as nearly as can be; `place` fixes where they lie."""
+        return self._solver(_HARDLY)(self.near.pulled(vectors) + _HARDLY * self.mass[:, None] * place)
 
     def _mapped(self, vectors: FloatArray, maps: FloatArray) -> FloatArray:
         """Map the vector of each pair by the mean of the maps at its ends."""

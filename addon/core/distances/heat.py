@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from ..mesh.connectivity import component_labels
 from ..mesh.edges import vertex_pairs
 from ..numerics.arrays import FloatArray, IntArray
-from ..numerics.factoring import factored
+from ..numerics.factoring import Factor, factored
 from ..run.errors import SolverError
 from ..run.monitor import Monitor
 from ..surface.delaunay import intrinsic_delaunay, midpoint_refined
@@ -20,7 +20,6 @@ from .edge_paths import edge_graph
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
-    from scipy.sparse.linalg import SuperLU
 
 _FAINTEST = 1e-280  # heat that must reach one end of the surface from the other; a double ends at 1e-308
 _FEWEST = 400  # vertices that a refined patch has at least: on a tetrahedron heat would be a third off
@@ -91,7 +90,7 @@ class HeatMethod:
         start = np.arange(0, 6 * m + 1, 3)
         columns = np.concatenate([fine.faces, fine.faces]).ravel()
         self._divergence = csr_matrix((weights.ravel(), columns, start), shape=(2 * m, n)).T.tocsr()
-        self._poisson: SuperLU | None = None
+        self._poisson: Factor | None = None
         try:
             self._factor(smooth)
         except SolverError as error:
