@@ -17,13 +17,6 @@ from typing import Any
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 TARGET = ROOT / "docs" / "api"
-DOORS = (
-    "canonical", "features", "distance_fields", "limbs", "matches", "poses", "mannequins", "transfers", "results",
-)  # fmt: skip
-ROOMS = (
-    "run", "numerics", "modelling", "mesh", "surface", "distances", "detection", "patching", "stress", "deformation",
-    "symmetry", "embedding", "measures", "method_api", "methods", "posing", "matching", "placing", "assembly",
-)  # fmt: skip
 HEAD = """# API of the core
 
 `addon.core` needs numpy and scipy only, and no Blender. Arrays in, arrays out. The doors, what they give back,
@@ -38,37 +31,24 @@ pages are made from the docstrings by `make docs`; [notation](../notation.md) li
 
 def pages() -> dict[str, str]:
     """Return all pages by file name: the index, the doors, then one page per room, from the lowest to the highest."""
-    core = importlib.import_module("addon.core")
-    require_all(core, DOORS, packages=False)
-    require_all(core, ROOMS, packages=True)
-    doors = ["# Doors\n\nWhat a script calls.\n"]
-    for door in DOORS:
-        doors += module_reference(importlib.import_module(f"addon.core.{door}"))
-    found, rows = {"doors.md": "\n".join(doors)}, []
-    for room in ROOMS:
+    found = {"doors.md": page("# Doors\n\nWhat a script calls.\n", importlib.import_module("addon.core"))}
+    rows = []
+    listed = (ROOT / "addon" / "core" / "README.md").read_text(encoding="utf-8")
+    for room in re.findall(r"^\| `(\w+)` \|", listed, flags=re.MULTILINE):
         package = importlib.import_module(f"addon.core.{room}")
         purpose = (package.__doc__ or "").strip()
-        parts = [f"# Room `{room}`\n\n{purpose}\n"]
-        for name in names_in(package, packages=False):
-            parts += module_reference(importlib.import_module(f"{package.__name__}.{name}"))
-        found[f"{room}.md"] = "\n".join(parts)
+        found[f"{room}.md"] = page(f"# Room `{room}`\n\n{purpose}\n", package)
         rows.append(f"| [{room}]({room}.md) | {' '.join(purpose.split())} |\n")
     return {"README.md": HEAD + "".join(rows), **found}
 
 
-def names_in(package: ModuleType, *, packages: bool) -> list[str]:
-    """Return the names of the public modules or packages in a package."""
-    found = pkgutil.iter_modules(package.__path__)
-    return [each.name for each in found if each.ispkg == packages and not each.name.startswith("_")]
-
-
-def require_all(package: ModuleType, listed: tuple[str, ...], *, packages: bool) -> None:
-    """Stop if the list and the existing modules differ."""
-    odd = set(names_in(package, packages=packages)) ^ set(listed)
-    if odd:
-        raise SystemExit(
-            f"not in the list of {'rooms' if packages else 'doors'}, or not there: {', '.join(sorted(odd))}"
-        )
+def page(head: str, package: ModuleType) -> str:
+    """Return the page of a package: what it is, then everything public in its modules."""
+    parts = [head]
+    for each in pkgutil.iter_modules(package.__path__):
+        if not each.ispkg and not each.name.startswith("_"):
+            parts += module_reference(importlib.import_module(f"{package.__name__}.{each.name}"))
+    return "\n".join(parts)
 
 
 def module_reference(module: ModuleType) -> Iterator[str]:

@@ -6,13 +6,11 @@ then, with a form in the file, one with 1.0.0.
 
 import functools
 import http.server
-import os
 import re
 import shutil
 import subprocess
 import sys
 import threading
-import traceback
 import zipfile
 from pathlib import Path
 from time import perf_counter
@@ -22,6 +20,7 @@ import bpy
 PACKAGE, PICTURES = (Path(word).resolve() for word in sys.argv[sys.argv.index("--") + 1 :][:2])
 sys.path[:0] = [str(Path(__file__).resolve().parents[2])]
 
+from tests.window.driving import drive  # noqa: E402
 from tests.window.hand import Hand  # noqa: E402
 
 FOLDER = PICTURES.parent / "served"
@@ -127,20 +126,4 @@ def press_until(area, happened):
     raise AssertionError("no click did it")
 
 
-STEPS = session()
-
-
-def drive():
-    """Take the next step, again and again; end Blender at the end."""
-    try:
-        return next(STEPS)
-    except StopIteration:
-        print(f"REPOSITORY SESSION PASSED in Blender {bpy.app.version_string}", flush=True)
-        os._exit(0)
-    except BaseException:
-        traceback.print_exc()
-        print("REPOSITORY SESSION FAILED", flush=True)
-        os._exit(1)
-
-
-bpy.app.timers.register(drive, first_interval=3.0)
+drive(session(), "REPOSITORY SESSION PASSED")

@@ -7,7 +7,6 @@ ImageMagick's ``import`` is at hand, a picture of the screen.
 
 import os
 import sys
-import traceback
 from itertools import pairwise
 from pathlib import Path
 from time import perf_counter
@@ -20,6 +19,7 @@ CHARACTER = [path for path in FILES if path.suffix == ".glb"]
 sys.path[:0] = [str(Path(__file__).resolve().parent), str(Path(__file__).resolve().parents[2])]
 
 from tests.window.character import character, several_objects, state  # noqa: E402
+from tests.window.driving import drive  # noqa: E402
 from tests.window.first_minute import first_minute  # noqa: E402
 from tests.window.hand import UNIT, Hand  # noqa: E402
 from tests.window.languages import languages  # noqa: E402
@@ -350,28 +350,6 @@ def told(name, figure):
     print(f"  {name}: {figure:.3f}" if isinstance(figure, float) else f"  {name}: {figure}", flush=True)
 
 
-steps = session()
-
-
-def proceed():
-    try:
-        return next(steps)
-    except StopIteration:
-        print("WINDOW SESSION PASSED in Blender", bpy.app.version_string, flush=True)
-        sys.stdout.flush()
-        os._exit(0)
-    except Exception:  # a test outside pytest: show whatever went wrong and stop Blender
-        traceback.print_exc()
-        import faulthandler
-        import subprocess
-
-        faulthandler.dump_traceback()  # where the job's thread is
-        subprocess.run(["import", "-window", "root", str(PICTURES / "failed.png")])
-        sys.stderr.flush()
-        os._exit(1)  # quit_blender would report success
-
-
 PICTURES.mkdir(parents=True, exist_ok=True)
-bpy.context.preferences.view.show_splash = False
 bpy.app.timers.register(tick, persistent=True)
-bpy.app.timers.register(proceed, first_interval=3.0, persistent=True)
+drive(session(), "WINDOW SESSION PASSED", PICTURES)

@@ -6,7 +6,6 @@ and how far to go.
 
 import os
 import sys
-import traceback
 from pathlib import Path
 
 import bpy
@@ -14,6 +13,7 @@ import bpy
 PACKAGE, PICTURES, *_ = (Path(word).resolve() for word in sys.argv[sys.argv.index("--") + 1 :])
 sys.path[:0] = [str(Path(__file__).resolve().parent), str(Path(__file__).resolve().parents[2])]
 
+from tests.window.driving import drive  # noqa: E402
 from tests.window.hand import Hand  # noqa: E402
 
 SEED, STEPS = map(int, os.environ.get("CANONICAL_FORM_WALK", "1:500").split(":"))
@@ -35,18 +35,7 @@ def walk():
             taken.run(STEPS)
         finally:
             print(len(taken.steps), "steps:", taken.counts, "the last:", taken.steps[-8:], flush=True)
+    yield 0.1
 
 
-def begin():
-    try:
-        walk()
-    except BaseException:  # a test outside pytest: show whatever went wrong and stop Blender
-        traceback.print_exc()
-        sys.stderr.flush()
-        os._exit(1)
-    print("RANDOM WALK PASSED in Blender", bpy.app.version_string, flush=True)
-    os._exit(0)
-
-
-bpy.context.preferences.view.show_splash = False
-bpy.app.timers.register(begin, first_interval=3.0)
+drive(walk(), "RANDOM WALK PASSED")

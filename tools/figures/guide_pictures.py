@@ -3,11 +3,8 @@
 Run by Blender itself, like `session.py`. Run it again whenever the panel changes.
 """
 
-import os
 import sys
-import traceback
 from pathlib import Path
-from typing import Any
 
 import bpy
 import numpy as np
@@ -17,6 +14,7 @@ PACKAGE, PICTURES, *_ = (Path(word).resolve() for word in sys.argv[sys.argv.inde
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "tests" / "window"), str(ROOT)]
 
+from tests.window.driving import drive  # noqa: E402
 from tests.window.hand import Hand  # noqa: E402
 
 HEADERS = {"pose": 274, "features": 299, "distance": 325}  # of closed panels before a run, below the sidebar's top
@@ -145,9 +143,7 @@ def a_clothed_character():
 
 def another_pose():
     """Show a posed figure in T-pose; then weights and rig transferred from a base mesh, and a pose of that rig."""
-    from addon.core import mannequin
-    from addon.core.mesh.geometry import surface_area
-    from tools.sample.posed_figure import build
+    from tools.sample.posed_figure import build, rig, skin
 
     bpy.data.batch_remove([*bpy.data.objects])
     bpy.context.view_layer.update()
@@ -165,11 +161,9 @@ def another_pose():
     yield from hand.picture("8-t-pose")
     run("canonical_form_clear")
 
-    vertices, faces = mannequin()
-    area = sum(face.area for face in scan.data.polygons)
-    size = float(np.sqrt(area / surface_area(vertices, faces)))
-    base, armature = rigged(vertices, faces, size)
-    armature.location.x = 1.2 * size  # the base mesh is its child
+    base = skin("Base", levels=2)
+    armature = rig(base)
+    armature.location.x, armature.show_in_front = 2.1, True  # the base mesh is its child
     bpy.context.view_layer.objects.active = scan
     for obj in bpy.data.objects:
         obj.select_set(obj == scan)
@@ -177,7 +171,7 @@ def another_pose():
     chosen.like = base.name
     yield 0.5
     run("canonical_form_transfer", like=base.name, kinds={"GROUPS"})
-    for name, turn in (("Arm.L", (0.0, 0.0, -0.9)), ("Shin.R", (1.1, 0.0, 0.0)), ("Thigh.R", (-0.9, 0.0, 0.0))):
+    for name, turn in (("elbow.L", (0.0, 0.0, -0.9)), ("ankle.R", (1.1, 0.0, 0.0)), ("knee.R", (-0.9, 0.0, 0.0))):
         bone = armature.pose.bones[name]
         bone.rotation_mode, bone.rotation_euler = "XYZ", turn
     base.hide_set(True)
@@ -194,39 +188,6 @@ def another_pose():
     yield from hand.over_view()
     yield from hand.click(*hand.below_top(HEADERS["pose"], 0.3))
     yield 0.5
-
-
-def rigged(vertices, faces, size):
-    """Create a base mesh with an armature that deforms it."""
-    mesh = bpy.data.meshes.new("Base")
-    mesh.from_pydata((size * vertices).tolist(), [], faces.tolist())
-    base = bpy.data.objects.new("Base", mesh)
-    data = bpy.data.armatures.new("Rig")
-    armature = bpy.data.objects.new("Rig", data)
-    for obj in (base, armature):
-        bpy.context.scene.collection.objects.link(obj)
-    armature.show_in_front = True
-    joints: dict[str, Any] = {
-        "Trunk": ((0, 0.02, 0.95), (0, 0.02, 1.45), None),
-        "Head": ((0, 0.02, 1.45), (0, 0, 1.7), "Trunk"),
-    }
-    for side, sign in (("L", 1), ("R", -1)):
-        joints[f"Arm.{side}"] = ((0.17 * sign, 0.02, 1.43), (0.45 * sign, 0.03, 1.43), "Trunk")
-        joints[f"Forearm.{side}"] = ((0.45 * sign, 0.03, 1.43), (0.85 * sign, 0.02, 1.43), f"Arm.{side}")
-        joints[f"Thigh.{side}"] = ((0.09 * sign, 0, 0.9), (0.1 * sign, -0.01, 0.5), "Trunk")
-        joints[f"Shin.{side}"] = ((0.1 * sign, -0.01, 0.5), (0.1 * sign, 0.03, 0.06), f"Thigh.{side}")
-    bpy.context.view_layer.objects.active = armature
-    for obj in bpy.data.objects:
-        obj.select_set(obj in (base, armature))
-    with in_view():
-        bpy.ops.object.mode_set(mode="EDIT")
-        for name, (head, tail, parent) in joints.items():
-            bone = data.edit_bones.new(name)
-            bone.head, bone.tail = size * np.array(head), size * np.array(tail)
-            bone.parent = data.edit_bones[parent] if parent else None
-        bpy.ops.object.mode_set(mode="OBJECT")
-        bpy.ops.object.parent_set(type="ARMATURE_AUTO")
-    return base, armature
 
 
 def leads(obj):
@@ -252,21 +213,4 @@ def open_tab():
     yield 0.7
 
 
-steps = session()
-
-
-def proceed():
-    try:
-        return next(steps)
-    except StopIteration:
-        print("PICTURES TAKEN in Blender", bpy.app.version_string, flush=True)
-        sys.stdout.flush()
-        os._exit(0)
-    except Exception:  # Blender would exit without an error code
-        traceback.print_exc()
-        sys.stderr.flush()
-        os._exit(1)
-
-
-bpy.context.preferences.view.show_splash = False
-bpy.app.timers.register(proceed, first_interval=3.0, persistent=True)
+drive(session(), "PICTURES TAKEN")

@@ -1,12 +1,12 @@
 """Draws the rooms of the core for docs/architecture.md: `make rooms-picture`.
 
-Rooms are stacked in the order of addon/core/README.md; arrows lead from a room to those that it imports.
+Rooms are stacked by what they import; arrows lead from a room to those that it imports.
 """
 
-import ast
 import re
 import sys
 import textwrap
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 import matplotlib
@@ -16,83 +16,57 @@ import matplotlib.pyplot as plt
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
-CORE = ROOT / "addon" / "core"
+
+from tests.test_architecture import CORE, imports_of  # noqa: E402
+
 TARGET = ROOT / "docs" / "pictures" / "rooms.png"
-COLUMNS = {  # horizontal positions of the rooms; the vertical position is the floor
-    "doors": 1.5, "methods": 1.5, "method_api": 1.5, "posing": 0.0, "embedding": 1.5, "measures": 3.0,
-    "deformation": 0.0, "distances": 1.5, "detection": 3.0, "assembly": 0.0, "surface": 1.5, "patching": 3.0,
-    "mesh": 1.5, "numerics": 1.5, "run": 1.5, "symmetry": 4.5, "matching": 3.0, "modelling": 4.5,
-    "placing": 3.0, "stress": 0.0,
-}  # fmt: skip
-DOORS = "canonical_form, match, pose_like, limb_shapes, distance_field …"
-WIDE, HIGH = 1.3, 0.7
+DOORS = ("doors", "canonical_form, match, pose_like, limb_shapes, distance_field …")
+STEP, WIDE, HIGH = 1.5, 1.3, 0.7
 
 
 def arrows() -> dict[str, set[str]]:
-    """Return the rooms that each room imports."""
-    uses: dict[str, set[str]] = {}
+    """Return the rooms that each room imports, without those that these import."""
+    uses: dict[str, set[str]] = {"doors": {"methods"}}  # by name, through the catalogue
     for path in CORE.rglob("*.py"):
         parts = path.relative_to(CORE).parts
+        others = {target.split(".")[1] for target in imports_of(path, CORE.parent) if target.startswith("core.")}
         room = parts[0] if len(parts) > 1 else "doors"
-        text = path.read_text(encoding="utf-8")
-        for node in ast.walk(ast.parse(text)):
-            if isinstance(node, ast.ImportFrom) and node.module and node.level == len(parts):
-                other = node.module.split(".")[0]
-                if (CORE / other).is_dir() and other != room:
-                    uses.setdefault(room, set()).add(other)
-    uses["doors"].add("methods")  # by name, through the catalogue
-    return uses
-
-
-def floors(uses: dict[str, set[str]]) -> dict[str, int]:
-    """Return the floor of each room: one above the highest room that it imports."""
-    known: dict[str, int] = {}
-
-    def floor(room: str) -> int:
-        if room not in known:
-            known[room] = 1 + max((floor(other) for other in uses.get(room, ())), default=-1)
-        return known[room]
-
-    for room in COLUMNS:
-        floor(room)
-    return known
+        uses.setdefault(room, set()).update(other for other in others if (CORE / other).is_dir() and other != room)
+    further: dict[str, set[str]] = {}
+    for room in TopologicalSorter(uses).static_order():
+        further[room] = {far for near in uses[room] for far in uses[near] | further[near]}
+    return {room: near - further[room] for room, near in uses.items()}
 
 
 def main() -> None:
     uses = arrows()
-    height = floors(uses)
     rows = re.findall(r"^\| `(\w+)` \| (.*) \|$", (CORE / "README.md").read_text(encoding="utf-8"), flags=re.MULTILINE)
-    says = {
-        room: "\n".join(textwrap.wrap(text, 32, max_lines=3, placeholder=" …"))
-        for room, text in [("doors", DOORS), *rows]
-    }
+    place: dict[str, tuple[float, int]] = {}
+    floors = TopologicalSorter(uses)
+    floors.prepare()
+    while floors.is_active():
+        ready, floor = sorted(floors.get_ready()), len({height for _, height in place.values()})
+        left = (1 - len(ready)) / 2 + 0.35 * (floor % 3)  # not right above each other: arrows pass beside rooms
+        place |= {room: (STEP * (left + at), floor) for at, room in enumerate(ready)}
+        floors.done(*ready)
     figure, axes = plt.subplots(figsize=(13, 11))
     for room, others in uses.items():
-        direct = others - {far for near in others for far in reach(near, uses)}  # indirect imports are not drawn
-        for other in sorted(direct):
-            start = (COLUMNS[room], height[room] - HIGH / 2)
-            axes.annotate(
-                "", (COLUMNS[other], height[other] + HIGH / 2), start,
-                arrowprops={"arrowstyle": "-|>", "color": "0.55", "lw": 1.1, "shrinkA": 0, "shrinkB": 0}, zorder=0,
-            )  # fmt: skip
-    for room, column in COLUMNS.items():
+        for other in sorted(others):
+            (x, y), (end, below) = place[room], place[other]
+            axes.annotate("", (end, below + HIGH / 2), (x, y - HIGH / 2), zorder=0,
+                          arrowprops={"arrowstyle": "-|>", "color": "0.55", "shrinkA": 0, "shrinkB": 0})  # fmt: skip
+    for room, says in [DOORS, *rows]:
+        x, y = place[room]
         colour = "#f2d7b0" if room == "doors" else "#d6e7ed"
-        corner = (column - WIDE / 2, height[room] - HIGH / 2)
-        axes.add_patch(plt.Rectangle(corner, WIDE, HIGH, facecolor=colour, edgecolor="0.4"))
-        axes.text(column, height[room] + 0.17, room, ha="center", va="center", fontsize=13, weight="bold")
-        axes.text(column, height[room] - 0.11, says[room], ha="center", va="center", fontsize=8, linespacing=1.2)
-    axes.set_xlim(-0.7, 5.2)
-    axes.set_ylim(-0.5, max(height.values()) + 0.5)
+        axes.add_patch(plt.Rectangle((x - WIDE / 2, y - HIGH / 2), WIDE, HIGH, facecolor=colour, edgecolor="0.4"))
+        axes.text(x, y + 0.2, room, ha="center", va="center", fontsize=13, weight="bold")
+        lines = "\n".join(textwrap.wrap(says, 32, max_lines=3, placeholder=" …"))
+        axes.text(x, y - 0.1, lines, ha="center", va="center", fontsize=8, linespacing=1.2)
+    axes.autoscale_view()
     axes.axis("off")
     figure.tight_layout()
     figure.savefig(TARGET, dpi=80)
     print(TARGET)
-
-
-def reach(room: str, uses: dict[str, set[str]]) -> set[str]:
-    """Return all rooms that a room needs, directly or indirectly."""
-    near = uses.get(room, set())
-    return near | {far for other in near for far in reach(other, uses)}
 
 
 if __name__ == "__main__":
