@@ -21,6 +21,7 @@ from .numerics.arrays import FloatArray, IntArray
 from .run.errors import InvalidSettingsError
 from .run.memory import require_pair_memory
 from .run.monitor import Cancelled, Monitor, Plan, Progress, Warned
+from .surface.delaunay import intrinsic_delaunay, refined
 from .surface.laplacian import mass, stiffness
 from .surface.triangulation import Triangulation, triangulated
 
@@ -220,7 +221,8 @@ def _heat_on(
 ) -> tuple[HeatMethod, IntArray, Callable[[FloatArray], FloatArray]]:
     """Prepare the heat method on a surface or its coarse mesh: return it, the sources there and the interpolation."""
     if len(points) <= _WHOLE:
-        return HeatMethod(surface, monitor=monitor, fewest=WHOLE), chosen, lambda field: field
+        fine = refined(intrinsic_delaunay(surface, monitor), WHOLE, monitor)
+        return HeatMethod(fine, count=len(points), monitor=monitor), chosen, lambda field: field
     fixed = np.unique(chosen)
     coarse = body.working_surface(points, body.faces, _COARSE + len(fixed), fixed=fixed, monitor=monitor)
     if coarse.stuck:
@@ -228,8 +230,10 @@ def _heat_on(
         require_distance_memory(len(points), "heat", unknowns=_unknowns(count), limit=memory_limit)
         monitor.warn("coarse_mesh_stuck", count=count)
     # the split triangles of a coarse mesh give more accurate distances than the unsplit ones of the fine mesh
-    refine = len(coarse.points) <= _WHOLE
-    heat = HeatMethod(coarse.triangulation, refine=refine, monitor=monitor, fewest=WHOLE)
+    fine = coarse.triangulation
+    if len(coarse.points) <= _WHOLE:
+        fine = refined(fine, WHOLE, monitor)
+    heat = HeatMethod(fine, count=len(coarse.points), monitor=monitor)
     return heat, coarse.numbers_of(chosen), coarse.prolong
 
 

@@ -23,7 +23,7 @@ def farthest_points(
     >>> points = np.array([[x, y, 0.0] for y in range(5) for x in range(5)])
     >>> corners = [5 * y + x for y in range(4) for x in range(4)]
     >>> faces = np.array([[i, i + a, i + b] for i in corners for a, b in ((1, 6), (6, 5))])
-    >>> heat = HeatMethod(triangulated(points, faces), refine=False)
+    >>> heat = HeatMethod(triangulated(points, faces))
     >>> farthest_points(heat, np.array([0]), heat.distances([0]), 2, monitor=Monitor())[0].tolist()
     [0, 24]
     """

@@ -7,13 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..mesh.connectivity import component_labels
-from ..mesh.edges import vertex_pairs
 from ..numerics.arrays import FloatArray, IntArray
 from ..numerics.factoring import Factor, factored
 from ..run.errors import SolverError
 from ..run.monitor import Monitor
-from ..surface.delaunay import intrinsic_delaunay, midpoint_refined
 from ..surface.laplacian import mass, stiffness
 from ..surface.triangulation import Triangulation, face_areas
 from .edge_paths import edge_graph
@@ -22,7 +19,7 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
 
 _FAINTEST = 1e-280  # heat that must reach one end of the surface from the other; a double ends at 1e-308
-_FEWEST = 400  # vertices that a refined patch has at least: on a tetrahedron heat would be a third off
+FEWEST = 400  # vertices that a refined surface has at least: on a tetrahedron heat would be a third off
 WHOLE = 2500  # the same where distances all over a surface are all that is wanted
 _BACKWARDS = 0.1  # of the largest distance that a distance may be below 0 before the field is given up
 _TAKES_OVER = 2.0  # diffusion lengths of the first time from the source
@@ -33,20 +30,22 @@ _AT_ONCE = 500_000  # values of heat at once: bounds the memory and the time unt
 class HeatMethod:
     """Geodesic distances from any vertex, with the two linear systems factored once.
 
-    Three choices keep the error near 1.5 % on real meshes: the triangles are made intrinsically Delaunay, each is
+    Three choices keep the error near 1.5 % on real meshes: the triangles are intrinsically Delaunay, each is
     split in four, and the direction of the flow is taken from the logarithm of the heat, which is close to linear in
     a triangle where the heat itself falls exponentially.
 
-    `surface`: the surface, connected; `smooth`: a second diffusion time, a squared length, whose heat takes over two
+    `surface`: the surface, connected, Delaunay, split in four (`refined`) where the error, about a third lower, is
+    worth three times the cost; `smooth`: a second diffusion time, a squared length, whose heat takes over two
     diffusion lengths away from the source: distances become smooth and hardly feel how the surface is bent there;
-    `refine`: split every triangle in four (error about a third lower, cost about three times as high), and small
-    meshes further; `fewest`: vertices of the refined triangles at least.
+    `count`: number of vertices to measure at, the first of the surface; all if omitted.
 
     Examples
     --------
+    >>> from addon.core.surface.delaunay import refined
     >>> from addon.core.surface.triangulation import triangulated
     >>> square = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]])
-    >>> heat = HeatMethod(triangulated(square, np.array([[0, 1, 2], [1, 3, 2]])))
+    >>> surface = refined(triangulated(square, np.array([[0, 1, 2], [1, 3, 2]])), FEWEST)
+    >>> heat = HeatMethod(surface, count=4)
     >>> np.allclose(heat.distances([0])[:, 0], [0, 1, 1, np.sqrt(2)], rtol=0.05)
     True
 
@@ -61,24 +60,20 @@ class HeatMethod:
         surface: Triangulation,
         smooth: float | None = None,
         *,
-        refine: bool = True,
+        count: int | None = None,
         monitor: Monitor | None = None,
-        fewest: int = _FEWEST,
     ) -> None:
         from scipy.sparse import csr_matrix
+        from scipy.sparse.csgraph import connected_components
 
         monitor = monitor or Monitor()
-        self._monitor, self._vertex_count = monitor, surface.vertex_count
-        fine = intrinsic_delaunay(surface, monitor)
-        while refine:
-            fine = intrinsic_delaunay(midpoint_refined(fine), monitor)
-            refine = fine.vertex_count < fewest
-        self._fine, self._faces = fine, fine.faces
-        area, base = face_areas(fine.lengths), fine.lengths[:, 2]
+        self._monitor, self._fine, self._faces = monitor, surface, surface.faces
+        self._vertex_count = surface.vertex_count if count is None else count
+        area, base = face_areas(surface.lengths), surface.lengths[:, 2]
         # triangle laid out with corner 0 at the origin, corner 1 at (base, 0) and corner 2 at (foot, height)
         self._base, self._height = base[:, None], 2 * (area / base)[:, None]
-        self._foot = ((fine.lengths[:, 1] ** 2 - fine.lengths[:, 0] ** 2 + base**2) / (2 * base))[:, None]
-        m, n = len(fine.faces), fine.vertex_count
+        self._foot = ((surface.lengths[:, 1] ** 2 - surface.lengths[:, 0] ** 2 + base**2) / (2 * base))[:, None]
+        m, n = len(surface.faces), surface.vertex_count
         across = area[:, None] / self._height
         slope = (self._foot / self._base) * across
         weights = np.concatenate(
@@ -88,13 +83,13 @@ class HeatMethod:
             ]
         )
         start = np.arange(0, 6 * m + 1, 3)
-        columns = np.concatenate([fine.faces, fine.faces]).ravel()
+        columns = np.concatenate([surface.faces, surface.faces]).ravel()
         self._divergence = csr_matrix((weights.ravel(), columns, start), shape=(2 * m, n)).T.tocsr()
         self._poisson: Factor | None = None
         try:
             self._factor(smooth)
         except SolverError as error:
-            if component_labels(n, vertex_pairs(fine.faces)).any():
+            if connected_components(edge_graph(surface), directed=False, return_labels=False) > 1:
                 raise SolverError("heat_disconnected") from error
             self._poisson = None  # edges without weight, by rounding
 

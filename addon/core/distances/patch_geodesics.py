@@ -7,8 +7,9 @@ import numpy as np
 from ..numerics.arrays import FloatArray, IntArray
 from ..numerics.blocks import columns_at_once, symmetrise
 from ..run.monitor import Monitor
+from ..surface.delaunay import refined
 from ..surface.triangulation import Triangulation
-from .heat import HeatMethod
+from .heat import FEWEST, HeatMethod
 
 
 def all_geodesics(
@@ -60,7 +61,8 @@ def geodesics(
     [[0.0, 1.4, 1.0]]
     """
     monitor = monitor or Monitor()
-    heat = HeatMethod(surface, smooth, refine=smooth is None, monitor=monitor)
+    fine = refined(surface, FEWEST, monitor) if smooth is None else surface
+    heat = HeatMethod(fine, smooth, count=surface.vertex_count, monitor=monitor)
     distance = np.empty((len(sources), len(vertices)))
     chunk = columns_at_once(surface.vertex_count)
     for start in range(0, len(sources), chunk):

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
 
 _EVENNESS = 0.05  # weight of evenly spread vertices against the fit to the surface: fingers keep a few more
-_FAR = 20  # times the target: while more vertices are left, as many as can go at once do,
+_FAR = 20  # times the target: while more vertices are left, the smallest go, as many as can at once,
 _MANY, _NEAR = 32_000, 2  # and while more than so many and this times the target are: fine meshes are even anyway
 _SHARE = 0.6  # of the vertices, the cheapest, may go in one round
 _FEW = 0.05  # of the vertices that may go in a round; fewer do not thin the mesh out
@@ -102,11 +102,18 @@ def coarsened(
         links = _Links(faces, count)
         monitor.check()
         far = left > min(_FAR * target, max(_NEAR * target, _MANY))
-        leaving, onto, rank = _wishes(points, links, quadrics, areas, patience)
+        some = np.flatnonzero((np.diff(links.first) > 0) & (patience < np.inf))
+        if far:  # the smallest, before any cost is computed: six edges in seven need none
+            some = some[_independent(some, _ranks((areas * 2.0**patience)[some]), links, most=True)]
+            monitor.check()
+        edge, cost = _wishes(points, links, quadrics, areas, patience, some)
         monitor.check()
-        chosen = _independent(leaving, rank, links, count, most=far)
-        monitor.check()
-        leaving, onto, rank = leaving[chosen], onto[chosen], rank[chosen]
+        if not far:
+            cheap = np.flatnonzero(cost <= (1 + _TIE) * np.quantile(cost, _SHARE)) if len(cost) else np.arange(0)
+            cheap = cheap[_independent(links.tail[edge[cheap]], _ranks(cost[cheap]), links, most=False)]
+            edge, cost = edge[cheap], cost[cheap]
+            monitor.check()
+        leaving, onto, rank = links.tail[edge], links.head[edge], _ranks(cost)
         corners = _corners(faces, leaving, count)
         good = _harmless(points, corners, links, leaving, onto, rank)
         good &= ~_strands(corners, links, leaving, onto, np.bincount(faces.ravel(), minlength=count))
@@ -170,9 +177,11 @@ def _quadrics(points: FloatArray, faces: IntArray) -> FloatArray:
 
     normal = area_vectors(points, faces)
     area = np.linalg.norm(normal, axis=1)
-    normal /= np.maximum(area, np.finfo(float).tiny)[:, None]
-    plane = np.column_stack([normal, -np.einsum("ij,ij->i", normal, points[faces[:, 0]])])
-    terms = np.column_stack([plane[:, i] * plane[:, j] * (area / 3) for i, j in zip(*np.triu_indices(4), strict=True)])
+    x, y, z = (normal / np.maximum(area, np.finfo(float).tiny)[:, None]).T
+    plane = (x, y, z, -dot(np.stack([x, y, z]), gathered(points, faces[:, 0])))
+    terms = np.empty((len(faces), 10))
+    for term, (i, j) in enumerate(zip(*np.triu_indices(4), strict=True)):
+        terms[:, term] = plane[i] * plane[j] * area / 3
     around = csr_matrix(
         (np.ones(faces.size), faces.ravel(), np.arange(0, faces.size + 1, 3)), (len(faces), len(points))
     )
@@ -180,41 +189,40 @@ def _quadrics(points: FloatArray, faces: IntArray) -> FloatArray:
 
 
 def _wishes(
-    points: FloatArray, links: _Links, quadrics: FloatArray, areas: FloatArray, patience: FloatArray
-) -> tuple[IntArray, IntArray, IntArray]:
-    """Find for every vertex that may go the neighbour where it harms least; the cheaper share, and their rank."""
-    u, v = links.tail, links.head
-    degree = np.diff(links.first)
-    cost = _costs(points, links, quadrics, areas)
-    cost[np.repeat(patience == np.inf, degree)] = np.inf
+    points: FloatArray, links: _Links, quadrics: FloatArray, areas: FloatArray, patience: FloatArray, among: IntArray
+) -> tuple[IntArray, FloatArray]:
+    """Find for some vertices the edge to the neighbour where each harms least, if it has any, and its cost."""
+    owner, edge = links.out_of(among)
+    first = np.searchsorted(owner, np.arange(len(among) + 1))
+    cost = _costs(points, links, edge, quadrics, areas)
     rim = links.triangles != 2
     if rim.any():  # along a border, or off the inside
-        rims = np.bincount(u[rim], minlength=links.count)
-        wild = np.bincount(u[links.triangles > 2], minlength=links.count) > 0
-        cost[~np.where(rims[u] == 0, True, (rims[u] == 2) & ~wild[u] & rim)] = np.inf
-    alive = np.flatnonzero(degree)
-    least = np.minimum.reduceat(cost, links.first[alive]) if len(alive) else np.zeros(0)
-    pick = np.flatnonzero((cost <= np.repeat((1 + _TIE) * least, degree[alive])) & (cost < np.inf))
-    pick = pick[np.concatenate([[True], u[pick][1:] != u[pick][:-1]])] if len(pick) else pick
-    turn = patience[u[pick]].astype(np.int64)
+        rims = np.bincount(links.tail[rim], minlength=links.count)[among][owner]
+        wild = (np.bincount(links.tail[links.triangles > 2], minlength=links.count) > 0)[among][owner]
+        cost[~np.where(rims == 0, True, (rims == 2) & ~wild & rim[edge])] = np.inf
+    least = np.minimum.reduceat(cost, first[:-1]) if len(among) else np.zeros(0)
+    pick = np.flatnonzero((cost <= ((1 + _TIE) * least)[owner]) & (cost < np.inf))
+    pick = pick[np.diff(owner[pick], prepend=-1) > 0]  # the first of equals
+    turn = patience[among][owner[pick]].astype(np.int64)
     again = np.flatnonzero(turn)  # those that could not go try the next best
-    owner, edge = links.out_of(u[pick[again]])
-    finite = cost[edge] < np.inf
-    owner, edge = owner[finite], edge[finite]
-    order = np.lexsort((_ranks(cost[edge]), owner))
-    start = np.searchsorted(owner, np.arange(len(again) + 1))
-    pick[again] = edge[order[start[:-1] + turn[again] % np.diff(start)]]
-    cost = cost[pick] * 2.0**turn
-    cheap = cost <= (1 + _TIE) * np.quantile(cost, _SHARE) if len(cost) else np.zeros(0, bool)
-    return u[pick[cheap]], v[pick[cheap]], _ranks(cost[cheap])
+    trying = owner[pick[again]]
+    count = np.diff(first)[trying]
+    row = np.repeat(np.arange(len(again)), count)
+    at = first[trying][row] + np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count)
+    row, at = row[cost[at] < np.inf], at[cost[at] < np.inf]
+    order = np.lexsort((_ranks(cost[at]), row))
+    start = np.searchsorted(row, np.arange(len(again) + 1))
+    pick[again] = at[order[start[:-1] + turn[again] % np.diff(start)]]
+    return edge[pick], cost[pick] * 2.0**turn
 
 
-def _costs(points: FloatArray, links: _Links, quadrics: FloatArray, areas: FloatArray) -> FloatArray:
-    """Compute what it costs to draw the tail of each edge onto its head."""
-    cost = np.empty(len(links.tail))
+def _costs(points: FloatArray, links: _Links, edge: IntArray, quadrics: FloatArray, areas: FloatArray) -> FloatArray:
+    """Compute what it costs to draw the tail of each of some edges onto its head."""
+    tail, head = links.tail[edge], links.head[edge]
+    cost = np.empty(len(edge))
     for start in range(0, len(cost), AT_ONCE):
         some = slice(start, start + AT_ONCE)
-        u, v = links.tail[some], links.head[some]
+        u, v = tail[some], head[some]
         there, q = gathered(points, v), quadrics.take(u, axis=0).T
         x, y, z = there
         harm = q[0] * x * x + q[4] * y * y + q[7] * z * z + q[9]
@@ -233,8 +241,9 @@ def _ranks(cost: FloatArray) -> IntArray:
     return rank
 
 
-def _independent(leaving: IntArray, rank: IntArray, links: _Links, count: int, *, most: bool) -> IntArray:
-    """Choose vertices of which no two share an edge: those that are cheapest around, or as many as can be if `most`."""
+def _independent(leaving: IntArray, rank: IntArray, links: _Links, *, most: bool) -> IntArray:
+    """Choose vertices of which no two share an edge: those of lowest rank around, or as many as can be if `most`."""
+    count = links.count
     place = np.full(count, count + 1, dtype=np.int64)  # in the order of going, the lower vertex first in a tie
     place[np.sort(rank * count + leaving) % count] = np.arange(len(leaving))
     free = place <= count

@@ -9,12 +9,13 @@ import numpy as np
 
 from ..detection.auto_diffusion import auto_diffusion
 from ..detection.feature_points import merged, prominent_maxima
-from ..distances.heat import HeatMethod
+from ..distances.heat import FEWEST, HeatMethod
 from ..mesh.geometry import of_unit_area
 from ..numerics.arrays import FloatArray, IntArray
 from ..patching.cells import voronoi_cells
 from ..run.errors import SolverError
 from ..run.monitor import Monitor
+from ..surface.delaunay import refined
 from ..surface.laplacian import mass, stiffness
 from ..surface.spectrum import Spectrum, compute_spectrum
 from ..surface.working_surface import Reduced, WorkingSurface, working_surface
@@ -211,7 +212,8 @@ def _feature_points(
     adf: FloatArray, surface: WorkingSurface, chosen: IntArray | None, settings: Settings, monitor: Monitor
 ) -> tuple[IntArray, FloatArray, FloatArray | None]:
     """Select the prominent maxima of the Auto Diffusion Function, and only the first of those close to each other."""
-    heat = HeatMethod(surface.triangulation, refine=settings.whole, monitor=monitor)
+    fine = refined(surface.triangulation, FEWEST, monitor) if settings.whole else surface.triangulation
+    heat = HeatMethod(fine, count=len(surface.points), monitor=monitor)
     if chosen is not None:
         features = surface.numbers_of(chosen)
         return features, heat.distances(features), None

@@ -10,14 +10,14 @@ from numpy.typing import ArrayLike
 
 from ..deformation.elastic_body import ElasticBody
 from ..distances.farthest_points import farthest_points
-from ..distances.heat import HeatMethod
+from ..distances.heat import FEWEST, HeatMethod
 from ..distances.patch_geodesics import all_geodesics
 from ..embedding.classical_scaling import landmark_scaling, leading_scaling, placed_around
 from ..measures.alignment import outside_out
 from ..numerics.arrays import FloatArray, IntArray
 from ..run.memory import require_pair_memory
 from ..run.monitor import Monitor
-from ..surface.delaunay import intrinsic_delaunay
+from ..surface.delaunay import intrinsic_delaunay, refined
 from ..surface.triangulation import Triangulation, triangulated
 from .method_result import MethodResult
 from .settings import Settings
@@ -107,7 +107,8 @@ class WholeSurface:
     @cached_property
     def heat(self) -> HeatMethod:
         """Geodesics from any vertex."""
-        return HeatMethod(self.surface, refine=self._settings.whole, monitor=self._monitor)
+        fine = refined(self.surface, FEWEST, self._monitor) if self._settings.whole else self.surface
+        return HeatMethod(fine, count=len(self.points), monitor=self._monitor)
 
     def samples(self) -> Samples:
         """Measure geodesics: between all vertices at quality 'full', otherwise from landmarks spread over the surface.

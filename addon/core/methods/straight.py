@@ -99,7 +99,7 @@ def body_of(found: SurfaceFeatures, monitor: Monitor) -> ElasticBody:
 def landmarks_of(found: SurfaceFeatures, count: int, monitor: Monitor) -> tuple[IntArray, FloatArray]:
     """Measure smooth distances (n, l) from landmarks (l,), the feature points first."""
     with monitor.stage("Landmarks"):
-        heat = HeatMethod(found.surface.triangulation, _HEAT, refine=False, monitor=monitor)
+        heat = HeatMethod(found.surface.triangulation, _HEAT, monitor=monitor)
         return farthest_points(heat, found.features, heat.distances(found.features), count, monitor=monitor)
 
 

@@ -83,6 +83,22 @@ def midpoint_refined(surface: Triangulation) -> Triangulation:
     return Triangulation(n + edge_count, np.concatenate(faces), np.concatenate(lengths), np.concatenate(edges))
 
 
+def refined(surface: Triangulation, fewest: int, monitor: Monitor | None = None) -> Triangulation:
+    """Split every triangle in four and make the parts Delaunay, until there are at least `fewest` vertices.
+
+    The vertices of the surface come first.
+
+    Examples
+    --------
+    >>> from addon.core.surface.triangulation import triangulated
+    >>> triangle = triangulated(np.array([[0.0, 0, 0], [2, 0, 0], [0, 1, 0]]), np.array([[0, 1, 2]]))
+    >>> refined(triangle, 0).vertex_count, refined(triangle, 7).vertex_count
+    (6, 15)
+    """
+    fine = intrinsic_delaunay(midpoint_refined(surface), monitor)
+    return fine if fine.vertex_count >= fewest else refined(fine, fewest, monitor)
+
+
 def _second_of_loop(surface: Triangulation) -> np.ndarray:
     """Distinguish the two sides of an edge that joins a vertex to itself by the order of their faces."""
     flat = surface.edges.ravel()

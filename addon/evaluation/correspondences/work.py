@@ -13,6 +13,7 @@ from ...core.mesh.closest_points import closest_points
 from ...core.mesh.coarsening import coarsened
 from ...core.mesh.geometry import surface_area
 from ...core.numerics.arrays import FloatArray
+from ...core.surface.delaunay import intrinsic_delaunay
 from ...core.surface.triangulation import triangulated
 from ..tables import mean_apart
 from ..work import one_thread
@@ -141,7 +142,7 @@ def geodesic_errors(places: FloatArray, mesh: Mesh, samples: int = _SAMPLES) -> 
     """
     count = len(mesh.vertices)
     some = np.random.default_rng(1).choice(count, min(samples, count), replace=False)
-    heat = HeatMethod(triangulated(*mesh), refine=False)
+    heat = HeatMethod(intrinsic_delaunay(triangulated(*mesh)))
     found = closest_points(*mesh, places[some])
     at = np.take_along_axis(heat.distances(some).T, mesh.faces[found.faces], axis=1)
     return np.asarray(np.einsum("ij,ij->i", found.weights, at) / np.sqrt(surface_area(*mesh)))
