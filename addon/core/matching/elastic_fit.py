@@ -27,20 +27,6 @@ def elastic_fit(
     `body`: the form of the first surface; `one, other`: the surfaces; `points`: the point on the other surface for
     each vertex; gives placed (c, 3), points.
 
-    Examples
-    --------
-    >>> from addon.core.matching.unfolded import unfolded
-    >>> from addon.core.method_api.settings import Settings
-    >>> from addon.core.method_api.surface_features import detected
-    >>> points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 3]])
-    >>> found = detected(points, np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]), None, Settings(), Monitor())
-    >>> one = unfolded(found, found.whole_points, Monitor())
-    >>> body = ElasticBody(found.surface.triangulation, one.form, one.faces)
-    >>> same = closest_points(one.form, one.faces, one.form)
-    >>> placed, points = elastic_fit(body, one, one, same, Monitor())
-    >>> np.allclose(placed, one.form), points.weights.max(axis=1).round(6).tolist()
-    (True, [1.0, 1.0, 1.0, 1.0])
-
     References
     ----------
     Sorkine and Alexa, "As-Rigid-As-Possible Surface Modeling", 2007, doi:10.2312/SGP/SGP07/109-116; Amberg, Romdhani

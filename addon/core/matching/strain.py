@@ -21,17 +21,6 @@ def fit_strain(one: Unfolded, other: Unfolded, start: Start, monitor: Monitor) -
     """Fit a form to another from the start of a match, and measure its strain.
 
     `one, other`: the surfaces; `start`: the alignment of the forms, and the corresponding feature points.
-
-    Examples
-    --------
-    >>> from addon.core.matching.unfolded import unfolded
-    >>> from addon.core.method_api.settings import Settings
-    >>> from addon.core.method_api.surface_features import detected
-    >>> points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 3]])
-    >>> found = detected(points, np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]), None, Settings(), Monitor())
-    >>> body = unfolded(found, found.whole_points, Monitor())
-    >>> round(fit_strain(body, body, Start(np.array([-1]), np.eye(3), np.zeros(3)), Monitor()), 6)
-    0.0
     """
     body = ElasticBody(one.found.surface.triangulation, one.form, one.faces)
     partner = refined(one, other, first_map(one, other, start, monitor), _COUNTS, _NEAR, monitor)

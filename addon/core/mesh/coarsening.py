@@ -104,7 +104,7 @@ def coarsened(
         far = left > min(_FAR * target, max(_NEAR * target, _MANY))
         some = np.flatnonzero((np.diff(links.first) > 0) & (patience < np.inf))
         if far:  # the smallest, before any cost is computed: six edges in seven need none
-            some = some[_independent(some, _ranks((areas * 2.0**patience)[some]), links, most=True)]
+            some = some[_independent(some, _ranks(areas[some] * 2.0 ** patience[some]), links, most=True)]
             monitor.check()
         edge, cost = _wishes(points, links, quadrics, areas, patience, some)
         monitor.check()
@@ -182,9 +182,8 @@ def _quadrics(points: FloatArray, faces: IntArray) -> FloatArray:
     terms = np.empty((len(faces), 10))
     for term, (i, j) in enumerate(zip(*np.triu_indices(4), strict=True)):
         terms[:, term] = plane[i] * plane[j] * area / 3
-    around = csr_matrix(
-        (np.ones(faces.size), faces.ravel(), np.arange(0, faces.size + 1, 3)), (len(faces), len(points))
-    )
+    first = np.arange(0, faces.size + 1, 3)
+    around = csr_matrix((np.ones(faces.size), faces.ravel(), first), (len(faces), len(points)))
     return np.asarray(around.T @ terms)
 
 
