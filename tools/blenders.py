@@ -13,6 +13,7 @@ import shutil
 import subprocess
 import sys
 import time
+import xml.etree.ElementTree as ET
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -41,7 +42,8 @@ def interpreter(version: str) -> str | None:
 
 def python_of(blender: str) -> Path | None:
     """Create the environment of a Blender, or find it; None if its Python is not installed."""
-    (python, numpy), folder = BLENDERS[blender], FOLDER / blender
+    python, numpy = BLENDERS[blender]
+    folder = FOLDER / blender
     inside = folder / "bin" / "python"
     if (folder / "made").exists():
         return inside
@@ -69,21 +71,34 @@ def suite(blender: str) -> list[str]:
     version, major, minor, numpy = subprocess.run(
         [python, "-c", TELL], capture_output=True, text=True, check=True
     ).stdout.splitlines()[-1].split("|")  # fmt: skip
+    report = FOLDER / f"{blender}.xml"
+    report.unlink(missing_ok=True)  # from an earlier run
     began = time.perf_counter()
-    command = [str(python), "-m", "pytest", "-q", "-n", "logical", "--maxprocesses", "4", "--dist", "loadfile"]
-    done = subprocess.run(command, cwd=ROOT, stdout=subprocess.PIPE, text=True, check=False)
+    done = subprocess.run(
+        [python, "-m", "pytest", "-q", "-n", "logical", "--maxprocesses", "4", "--dist", "loadfile",
+         f"--junitxml={report}"],
+        cwd=ROOT, check=False,
+    )  # fmt: skip
     minutes = (time.perf_counter() - began) / 60
-    print(done.stdout, flush=True)
-    told = (done.stdout.splitlines() or ["no tests were run"])[-1].partition(" in ")[0]
-    if done.returncode:
-        told = f"**failed: {told}, exit code {done.returncode}**"
+    if not report.exists():
+        return [f"{version} (module)", f"{major}.{minor}", numpy, f"**failed: no report, exit code {done.returncode}**",
+                f"{minutes:.0f} min", ""]  # fmt: skip
+    counts = dict.fromkeys(("tests", "failures", "errors", "skipped"), 0)
+    for each in ET.parse(report).getroot().iter("testsuite"):
+        counts = {name: counts[name] + int(each.get(name, 0)) for name in counts}
+    failed = counts["failures"] + counts["errors"]
+    passed = counts["tests"] - failed - counts["skipped"]
+    told = f"{passed:,} passed, {counts['skipped']} skipped" + (
+        f", **{failed} failed**" if failed else f", **failed: exit code {done.returncode}**" if done.returncode else ""
+    )
     return [f"{version} (module)", f"{major}.{minor}", numpy, told, f"{minutes:.0f} min", ""]
 
 
 def window() -> list[str]:
     """Run the window session and return the cells of its row."""
     began = time.perf_counter()
-    done = subprocess.run([sys.executable, ROOT / "tests/window/run.py"], capture_output=True, text=True, check=False)
+    command = [sys.executable, str(ROOT / "tests" / "window" / "run.py")]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
     found = re.search(r"WINDOW SESSION PASSED in Blender (\S+)", done.stdout)
     if found is None:
         print(done.stdout[-3000:], done.stderr[-3000:], sep="\n")
