@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from addon.core.distances.fast_marching import fast_marching
-from addon.core.distances.heat import HeatMethod
+from addon.core.distances.heat import FEWEST, HeatMethod
 from addon.core.embedding.classical_scaling import classical_scaling
 from addon.core.embedding.smacof import smacof
 from addon.core.measures.alignment import rigid_fit
@@ -40,7 +40,7 @@ def distances(roll, faces, kind):
     if kind == "fast marching":
         table = np.column_stack([fast_marching(surface, np.array([k])) for k in everything])
     else:
-        table = HeatMethod(refined(intrinsic_delaunay(surface), 0), count=len(roll)).distances(everything)
+        table = HeatMethod(refined(intrinsic_delaunay(surface), FEWEST), count=len(roll)).distances(everything)
     return (table + table.T) / 2, time.perf_counter() - began
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from ..numerics.arrays import FloatArray, IntArray
 from ..numerics.blocks import columns_at_once, symmetrise
 from ..run.monitor import Monitor
-from ..surface.delaunay import refined
+from ..surface.delaunay import intrinsic_delaunay, refined
 from ..surface.triangulation import Triangulation
 from .heat import FEWEST, HeatMethod
 
@@ -61,7 +61,9 @@ def geodesics(
     [[0.0, 1.4, 1.0]]
     """
     monitor = monitor or Monitor()
-    fine = refined(surface, FEWEST, monitor) if smooth is None else surface
+    fine = intrinsic_delaunay(surface, monitor)  # the triangles cut out for a patch need not be
+    if smooth is None:
+        fine = refined(fine, FEWEST, monitor)
     heat = HeatMethod(fine, smooth, count=surface.vertex_count, monitor=monitor)
     distance = np.empty((len(sources), len(vertices)))
     chunk = columns_at_once(surface.vertex_count)

@@ -204,14 +204,12 @@ def _wishes(
     pick = pick[np.diff(owner[pick], prepend=-1) > 0]  # the first of equals
     turn = patience[among][owner[pick]].astype(np.int64)
     again = np.flatnonzero(turn)  # those that could not go try the next best
-    trying = owner[pick[again]]
-    count = np.diff(first)[trying]
-    row = np.repeat(np.arange(len(again)), count)
-    at = first[trying][row] + np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count)
-    row, at = row[cost[at] < np.inf], at[cost[at] < np.inf]
-    order = np.lexsort((_ranks(cost[at]), row))
-    start = np.searchsorted(row, np.arange(len(again) + 1))
-    pick[again] = at[order[start[:-1] + turn[again] % np.diff(start)]]
+    trying = np.zeros(len(among), dtype=bool)
+    trying[owner[pick[again]]] = True
+    at = np.flatnonzero(trying[owner] & (cost < np.inf))
+    order = at[np.lexsort((_ranks(cost[at]), owner[at]))]
+    start, end = (np.searchsorted(owner[at], owner[pick[again]], side) for side in ("left", "right"))
+    pick[again] = order[start + turn[again] % (end - start)]
     return edge[pick], cost[pick] * 2.0**turn
 
 

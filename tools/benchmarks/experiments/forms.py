@@ -8,10 +8,12 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from addon.core import Settings, canonical_form
-from addon.core.distance_fields import heat_geodesics
+from addon.core.distances.heat import FEWEST, HeatMethod
 from addon.core.measures.alignment import closest_point_fit
 from addon.core.measures.detail_kept import detail_measures
 from addon.core.measures.form_measures import summary
+from addon.core.surface.delaunay import intrinsic_delaunay, refined
+from addon.core.surface.triangulation import triangulated
 from tests.meshes.remeshing import adaptive, noisy, quad_dominant, resized, uniform
 from tests.meshes.shapes import Mesh, unit
 from tools.benchmarks.experiment import Row, experiment
@@ -87,7 +89,8 @@ def several(counts: Iterable[int]) -> str:
 def geodesics_change(poses: list[np.ndarray], faces: np.ndarray) -> float:
     """Return the mean relative change of geodesics between 60 vertices across poses, which no method can remove."""
     some = np.random.default_rng(3).choice(len(poses[0]), min(60, len(poses[0])), replace=False)
-    tables = [heat_geodesics(unit(pose, faces), faces, some)[some] for pose in poses]
+    surfaces = (intrinsic_delaunay(triangulated(unit(pose, faces), faces)) for pose in poses)
+    tables = [HeatMethod(refined(each, FEWEST), count=len(poses[0])).distances(some)[some] for each in surfaces]
     tables = [(table + table.T)[np.triu_indices(len(some), 1)] / 2 for table in tables]
     changes = [2 * np.abs(one - two) / (one + two) for one, two in itertools.combinations(tables, 2)]
     return float(np.mean(changes)) if changes else float("nan")
