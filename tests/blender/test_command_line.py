@@ -2,7 +2,6 @@ import io
 import json
 import os
 import re
-import subprocess
 import sys
 from pathlib import Path
 
@@ -14,6 +13,7 @@ from addon.batch.command import main
 from addon.batch.inputs import output_stems, separators
 from addon.blender.files.off_format import read_off
 from addon.core import CanonicalFormError, InvalidMeshError
+from tests.blender.commands import ROOT, ended, run, run_apart, run_below_file_size
 from tests.meshes import shapes
 
 QUICK = ["--max-iterations", "2", "--landmark-count", "12"]
@@ -45,18 +45,9 @@ def folder(tmp_path_factory):
     return folder
 
 
-def run(*words):
-    done = subprocess.run(
-        [sys.executable, "-m", "addon", "compute", *map(str, words), *QUICK],
-        capture_output=True, text=True, check=False, cwd=Path(__file__).resolve().parents[2],
-    )  # fmt: skip
-    assert "Traceback" not in done.stderr
-    return done.returncode, [json.loads(line) for line in done.stdout.splitlines()], done.stderr
-
-
 def test_every_format_gives_the_same_form(folder, tmp_path):
     inputs = [folder / f"{kind}.{kind}" for kind in ("blend", "obj", "ply", "stl", "glb", "off")]
-    code, lines, _ = run(*inputs, "--output", tmp_path)
+    code, lines, _ = run_apart(*inputs, "--output", tmp_path)
     assert code == 0
     assert [Path(line["input"]).suffix for line in lines] == [path.suffix for path in inputs]
     vertices, faces = shapes.figure(13)
@@ -105,7 +96,7 @@ def test_the_bare_form_has_the_inputs_order_and_space(folder, tmp_path, kind):
 
 def test_a_failed_mesh_does_not_stop_the_others(folder, tmp_path):
     broken = [folder / "short.off", folder / "empty.blend", folder / "text.txt", folder / "missing.obj"]
-    code, lines, errors = run(*broken, folder / "off.off", "--output", tmp_path)
+    code, lines, errors = run_apart(*broken, folder / "off.off", "--output", tmp_path)
     assert code == 1
     assert [("error" in line) for line in lines] == [True] * 4 + [False]
     assert "cut short" in lines[0]["error"]
@@ -302,22 +293,18 @@ def test_odd_names_stay_in_the_output_folder(tmp_path, folder):
 def test_a_full_disk_is_reported_and_the_old_file_stays(tmp_path, folder):
     _, [line], _ = run(folder / "off.off", "--output", tmp_path, "--format", "obj")
     old = Path(line["output"]).read_bytes()
-    limited = "import resource, runpy, signal, sys; signal.signal(signal.SIGXFSZ, signal.SIG_IGN); "
-    limited += "resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000)); sys.argv[0] = 'addon'; "
-    limited += "runpy.run_module('addon', run_name='__main__')"
-    words = ["compute", folder / "off.off", "--output", tmp_path, "--format", "obj", *QUICK, "--value", "0.5"]
-    done = subprocess.run([sys.executable, "-c", limited, *map(str, words)], capture_output=True, text=True,
-                          check=False, cwd=Path(__file__).resolve().parents[2])  # fmt: skip
-    assert done.returncode == 1
-    assert "Traceback" not in done.stderr
-    assert "too large" in json.loads(done.stdout)["error"]
-    assert [path.read_bytes() for path in tmp_path.iterdir()] == [old]
-    for kind in ("blend", "glb", "fbx", "usdc"):  # Blender itself writes two of them in part without a word
-        words = ["compute", folder / "off.off", "--output", tmp_path / kind, "--format", kind, *QUICK]
-        done = subprocess.run([sys.executable, "-c", limited, *map(str, words)], capture_output=True, text=True,
-                              check=False, cwd=Path(__file__).resolve().parents[2])  # fmt: skip
-        assert done.returncode == 1, kind
-        assert re.search("too large|Is the disk full", json.loads(done.stdout)["error"]), kind
+    kinds = ("blend", "glb", "fbx", "usdc")  # Blender itself writes two of them in part without a word
+    words = ["compute", str(folder / "off.off"), "--output"]
+    (code, [line]), *others = run_below_file_size(
+        2000, [*words, str(tmp_path), "--format", "obj", "--value", "0.5"],
+        *([*words, str(tmp_path / kind), "--format", kind] for kind in kinds),
+    )  # fmt: skip
+    assert code == 1
+    assert "too large" in line["error"]
+    assert [path.read_bytes() for path in tmp_path.iterdir() if path.is_file()] == [old]
+    for kind, (code, [line]) in zip(kinds, others, strict=True):
+        assert code == 1, kind
+        assert re.search("too large|Is the disk full", line["error"]), kind
         assert list((tmp_path / kind).iterdir()) == []
 
 
@@ -342,11 +329,9 @@ def test_a_file_that_is_still_to_be_read_is_never_overwritten(tmp_path, folder):
 def test_words_after_two_dashes_are_files(tmp_path, folder, monkeypatch):
     (tmp_path / "-odd.off").write_bytes((folder / "off.off").read_bytes())
     words = ["--output", tmp_path / "out", "--format", "obj", *QUICK, "--", "-odd.off"]
-    root = Path(__file__).resolve().parents[2]
-    done = subprocess.run([sys.executable, "-m", "addon", "compute", *map(str, words)], capture_output=True, text=True,
-                          check=False, cwd=tmp_path, env={**os.environ, "PYTHONPATH": str(root)})  # fmt: skip
-    assert done.returncode == 0
-    assert [json.loads(line)["input"] for line in done.stdout.splitlines()] == ["-odd.off"]
+    command = [sys.executable, "-m", "addon", "compute", *map(str, words)]
+    code, [line], _ = ended(command, cwd=tmp_path, env={**os.environ, "PYTHONPATH": str(ROOT)})
+    assert (code, line["input"]) == (0, "-odd.off")
 
 
 def test_names_of_objects_never_meet_those_of_other_files():
@@ -355,12 +340,8 @@ def test_names_of_objects_never_meet_those_of_other_files():
 
 def test_files_are_posed_and_matched_in_blender(folder, tmp_path):
     def told(about, *words):
-        done = subprocess.run(
-            [sys.executable, "-m", "addon", about, *map(str, words), "--output", str(tmp_path), *QUICK],
-            capture_output=True, text=True, check=False, cwd=Path(__file__).resolve().parents[2],
-        )  # fmt: skip
-        assert done.returncode == 0, done.stderr
-        (line,) = map(json.loads, done.stdout.splitlines())
+        code, [line], _ = run(*words, "--output", tmp_path, about=about)
+        assert code == 0, line
         return line
 
     line = told("pose-like", folder / "blend.blend", "--reference", folder / "off.off")

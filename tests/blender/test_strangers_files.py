@@ -17,21 +17,10 @@ import pytest
 
 from addon.batch.lines import complain
 from addon.blender.files.replacing_files import replaced
+from tests.blender.commands import ROOT, run, run_apart
 from tests.meshes import shapes
 
-ROOT = Path(__file__).resolve().parents[2]
-QUICK = ["--max-iterations", "2", "--landmark-count", "12", "--format", "obj"]
-
-
-def run(*words, command="compute"):
-    """Run the command; its exit code, its lines, and what it complained of."""
-    named = "--format" in words or command == "match"
-    done = subprocess.run(
-        [sys.executable, "-m", "addon", command, *map(str, words), *(QUICK[:-2] if named else QUICK)],
-        capture_output=True, text=True, check=False, cwd=ROOT, timeout=120,
-    )  # fmt: skip
-    assert "Traceback" not in done.stderr, done.stderr
-    return done.returncode, [json.loads(line) for line in done.stdout.splitlines()], done.stderr
+OBJ = ("--format", "obj")
 
 
 @pytest.fixture
@@ -65,7 +54,7 @@ def scripted(tmp_path):
 
 
 def test_scripts_in_a_file_do_not_run_and_that_is_told(scripted, tmp_path):
-    code, [line], _ = run(scripted, "--output", tmp_path / "out")
+    code, [line], _ = run_apart(scripted, "--output", tmp_path / "out", *OBJ)
     assert code == 0
     assert not (tmp_path / "by-script").exists()
     assert not (tmp_path / "by-driver").exists()
@@ -73,7 +62,7 @@ def test_scripts_in_a_file_do_not_run_and_that_is_told(scripted, tmp_path):
 
 
 def test_scripts_run_where_the_user_trusts_them(scripted, tmp_path):
-    code, [line], _ = run(scripted, "--output", tmp_path / "out", "--trust-scripts")
+    code, [line], _ = run_apart(scripted, "--output", tmp_path / "out", *OBJ, "--trust-scripts")
     assert code == 0
     assert (tmp_path / "by-script").exists()
     assert (tmp_path / "by-driver").exists()
@@ -82,7 +71,7 @@ def test_scripts_run_where_the_user_trusts_them(scripted, tmp_path):
 
 def test_only_files_with_scripts_are_told_to_have_them(scripted, sound, tmp_path):
     """Blender keeps the flag of the last .blend while it imports others."""
-    _, lines, _ = run(scripted, sound, "--output", tmp_path / "out")
+    _, lines, _ = run_apart(scripted, sound, "--output", tmp_path / "out", *OBJ)
     told = {Path(line["input"]): any("left off" in warning for warning in line["warnings"]) for line in lines}
     assert told == {scripted: True, sound: False}
 
@@ -92,7 +81,7 @@ def test_only_files_with_scripts_are_told_to_have_them(scripted, sound, tmp_path
 def test_the_file_of_a_reference_is_trusted_as_all_others(scripted, sound, tmp_path, command, trusted):
     files = (sound, scripted) if command == "match" else (sound, "--reference", scripted)
     trust = ("--trust-scripts",) if trusted else ()
-    code, [line], complaints = run(*files, *trust, "--output", tmp_path / "out", command=command)
+    code, [line], complaints = run(*files, *trust, "--output", tmp_path / "out", about=command)
     assert code == 0, line
     assert (tmp_path / "by-script").exists() == trusted
     assert ("scripted.blend: Scripts or Python drivers" in complaints) != trusted
@@ -134,7 +123,7 @@ def bombs(folder):
 def test_small_files_that_ask_for_much_cost_their_own_line_alone(sound, tmp_path):
     (tmp_path / "bombs").mkdir()
     paths = list(bombs(tmp_path / "bombs"))
-    code, lines, _ = run(*paths, sound, "--output", tmp_path / "out")
+    code, lines, _ = run_apart(*paths, sound, "--output", tmp_path / "out", *OBJ)
     assert code == 1
     told = {Path(line["input"]).name: line for line in lines}
     assert "error" not in told[sound.name]
@@ -142,11 +131,8 @@ def test_small_files_that_ask_for_much_cost_their_own_line_alone(sound, tmp_path
     assert len(list((tmp_path / "out").glob("*.obj"))) == 1
 
 
-@pytest.mark.parametrize(
-    ("part", "value"),
-    [("loop_start", -25085), ("vertex_index", 2**30), ("edge_index", -1)],
-)
-def test_faces_of_what_does_not_exist_are_refused_before_blender_follows_them(tmp_path, sound, part, value):
+def damaged(path, part, value):
+    """A .blend of a mesh in which one number is wrong, and a whole one."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     mesh, whole = (bpy.data.meshes.new(name) for name in ("Damaged", "Whole"))
     for each in (mesh, whole):
@@ -154,17 +140,25 @@ def test_faces_of_what_does_not_exist_are_refused_before_blender_follows_them(tm
         each.from_pydata(vertices.tolist(), [], faces.tolist())
         bpy.context.scene.collection.objects.link(bpy.data.objects.new(each.name, each))
     setattr((mesh.polygons if part == "loop_start" else mesh.loops)[7], part, value)
-    path = tmp_path / "damaged.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(path), copy=True)
-    code, lines, _ = run(path, sound, "--output", tmp_path / "out")
+    return path
+
+
+def test_faces_of_what_does_not_exist_are_refused_before_blender_follows_them(tmp_path, sound):
+    wrong = {"loop_start": -25085, "vertex_index": 2**30, "edge_index": -1}
+    paths = [damaged(tmp_path / f"{part}.blend", part, value) for part, value in wrong.items()]
+    code, lines, _ = run_apart(*paths, sound, "--output", tmp_path / "out", *OBJ)
     assert code == 1
-    assert "Damaged: the mesh is damaged" in lines[0]["error"]
-    assert "error" not in lines[1]
-    code, lines, complaints = run(sound, "--reference", path, "--output", tmp_path / "out")
-    assert code != 0
-    assert not lines
-    assert "Damaged: the mesh is damaged" in complaints
-    assert run(path, "--objects", "Whole", "--output", tmp_path / "out")[0] == 0
+    for line in lines[:-1]:
+        assert "Damaged: the mesh is damaged" in line["error"]
+    assert "error" not in lines[-1]
+    for path in paths:
+        code, lines, complaints = run_apart(sound, "--reference", path, "--output", tmp_path / "out", *OBJ)
+        assert code != 0
+        assert not lines
+        assert "Damaged: the mesh is damaged" in complaints
+    code, lines, _ = run_apart(*paths, "--objects", "Whole", "--output", tmp_path / "out", *OBJ)
+    assert (code, len(lines)) == (0, len(paths))
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux keeps a process below a limit of its data")
@@ -200,7 +194,7 @@ def test_no_address_in_a_file_is_asked(tmp_path, sound):
     lines = ["mtllib away.mtl", f"mtllib {address}.mtl", "usemtl a"]
     lines += [f"v {x} {y} {z}" for x, y, z in vertices] + [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in faces]
     (tmp_path / "away.obj").write_text("\n".join(lines))
-    run(path, tmp_path / "away.obj", sound, "--output", tmp_path / "out")
+    run(path, tmp_path / "away.obj", sound, "--output", tmp_path / "out", *OBJ)
     server.shutdown()
     assert asked == []
 
@@ -211,11 +205,11 @@ def test_a_link_among_the_results_is_replaced_and_not_followed(tmp_path, sound):
     treasure.write_text("mine")
     out = tmp_path / "out"
     out.mkdir()
-    _, [line], _ = run(sound, "--output", out)
+    _, [line], _ = run(sound, "--output", out, *OBJ)
     target = Path(line["output"])
     target.unlink()
     target.symlink_to(treasure)
-    code, _, _ = run(sound, "--output", out)
+    code, _, _ = run(sound, "--output", out, *OBJ)
     assert treasure.read_text() == "mine"
     assert code == 0
     assert not target.is_symlink()
@@ -228,7 +222,7 @@ def test_what_is_written_holds_nothing_of_other_files(tmp_path, sound):
     lines = ["mtllib ../../../../../../../../etc/passwd", "mtllib secret.mtl"]
     lines += [f"v {x} {y} {z}" for x, y, z in vertices] + [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in faces]
     (tmp_path / "curious.obj").write_text("\n".join(lines))
-    run(tmp_path / "curious.obj", "--output", tmp_path / "out")
+    run(tmp_path / "curious.obj", "--output", tmp_path / "out", *OBJ)
     written = b"".join(path.read_bytes() for path in (tmp_path / "out").iterdir())
     assert written
     assert b"root:" not in written
@@ -294,10 +288,10 @@ def test_files_from_elsewhere_are_not_read_as_numbers(tmp_path, sound):
     }  # fmt: skip
     path = tmp_path / "theirs" / "curious.gltf"
     path.write_text(json.dumps(described))
-    code, lines, _ = run(path, sound, "--output", tmp_path / "out")
+    code, lines, _ = run(path, sound, "--output", tmp_path / "out", *OBJ)
     assert code == 1
     assert "outside its folder" in lines[0]["error"]
-    code, [line], _ = run(path, "--output", tmp_path / "out", "--trust-scripts")
+    code, [line], _ = run(path, "--output", tmp_path / "out", *OBJ, "--trust-scripts")
     assert code == 0, line
 
 
@@ -330,7 +324,7 @@ def test_materials_that_were_read_are_not_written_over(tmp_path):
     (folder / "figure.mtl").rename(precious)
     before = precious.read_text()
     for _ in range(2):
-        _, [line], _ = run(path, "--output", tmp_path)
+        _, [line], _ = run(path, "--output", tmp_path, *OBJ)
         assert precious.read_text() == before
         assert "mtllib figure-2.mtl" in Path(line["output"]).read_text()
     assert not (tmp_path / "figure-3.mtl").exists()
