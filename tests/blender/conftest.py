@@ -1,5 +1,7 @@
 """Fixtures and helpers: a fresh Blender with the add-on registered, snapshots and drawn panels."""
 
+import pickle
+from copy import deepcopy
 from typing import Any
 
 import numpy as np
@@ -10,6 +12,7 @@ bpy = pytest.importorskip("bpy")
 from mathutils import Euler, Matrix  # noqa: E402
 
 import addon  # noqa: E402
+from addon import core  # noqa: E402
 from addon.blender.records.record import RECORD_PROPERTY  # noqa: E402
 from tests.meshes import pieced, shapes  # noqa: E402
 
@@ -27,6 +30,29 @@ QUICK: dict[str, Any] = {"max_iterations": 3, "landmark_count": 20}
 def free_processors(monkeypatch):
     """Let estimates of time not depend on what else the machine does."""
     monkeypatch.setattr("addon.core.run.load._others", lambda: 0.0)
+
+
+@pytest.fixture(scope="module")
+def computed_once():
+    """Forms, matches and poses are functions of meshes and options: each is computed once for all tests of a file."""
+    found: dict[bytes, Any] = {}
+
+    def once(name):
+        compute = getattr(core, name)
+
+        def from_before(*arguments, progress=None, cancelled=None, keep=None, **more):
+            key = pickle.dumps((name, arguments, more))
+            if key not in found:
+                how = {} if keep is None else {"keep": keep}
+                found[key] = compute(*arguments, progress=progress, cancelled=cancelled, **more, **how)
+            return deepcopy(found[key])
+
+        return from_before
+
+    with pytest.MonkeyPatch.context() as patch:
+        for name in ("canonical_form", "match", "pose_like"):
+            patch.setattr(core, name, once(name))
+        yield
 
 
 @pytest.fixture

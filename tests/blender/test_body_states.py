@@ -13,6 +13,8 @@ from tests.meshes import shapes
 from .characters import activate, key_of, run
 from .conftest import add_object, snapshot
 
+pytestmark = pytest.mark.usefixtures("computed_once")
+
 
 def limb(**options):
     return bpy.ops.object.canonical_form_limb(**options)

@@ -9,6 +9,8 @@ from addon.blender.records.record import require_record
 from .conftest import QUICK, snapshot
 from .test_limbs import keys_of, points_of
 
+pytestmark = pytest.mark.usefixtures("computed_once")
+
 
 def compute():
     assert bpy.ops.object.canonical_form(**QUICK) == {"FINISHED"}

@@ -12,6 +12,8 @@ from addon.blender.records.record import require_record
 from tests.blender.conftest import QUICK, add_object, flat, snapshot
 from tests.meshes import shapes
 
+pytestmark = pytest.mark.usefixtures("computed_once")
+
 
 def in_mode(mode):
     return lambda obj, _: bpy.ops.object.mode_set(mode=mode)

@@ -16,6 +16,8 @@ from addon.interface import panels
 from tests.blender.conftest import QUICK, Layout, drawn, flat, snapshot
 from tests.blender.test_tools import bent
 
+pytestmark = pytest.mark.usefixtures("computed_once")
+
 
 @pytest.fixture
 def formed(figure_object):

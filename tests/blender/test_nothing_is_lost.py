@@ -14,6 +14,8 @@ from addon.interface import panels
 from tests.blender.conftest import QUICK, add_object, drawn, flat, snapshot
 from tests.blender.test_tools import bent, select
 
+pytestmark = pytest.mark.usefixtures("computed_once")
+
 
 def run(**options):
     return bpy.ops.object.canonical_form(**{**QUICK, **options})

@@ -11,6 +11,8 @@ from addon.interface import panels
 from addon.interface.properties import METHOD_NAMES, settings_of
 from tests.blender.conftest import QUICK, add_object, drawn, flat, snapshot
 
+pytestmark = pytest.mark.usefixtures("computed_once")
+
 
 def compute(**options):
     return bpy.ops.object.canonical_form(**{**QUICK, **options})

@@ -18,6 +18,7 @@ from tests.blender.test_limbs import keys_of, points_of
 from tests.blender.test_translations import MenuLayout
 from tests.meshes import shapes
 
+pytestmark = pytest.mark.usefixtures("computed_once")
 POSE = {**QUICK, "pose": "OBJECT", "like": "Other"}
 
 

@@ -19,6 +19,8 @@ from .characters import key_of, run
 from .conftest import PLACES, QUICK, add_object, drawn, snapshot
 from .test_tools import select
 
+pytestmark = pytest.mark.usefixtures("computed_once")
+
 
 def in_scene(obj, key):
     """Positions of a key in the scene."""

@@ -17,6 +17,7 @@ from tests.blender.test_limbs import keys_of, points_of
 from tests.meshes import shapes
 
 ALL = {"GROUPS", "UVS", "COLOURS", "KEYS", "MATERIALS"}
+pytestmark = pytest.mark.usefixtures("computed_once")
 TRANSFER: dict[str, Any] = {**QUICK, "like": "Base"}
 
 
