@@ -42,28 +42,31 @@ def drawn(
     (size, size, 3) ndarray of uint8
         The picture, with a white background.
     """
-    rng = np.random.default_rng(0)
     if turn is not None:
         vertices = vertices @ turn
     normal = area_vectors(vertices, faces)
     area = np.linalg.norm(normal, axis=1)
     normal = normal / np.maximum(area, 1e-300)[:, None]
-    count = _POINTS_A_PIXEL * size * size
-    face = rng.choice(len(faces), count, p=area / area.sum())
-    u = rng.random((count, 2))
-    root = np.sqrt(u[:, :1])
-    at = np.concatenate([1 - root, root * (1 - u[:, 1:]), root * u[:, 1:]], axis=1)
-    points = np.einsum("ij,ijk->ik", at, vertices[faces[face]])
-    middle = (points.max(axis=0) + points.min(axis=0)) / 2
-    extent = extent or float((points.max(axis=0) - points.min(axis=0))[:2].max()) * 1.08
-    pixel = np.clip(((points - middle) / extent * [1, -1, 0] + 0.5)[:, :2] * size, 0, size - 1).astype(int)
-    shade = np.minimum(0.25 + 0.75 * np.abs(normal[face] @ _LIGHT), 1.0)
-    outside = _OUTSIDE if colours is None else np.einsum("ij,ijk->ik", at, colours[faces[face]])
-    colour = np.where(normal[face][:, 2:] > 0, outside, _INSIDE) * shade[:, None]
-    image = np.full((size, size, 3), 255, np.uint8)
-    order = np.argsort(points[:, 2], kind="stable")
-    image[pixel[order, 1], pixel[order, 0]] = colour[order].astype(np.uint8)
-    return image
+    reached = np.cumsum(area) / area.sum() * _POINTS_A_PIXEL * size * size
+    face = np.repeat(np.arange(len(faces)), np.diff(np.rint(reached).astype(np.int64), prepend=0))
+    u = np.random.default_rng(0).random((2, len(face)))
+    root = np.sqrt(u[0])
+    at = np.stack([1 - root, root * (1 - u[1]), root * u[1]])  # (3, p), of the corners
+    x, y, z = (sum(at[k] * axis[faces[:, k]][face] for k in range(3)) for axis in vertices.T)
+    wide = extent or max(np.ptp(x), np.ptp(y)) * 1.08
+    column = np.clip(((x - (x.max() + x.min()) / 2) / wide + 0.5) * size, 0, size - 1).astype(np.int64)
+    row = np.clip(((y.max() + y.min()) / 2 - y) / wide * size + 0.5 * size, 0, size - 1).astype(np.int64)
+    nearest = np.full(size * size, -1)
+    order = np.argsort(z)
+    nearest[(row * size + column)[order]] = order  # the last stays
+    hit = np.flatnonzero(nearest >= 0)
+    seen = nearest[hit]
+    face = face[seen]
+    outside = _OUTSIDE if colours is None else np.einsum("kp,pkc->pc", at[:, seen], colours[faces[face]])
+    shade = np.minimum(0.25 + 0.75 * np.abs(normal @ _LIGHT), 1.0)[face]
+    image = np.full((size * size, 3), 255, np.uint8)
+    image[hit] = (np.where(normal[face][:, 2:] > 0, outside, _INSIDE) * shade[:, None]).astype(np.uint8)
+    return image.reshape(size, size, 3)
 
 
 def upright(vertices: FloatArray) -> FloatArray:

@@ -20,7 +20,7 @@ from addon.scheduling.attempts import Failure
 from addon.scheduling.crews import crew
 from tests.meshes import shapes
 
-METHODS = "ours,skeleton,fast"
+METHODS = "ours,fast"
 KILLS = 2
 PATIENCE = 120  # seconds
 
