@@ -16,6 +16,8 @@ from tests.meshes import shapes
 
 from .conftest import add_object
 
+pytestmark = pytest.mark.usefixtures("computed_once")
+
 QUICK = ["--max-iterations", "2", "--landmark-count", "12"]
 KINDS = ("glb", "fbx", "usdc", "obj", "ply")
 

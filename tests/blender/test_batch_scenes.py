@@ -17,6 +17,8 @@ from tests.meshes import shapes
 from .conftest import add_object
 from .test_batch_files import run
 
+pytestmark = pytest.mark.usefixtures("computed_once")
+
 
 @pytest.fixture
 def figure(blender, arrays):

@@ -16,6 +16,8 @@ from addon.core import CanonicalFormError, InvalidMeshError
 from tests.blender.commands import ROOT, ended, run, run_apart, run_below_file_size
 from tests.meshes import shapes
 
+pytestmark = pytest.mark.usefixtures("computed_once")
+
 QUICK = ["--max-iterations", "2", "--landmark-count", "12"]
 
 

@@ -8,8 +8,11 @@ import sys
 from pathlib import Path
 
 import bpy
+import pytest
 
 from tests.meshes import shapes
+
+pytestmark = pytest.mark.usefixtures("computed_once")
 
 GUIDE = Path(__file__).resolve().parents[2] / "docs" / "scripting.md"
 

@@ -20,6 +20,8 @@ from addon.blender.files.replacing_files import replaced
 from tests.blender.commands import ROOT, run, run_apart
 from tests.meshes import shapes
 
+pytestmark = pytest.mark.usefixtures("computed_once")
+
 OBJ = ("--format", "obj")
 
 
