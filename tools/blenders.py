@@ -79,10 +79,9 @@ def suite(blender: str) -> list[str]:
          f"--junitxml={report}"],
         cwd=ROOT, check=False,
     )  # fmt: skip
-    minutes = (time.perf_counter() - began) / 60
+    row = [f"{version} (module)", f"{major}.{minor}", numpy, "", f"{(time.perf_counter() - began) / 60:.0f} min", ""]
     if not report.exists():
-        return [f"{version} (module)", f"{major}.{minor}", numpy, f"**failed: no report, exit code {done.returncode}**",
-                f"{minutes:.0f} min", ""]  # fmt: skip
+        return [*row[:3], f"**failed: no report, exit code {done.returncode}**", *row[4:]]
     counts = dict.fromkeys(("tests", "failures", "errors", "skipped"), 0)
     for each in ET.parse(report).getroot().iter("testsuite"):
         counts = {name: counts[name] + int(each.get(name, 0)) for name in counts}
@@ -91,7 +90,7 @@ def suite(blender: str) -> list[str]:
     told = f"{passed:,} passed, {counts['skipped']} skipped" + (
         f", **{failed} failed**" if failed else f", **failed: exit code {done.returncode}**" if done.returncode else ""
     )
-    return [f"{version} (module)", f"{major}.{minor}", numpy, told, f"{minutes:.0f} min", ""]
+    return [*row[:3], told, *row[4:]]
 
 
 def window() -> list[str]:

@@ -116,7 +116,7 @@ def bombs(folder):
     header = b"\0" * 80 + struct.pack("<I", 4_294_967_295)
     (folder / "count-stl.stl").write_bytes(header + b"\0" * 50)
     yield folder / "count-stl.stl"
-    (folder / "zeros.blend").write_bytes(gzip.compress(b"BLENDER-v402" + b"\0" * 300_000_000))
+    (folder / "zeros.blend").write_bytes(gzip.compress(b"BLENDER-v402" + b"\0" * 100_000_000))
     yield folder / "zeros.blend"
     (folder / "nested.usda").write_text("#usda 1.0\n" + 'def Xform "a" {\n' * 20_000)
     yield folder / "nested.usda"

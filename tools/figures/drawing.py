@@ -16,17 +16,7 @@ def colours_by_patch(patches):
 
 
 def show(
-    axes,
-    vertices,
-    faces,
-    turn=None,
-    field=None,
-    patches=None,
-    colours=None,
-    points=(),
-    size=320,
-    title=None,
-    under=None,
+    axes, vertices, faces, turn=None, field=None, patches=None, colours=None, points=(), size=320, title="", under=""
 ):
     """Draw one mesh and hide the axes."""
     if colours is None:

@@ -15,8 +15,8 @@ def draw(models):
     form = canonical_form(vertices, faces, Settings(method="local_features"))
     whole = Settings(method="local_features", quality="full", max_iterations=1)
     full = canonical_form(vertices, faces, whole) if len(vertices) < 6000 else None
-    figure = Figure(figsize=(11, 3.6), layout="constrained")
-    grid = figure.subplots(1, 5)
+    figure = Figure(figsize=(9, 3.6), layout="constrained")
+    grid = figure.subplots(1, 4)
     pairs = f"{form.pair_count / 1e6:.2f} million distances,\n{form.pair_reduction:.1%} less than all pairs"
     show(grid[0], vertices, faces, turn, title="pose", under=f"{len(vertices):,} vertices")
     show(grid[1], vertices, faces, turn, np.log(form.adf), points=form.feature_points,
@@ -24,10 +24,6 @@ def draw(models):
     show(grid[2], vertices, faces, turn, patches=form.patches, title="patches", under=pairs)
     show(grid[3], form.vertices, faces, None if name == "man" else turn, patches=form.patches, title="canonical form",
          under=f"stress {form.stress[0]:.3g} to {form.stress[-1]:.3g}\nin {len(form.stress) - 1} steps")  # fmt: skip
-    axes = grid[4]
-    axes.bar(range(len(form.timings)), list(form.timings.values()), color="tab:blue")
-    axes.set_xticks(range(len(form.timings)), list(form.timings), rotation=90, fontsize=7)
-    axes.set_title("seconds a stage", fontsize=8)
     figures = {"pair_count": form.pair_count, "pair_reduction": form.pair_reduction}
     if full is not None:
         figures["pair_reduction_full"] = full.pair_reduction

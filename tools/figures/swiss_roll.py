@@ -22,8 +22,7 @@ COLOURS = {"fast marching": "tab:orange", "heat": "tab:blue"}
 def rolled(columns=46, rows=24):
     """Return a rolled-up rectangle, and the flat rectangle."""
     flat, faces = shapes.grid(columns, rows, 2.0, 1.0)
-    radius = 0.12
-    growth = 0.05
+    radius, growth = 0.12, 0.05
     angle = np.linspace(0, 2 * np.pi * TURNS, 4000)
     reach = radius + growth * angle
     length = np.concatenate([[0], np.cumsum(np.hypot(np.diff(reach * np.cos(angle)), np.diff(reach * np.sin(angle))))])
@@ -65,10 +64,8 @@ def draw(_models):
         apart = float(np.sqrt(((plane - flat) ** 2).sum(axis=1).mean()))
         grid[kind].triplot(plane[:, 0], plane[:, 1], faces, linewidth=0.3, color="0.3")
         grid[kind].set_aspect("equal")
-        grid[kind].set_title(
-            f"classical scaling, {kind}\ndistances {error.mean():.1%} off, places {apart:.1%} of the width",
-            fontsize=9,
-        )  # fmt: skip
+        off_by = f"distances {error.mean():.1%} off, places {apart:.1%} of the width"
+        grid[kind].set_title(f"classical scaling, {kind}\n{off_by}", fontsize=9)
         figures[kind] = {"distance_error": float(error.mean()), "apart": apart, "seconds": seconds}
         curves[kind] = np.sort(error)
         start = np.column_stack([plane[:, :2], 0.3 * np.random.default_rng(0).normal(size=len(plane))])
