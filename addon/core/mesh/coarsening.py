@@ -173,18 +173,16 @@ class _Links:
 
 def _quadrics(points: FloatArray, faces: IntArray) -> FloatArray:
     """Sum, over the triangles of each vertex, area times the squared distance from their planes."""
-    from scipy.sparse import csr_matrix
-
     normal = area_vectors(points, faces)
     area = np.linalg.norm(normal, axis=1)
-    x, y, z = (normal / np.maximum(area, np.finfo(float).tiny)[:, None]).T
-    plane = (x, y, z, -dot(np.stack([x, y, z]), gathered(points, faces[:, 0])))
-    terms = np.empty((len(faces), 10))
+    unit = np.ascontiguousarray(normal.T) / np.maximum(area, np.finfo(float).tiny)
+    plane = (*unit, -dot(unit, gathered(points, faces[:, 0])))
+    corners, third = np.ascontiguousarray(faces.T), area / 3
+    sums = np.empty((len(points), 10))
     for term, (i, j) in enumerate(zip(*np.triu_indices(4), strict=True)):
-        terms[:, term] = plane[i] * plane[j] * area / 3
-    first = np.arange(0, faces.size + 1, 3)
-    around = csr_matrix((np.ones(faces.size), faces.ravel(), first), (len(faces), len(points)))
-    return np.asarray(around.T @ terms)
+        each = plane[i] * plane[j] * third
+        sums[:, term] = sum(np.bincount(corner, each, len(points)) for corner in corners)
+    return sums
 
 
 def _wishes(

@@ -120,9 +120,9 @@ class SurfaceFeatures:
         """Interpolate the features to all vertices. `order` (k,)."""
         features, cells, adf = self.whole_features, self.cells, self.adf
         if self.surface.coarse:
-            cells = voronoi_cells(self.surface.prolong(self.limbs.to_features), features, self.joined_faces)
+            fields = self.surface.prolong(np.column_stack([self.limbs.to_features, self.adf]))
             monitor.check()
-            adf = self.surface.prolong(self.adf)
+            cells, adf = voronoi_cells(fields[:, :-1], features, self.joined_faces), fields[:, -1].copy()
         if order is None:
             return WholeFeatures(features, cells, adf, self.limbs)
         return WholeFeatures(features[order], np.argsort(order)[cells], adf, self.limbs.sorted_by(order))

@@ -56,13 +56,9 @@ def in_place(
     if settings.orientation == "posed":
         rotation, shift = rigid_fit(form, found.whole_points, areas)
     else:
-        rotation = upright_rotation(
-            form[found.surface.kept],
-            found.mass,
-            found.limbs,
-            embedded.partner,
-            stance=settings.orientation,
-        )
+        own = form[found.surface.kept]
+        stance = settings.orientation
+        rotation = upright_rotation(own, found.mass, found.limbs, embedded.partner, stance=stance)
         share = areas / areas.sum()
         shift = share @ found.whole_points - share @ form @ rotation
     return (form @ rotation + shift) * found.unit + found.centre, order
