@@ -127,7 +127,7 @@ def _posed(one: Unfolded, other: Unfolded, pose: FloatArray, found: PointMap, mo
     own, there = one.found, other.found
     surface = own.surface
     struts = struts_through(surface.points, surface.faces, own.limbs.to_features, monitor)
-    body = ElasticBody(surface.triangulation, surface.points, surface.faces, struts)
+    body = ElasticBody(own.stiffness, own.mass, surface.points, surface.faces, struts)
     kept = surface.kept
     corners = pose[there.whole_faces[found.points.faces[kept]]]  # (c, 3, 3)
     places = np.einsum("ij,ijk->ik", found.points.weights[kept], corners)

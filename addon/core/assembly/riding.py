@@ -15,6 +15,7 @@ from ..measures.form_measures import edge_stretch
 from ..mesh.geometry import moved_by_frames, of_unit_area
 from ..numerics.arrays import FloatArray, IntArray
 from ..run.monitor import Monitor
+from ..surface.laplacian import stiffness_and_mass
 from ..surface.working_surface import working_surface
 from .contacts import SPACING, Samples
 from .pieces import Piece
@@ -201,7 +202,7 @@ def _draped(points: FloatArray, faces: IntArray, ground: Ground, monitor: Monito
     weight /= weight.sum(axis=1, keepdims=True)
     motion = np.concatenate([turn.reshape(*at.shape, 9), shift], axis=2)  # (c, k, 12)
     motion = np.einsum("ck,ckd->cd", weight, motion)
-    body = ElasticBody(surface.triangulation, surface.points, surface.faces)
+    body = ElasticBody(*stiffness_and_mass(surface.triangulation), surface.points, surface.faces)
     trust = np.exp(-((nearest[:, 0] / _REACH) ** 2)) + 1e-9
     trusted = np.column_stack([motion * trust[:, None], trust]) * body.mass[:, None]
     spread = body.smoothed(trusted, _SPREAD) + _FAR_SHARE * body.smoothed(trusted, _FAR * _SPREAD)

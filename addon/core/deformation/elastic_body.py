@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from itertools import chain, repeat
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,11 +13,12 @@ from ..numerics.factoring import factored
 from ..run.monitor import Monitor
 from ..stress.majorisation import Majorisation, Solve, anchored_solver
 from ..stress.pairs import Pairs, length
-from ..surface.laplacian import mass, stiffness
-from ..surface.triangulation import Triangulation
 from .pressure import under_pressure
 from .rotations import nearest_rotations
 from .stretches import stretch_between
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_matrix
 
 _STRUT = 3.0  # stiffness of a strut, in areas of its end over its length squared; also its maximum
 _ROUNDING = 1e-9  # negative stiffness beyond which an edge has none: bridges that no flip made Delaunay would push
@@ -32,7 +34,8 @@ _HARDLY = 1e-6  # an anchor that only fixes the position of a form
 class ElasticBody:
     """A surface as a shell of edges, with struts through the interior.
 
-    `surface`: the surface, Delaunay, so that no weight is negative; `points` (n, 3); `faces` (m, 3); `struts` (s, 2).
+    `stiffness` (n, n) and `mass` (n,): L and M of the surface, of Delaunay triangles, so that no weight is negative;
+    `points` (n, 3); `faces` (m, 3); `struts` (s, 2).
 
     Attributes
     ----------
@@ -47,22 +50,28 @@ class ElasticBody:
 
     Examples
     --------
+    >>> from addon.core.surface.laplacian import stiffness_and_mass
     >>> from addon.core.surface.triangulation import triangulated
     >>> points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
     >>> faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
-    >>> body = ElasticBody(triangulated(points, faces), points, faces)
+    >>> body = ElasticBody(*stiffness_and_mass(triangulated(points, faces)), points, faces)
     >>> quarter = np.array([[0.0, 1, 0], [-1, 0, 0], [0, 0, 1]])
     >>> np.allclose(body.rotations(points @ quarter), quarter)
     True
     """
 
     def __init__(
-        self, surface: Triangulation, points: FloatArray, faces: IntArray, struts: IntArray | None = None
+        self,
+        stiffness: csr_matrix,
+        mass: FloatArray,
+        points: FloatArray,
+        faces: IntArray,
+        struts: IntArray | None = None,
     ) -> None:
         from scipy.sparse import triu
 
-        self.points, self.faces, self.mass = points, faces, mass(surface)
-        self._stiffness, self._closed = stiffness(surface), is_closed(faces)
+        self.points, self.faces, self.mass = points, faces, mass
+        self._stiffness, self._closed = stiffness, is_closed(faces)
         edges = triu(self._stiffness, 1).tocoo()
         struts = np.empty((0, 2), dtype=np.int64) if struts is None else struts
         ends = np.concatenate([np.column_stack([edges.row, edges.col]), struts])

@@ -68,8 +68,7 @@ def point_map(one: Unfolded, other: Unfolded, side: Side, monitor: Monitor) -> P
     """
     from scipy.sparse import diags
 
-    surface = one.found.surface
-    body = ElasticBody(surface.triangulation, one.form, one.faces)
+    body = ElasticBody(one.found.stiffness, one.found.mass, one.form, one.faces)
     partner = first_map(one, other, side.start, monitor)
     for counts in (_COUNTS, _COUNTS[-1:]):
         partner = refined(one, other, partner, counts, _NEAR, monitor)
@@ -80,7 +79,7 @@ def point_map(one: Unfolded, other: Unfolded, side: Side, monitor: Monitor) -> P
     way = placed - (one.form @ rotation + shift)
 
     normals = vertex_normals(one.whole_form, one.found.whole_faces) @ rotation
-    wanted = one.whole_form @ rotation + shift + surface.prolong(way)  # (n, 3)
+    wanted = one.whole_form @ rotation + shift + one.found.surface.prolong(way)  # (n, 3)
     whole = other.found.whole_faces
     monitor.check()
     others = with_normals(other.whole_form, vertex_normals(other.whole_form, whole))
@@ -90,7 +89,7 @@ def point_map(one: Unfolded, other: Unfolded, side: Side, monitor: Monitor) -> P
     smooth = factored(diags(one.found.mass) + time * one.found.stiffness).solve
     reached = there.on(other.form, other.faces)
     sure = np.clip(smooth(one.found.mass * _confidence(one, other, partner, reached, rotation, monitor)), 0.0, 1.0)
-    return PointMap(points, np.clip(surface.prolong(sure), 0.0, 1.0), side.score)
+    return PointMap(points, np.clip(one.found.surface.prolong(sure), 0.0, 1.0), side.score)
 
 
 def _confidence(

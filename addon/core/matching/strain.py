@@ -22,7 +22,7 @@ def fit_strain(one: Unfolded, other: Unfolded, start: Start, monitor: Monitor) -
 
     `one, other`: the surfaces; `start`: the alignment of the forms, and the corresponding feature points.
     """
-    body = ElasticBody(one.found.surface.triangulation, one.form, one.faces)
+    body = ElasticBody(one.found.stiffness, one.found.mass, one.form, one.faces)
     partner = refined(one, other, first_map(one, other, start, monitor), _COUNTS, _NEAR, monitor)
     there = on_triangles(one, other, partner, _LAST, _NEAR, monitor)
     placed, _ = elastic_fit(body, one, other, there, monitor)

@@ -18,6 +18,7 @@ from ..numerics.arrays import FloatArray, IntArray
 from ..run.memory import require_pair_memory
 from ..run.monitor import Monitor
 from ..surface.delaunay import intrinsic_delaunay, refined
+from ..surface.laplacian import stiffness_and_mass
 from ..surface.triangulation import Triangulation, triangulated
 from .method_result import MethodResult
 from .settings import Settings
@@ -102,7 +103,7 @@ class WholeSurface:
     @cached_property
     def body(self) -> ElasticBody:
         """The mesh as an elastic body, without struts."""
-        return ElasticBody(self.surface, self.points, self.faces)
+        return ElasticBody(*stiffness_and_mass(self.surface), self.points, self.faces)
 
     @cached_property
     def heat(self) -> HeatMethod:

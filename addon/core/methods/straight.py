@@ -93,7 +93,7 @@ def body_of(found: SurfaceFeatures, monitor: Monitor) -> ElasticBody:
     surface = found.surface
     with monitor.stage("Struts"):
         struts = struts_through(surface.points, surface.faces, found.limbs.to_features, monitor)
-        return ElasticBody(surface.triangulation, surface.points, surface.faces, struts)
+        return ElasticBody(found.stiffness, found.mass, surface.points, surface.faces, struts)
 
 
 def landmarks_of(found: SurfaceFeatures, count: int, monitor: Monitor) -> tuple[IntArray, FloatArray]:

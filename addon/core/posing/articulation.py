@@ -13,7 +13,7 @@ from ..mesh.geometry import moved_by_frames, of_unit_area, vertex_areas
 from ..numerics.arrays import FloatArray, IntArray
 from ..numerics.factoring import factored
 from ..run.monitor import Monitor
-from ..surface.laplacian import stiffness
+from ..surface.laplacian import stiffness_and_mass
 from ..surface.working_surface import WorkingSurface, working_surface
 
 if TYPE_CHECKING:
@@ -59,9 +59,10 @@ class Articulation:
         self._monitor.check()
         self._kept = self._surface.kept
         before, after = self._surface.points, self._form[self._kept]
-        edges = triu(stiffness(self._surface.triangulation), 1).tocoo()
+        L, M = stiffness_and_mass(self._surface.triangulation)
+        edges = triu(L, 1).tocoo()
         self._i, self._j, self._weight = edges.row, edges.col, np.maximum(-edges.data, 0.0)
-        self._turned = ElasticBody(self._surface.triangulation, before, self._surface.faces).turns(after)  # x ↦ x R
+        self._turned = ElasticBody(L, M, before, self._surface.faces).turns(after)  # x ↦ x R
         self._turns = _rotation_vectors(np.einsum("nji,njk->nik", self._turned[self._i], self._turned[self._j]))
         own = _rotation_vectors(self._turned)
         self._anchor = int(np.argmin((own**2).sum(axis=1)))  # the vertex that rotates least

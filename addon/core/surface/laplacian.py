@@ -54,3 +54,8 @@ def mass(surface: Triangulation) -> FloatArray:
     """
     thirds = np.repeat(face_areas(surface.lengths) / 3, 3)
     return np.bincount(surface.faces.ravel(), weights=thirds, minlength=surface.vertex_count).astype(np.float64)
+
+
+def stiffness_and_mass(surface: Triangulation) -> tuple[csr_matrix, FloatArray]:
+    """Compute both: L (n, n) and the diagonal of M (n,)."""
+    return stiffness(surface), mass(surface)

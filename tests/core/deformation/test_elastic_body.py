@@ -11,6 +11,7 @@ from addon.core.measures.form_measures import (
 )
 from addon.core.mesh.geometry import moved_by_frames
 from addon.core.surface.delaunay import intrinsic_delaunay
+from addon.core.surface.laplacian import stiffness_and_mass
 from addon.core.surface.triangulation import triangulated
 from addon.core.surface.working_surface import working_surface
 from tests.meshes import shapes
@@ -54,7 +55,7 @@ def test_rotations_that_nothing_tells_are_still_rotations():
 def test_a_rigid_motion_of_the_target_is_followed_exactly(figure, rotation, bending):
     points, surface = prepared(*figure)
     target = points @ rotation + 0.3
-    body = ElasticBody(surface, points, figure[1], np.array([[0, 1000], [7, 2000]]))
+    body = ElasticBody(*stiffness_and_mass(surface), points, figure[1], np.array([[0, 1000], [7, 2000]]))
     moved = body.towards(target, 10.0, 3, bending=bending, pressed=True)
     np.testing.assert_allclose(moved, target, atol=1e-9)
 
@@ -62,7 +63,7 @@ def test_a_rigid_motion_of_the_target_is_followed_exactly(figure, rotation, bend
 def test_pressure_keeps_the_compactness(figure):
     points, surface = prepared(*figure)
     squashed = points * [1.0, 1.0, 0.4]
-    body = ElasticBody(surface, points, figure[1])
+    body = ElasticBody(*stiffness_and_mass(surface), points, figure[1])
     bare = body.towards(squashed, 30.0, 5)
     kept = body.towards(squashed, 30.0, 5, pressed=True)
     assert compactness_error(points, kept, figure[1]) < 0.1 * compactness_error(points, bare, figure[1])
@@ -73,7 +74,7 @@ def test_skin_yields_where_a_pose_stretches_it(strain):
     """The tetrahedron again: three steps beyond the springs, each against a force that no longer grows."""
     points = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
     faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
-    body = ElasticBody(triangulated(points, faces), points, faces)
+    body = ElasticBody(*stiffness_and_mass(triangulated(points, faces)), points, faces)
     firmness, anchor = 4 / np.sqrt(3), 3 * body.mass[0]
     size = (firmness + anchor * (1 + strain)) / (firmness + anchor)
     for _ in range(3):
@@ -87,7 +88,7 @@ def test_frames_carry_a_rigid_motion_exactly(figure, rotation):
     surface = working_surface(points, figure[1], 500)
     assert surface.coarse
     assert len(surface.points) < 0.5 * len(points)
-    body = ElasticBody(surface.triangulation, surface.points, surface.faces)
+    body = ElasticBody(*stiffness_and_mass(surface.triangulation), surface.points, surface.faces)
     frames = surface.prolong_frames(*body.frames(surface.points @ rotation + 1.0))
     np.testing.assert_allclose(moved_by_frames(points, *frames), points @ rotation + 1.0, atol=1e-9)
 
@@ -95,7 +96,7 @@ def test_frames_carry_a_rigid_motion_exactly(figure, rotation):
 def test_deformation_follows_rigid_targets_and_rounds_squashed_ones(figure, rotation):
     vertices, faces = figure
     surface = intrinsic_delaunay(triangulated(vertices, faces))
-    body = ElasticBody(surface, vertices, faces)
+    body = ElasticBody(*stiffness_and_mass(surface), vertices, faces)
     moved = body.towards(vertices @ rotation, 1.0, 3)
     np.testing.assert_allclose(moved, vertices @ rotation, atol=1e-9)
     squashed = vertices.copy()
@@ -108,7 +109,7 @@ def test_deformation_follows_rigid_targets_and_rounds_squashed_ones(figure, rota
 
 def test_limbs_swing_with_a_rigid_target_and_stay_where_it_is_the_form(figure, rotation):
     points, surface = prepared(*figure)
-    body = ElasticBody(surface, points, figure[1])
+    body = ElasticBody(*stiffness_and_mass(surface), points, figure[1])
     moved = points @ rotation
     turned = body.swung(points, moved, 0.002)
     np.testing.assert_allclose(turned - turned.mean(axis=0), moved - moved.mean(axis=0), atol=1e-6)
@@ -118,7 +119,7 @@ def test_limbs_swing_with_a_rigid_target_and_stay_where_it_is_the_form(figure, r
 def test_a_sheared_limb_keeps_its_axis_better_than_the_nearest_rotation_does():
     vertices, faces = shapes.joint(0, radius=0.2)
     points, surface = prepared(vertices, faces)
-    body = ElasticBody(surface, points, faces)
+    body = ElasticBody(*stiffness_and_mass(surface), points, faces)
     axis, shear = np.array([1.0, 0, 0]), 0.5
     sheared = points + shear * points[:, 1:2] * axis  # cross-sections are tilted, the axis is not
 
@@ -134,7 +135,7 @@ def test_a_sheared_limb_keeps_its_axis_better_than_the_nearest_rotation_does():
 def test_a_joint_that_springs_back_is_turned_the_rest_of_the_way():
     bent, straight = (prepared(*shapes.joint(degrees, radius=0.2)) for degrees in (60, 0))
     faces = shapes.joint(0, radius=0.2)[1]
-    body = ElasticBody(bent[1], bent[0], faces)
+    body = ElasticBody(*stiffness_and_mass(bent[1]), bent[0], faces)
 
     def reach(form):
         return np.ptp(form @ np.linalg.svd(form - form.mean(axis=0), full_matrices=False)[2][0])

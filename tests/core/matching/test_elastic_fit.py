@@ -11,7 +11,7 @@ from addon.core.run.monitor import Monitor
 
 
 def form_of(one):
-    return ElasticBody(one.found.surface.triangulation, one.form, one.faces)
+    return ElasticBody(one.found.stiffness, one.found.mass, one.form, one.faces)
 
 
 def errors(one, other, points, truth):

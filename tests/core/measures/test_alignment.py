@@ -7,6 +7,7 @@ from scipy.spatial.transform import Rotation
 from addon.core.deformation.elastic_body import ElasticBody
 from addon.core.measures.alignment import closest_point_fit, closest_points_from, outside_out, rigid_fit
 from addon.core.surface.delaunay import intrinsic_delaunay
+from addon.core.surface.laplacian import stiffness_and_mass
 from addon.core.surface.triangulation import triangulated
 
 
@@ -49,7 +50,7 @@ def test_closest_points_find_a_half_turn():
 def test_a_mirror_image_is_told_apart(figure, rotation):
     vertices, faces = figure
     surface = intrinsic_delaunay(triangulated(vertices, faces))
-    body = ElasticBody(surface, vertices, faces)
+    body = ElasticBody(*stiffness_and_mass(surface), vertices, faces)
     np.testing.assert_array_equal(outside_out(body, vertices @ rotation), vertices @ rotation)
     np.testing.assert_array_equal(outside_out(body, vertices * [1, -1, 1]), vertices * [1, -1, -1])
 

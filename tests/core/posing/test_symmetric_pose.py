@@ -7,6 +7,7 @@ from addon.core.deformation.elastic_body import ElasticBody
 from addon.core.mesh.geometry import surface_area
 from addon.core.posing.symmetric_pose import mirror_planes, symmetric_pose
 from addon.core.run.monitor import Monitor
+from addon.core.surface.laplacian import stiffness_and_mass
 from addon.core.surface.triangulation import triangulated
 from addon.core.symmetry.mirror import MirrorMap, Plane, asymmetry
 from tests.meshes import shapes
@@ -41,7 +42,7 @@ def body():
     vertices = vertices - vertices.mean(axis=0)
     points = vertices / np.sqrt(surface_area(vertices, faces))
     partner = cKDTree(points).query(points * [-1, 1, 1])[1]
-    return ElasticBody(triangulated(points, faces), points, faces), MirrorMap(partner, 1.0)
+    return ElasticBody(*stiffness_and_mass(triangulated(points, faces)), points, faces), MirrorMap(partner, 1.0)
 
 
 def bent(points, left, right):

@@ -6,6 +6,7 @@ from scipy.spatial import KDTree
 
 from addon.core.deformation.elastic_body import ElasticBody
 from addon.core.mesh.geometry import surface_area
+from addon.core.surface.laplacian import stiffness_and_mass
 from addon.core.surface.triangulation import triangulated
 from addon.core.symmetry.mirror import MirrorMap, asymmetry, held_symmetric, mirror_plane
 from tests.meshes import shapes
@@ -16,7 +17,7 @@ def ball():
     vertices, faces = shapes.sphere(3)
     vertices = vertices / np.sqrt(surface_area(vertices, faces))
     partner = KDTree(vertices).query(vertices * [-1.0, 1, 1])[1]
-    return ElasticBody(triangulated(vertices, faces), vertices, faces), partner
+    return ElasticBody(*stiffness_and_mass(triangulated(vertices, faces)), vertices, faces), partner
 
 
 def test_the_plane_of_a_mirrored_cloud_is_found_wherever_it_lies(rotation):
