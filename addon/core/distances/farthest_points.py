@@ -9,13 +9,11 @@ from ..run.monitor import Monitor
 from .heat import HeatMethod
 
 
-def farthest_points(
-    heat: HeatMethod, first: IntArray, distances: FloatArray, count: int, *, monitor: Monitor
-) -> tuple[IntArray, FloatArray]:
+def farthest_points(heat: HeatMethod, first: IntArray, count: int, *, monitor: Monitor) -> tuple[IntArray, FloatArray]:
     """Choose points that lie far from each other, one by one.
 
-    `heat`: measures distances on the surface; `first` (k,); `distances` (n, k); `count`: number l of points wanted;
-    gives points (l,), distances (n, l).
+    `heat`: measures distances on the surface; `first` (k,); `count`: number l of points wanted; gives points (l,),
+    distances from them (n, l).
 
     Examples
     --------
@@ -24,9 +22,10 @@ def farthest_points(
     >>> corners = [5 * y + x for y in range(4) for x in range(4)]
     >>> faces = np.array([[i, i + a, i + b] for i in corners for a, b in ((1, 6), (6, 5))])
     >>> heat = HeatMethod(triangulated(points, faces))
-    >>> farthest_points(heat, np.array([0]), heat.distances([0]), 2, monitor=Monitor())[0].tolist()
+    >>> farthest_points(heat, np.array([0]), 2, monitor=Monitor())[0].tolist()
     [0, 24]
     """
+    distances = heat.distances(first)
     count = max(min(count, len(distances)), len(first))
     points = [int(point) for point in first]
     columns = [distances[:, i] for i in range(len(first))]

@@ -130,10 +130,8 @@ class WholeSurface:
         if self._settings.whole:
             require_pair_memory(count, [count], limit=self._settings.memory_limit, whole=True)
             return Samples(np.arange(count), all_geodesics(self.surface, monitor=self._monitor))
-        first = self.heat.distances(self.features)
-        landmarks, distances = farthest_points(
-            self.heat, self.features, first, self._settings.landmark_count, monitor=self._monitor
-        )
+        wanted = self._settings.landmark_count
+        landmarks, distances = farthest_points(self.heat, self.features, wanted, monitor=self._monitor)
         distances = np.maximum(distances, 0.0)
         if len(landmarks) == count:  # a small mesh: all pairs, in the order of the vertices
             distances = distances[:, np.argsort(landmarks)]

@@ -100,7 +100,7 @@ def landmarks_of(found: SurfaceFeatures, count: int, monitor: Monitor) -> tuple[
     """Measure smooth distances (n, l) from landmarks (l,), the feature points first."""
     with monitor.stage("Landmarks"):
         heat = HeatMethod(found.surface.triangulation, _HEAT, monitor=monitor)
-        return farthest_points(heat, found.features, heat.distances(found.features), count, monitor=monitor)
+        return farthest_points(heat, found.features, count, monitor=monitor)
 
 
 # 2 layout -----------------------------------------------------------------------------------------------------------

@@ -27,7 +27,7 @@ def limbs(partner, margin=0.1):
 def layout_of(vertices, faces):
     points, surface = prepared(vertices, faces)
     heat = HeatMethod(surface, 0.005)
-    landmarks, distances = farthest_points(heat, np.array([0]), heat.distances([0]), 60, monitor=Monitor())
+    landmarks, distances = farthest_points(heat, np.array([0]), 60, monitor=Monitor())
     return laid_out(distances, landmarks, points, faces, limbs(np.arange(1))).points
 
 
