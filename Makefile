@@ -14,7 +14,7 @@ run: environment ## build a posed figure and take its pose out, into build/
 	$(python) tools/sample/run.py
 
 test: environment ## all tests, outside and inside Blender
-	$(python) -m pytest -n logical --maxprocesses 4 --dist loadfile --no-loadscope-reorder
+	$(python) -m pytest -n logical --maxprocesses 4 --dist loadfile
 
 doctest: environment ## the examples in the docstrings of the core
 	$(python) -m pytest --doctest-modules addon/core

@@ -14,11 +14,6 @@ from tests.meshes import shapes
 DATA = Path(os.environ.get("CANONICAL_FORM_DATA", Path(__file__).resolve().parents[2] / "shared" / "data"))
 
 
-def pytest_collection_modifyitems(items):
-    """Run the files with few and long tests first: no core is to wait for another at the end."""
-    items.sort(key=lambda item: item.path.parent.name != "evaluation")
-
-
 @pytest.fixture(scope="session")
 def sphere():
     """A sphere of radius 1 with 2,562 vertices."""

@@ -76,7 +76,7 @@ def suite(blender: str) -> list[str]:
     began = time.perf_counter()
     done = subprocess.run(
         [python, "-m", "pytest", "-q", "-n", "logical", "--maxprocesses", "4", "--dist", "loadfile",
-         "--no-loadscope-reorder", f"--junitxml={report}"],
+         f"--junitxml={report}"],
         cwd=ROOT, check=False,
     )  # fmt: skip
     row = [f"{version} (module)", f"{major}.{minor}", numpy, "", f"{(time.perf_counter() - began) / 60:.0f} min", ""]
