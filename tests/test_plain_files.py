@@ -1,22 +1,20 @@
 """Meshes in and out without Blender."""
 
-import io
-import json
 import struct
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from addon.batch import command, opening
+from addon.batch import opening
 from addon.batch.lines import FileCount, stage_line
 from addon.blender.files.kinds_of_files import PLAIN
 from addon.blender.files.plain_files import read_plain, write_plain
 from addon.blender.files.polygon_mesh import PolygonMesh, fans
 from addon.core import InvalidMeshError, Settings, pose_like
+from tests import commands
 from tests.meshes import shapes
 
-QUICK = ["--max-iterations", "2", "--landmark-count", "12"]
 POINTS = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 2, 1]])
 POLYGONS = [[0, 1, 2, 3], [2, 4, 3]]
 
@@ -78,9 +76,7 @@ def test_damaged_files_are_told_in_a_sentence(name, text, words, tmp_path):
 
 
 def run(*words, about="compute"):
-    output = io.StringIO()
-    code = command.main([about, *map(str, words), *QUICK], output, alone=True)
-    return code, [json.loads(line) for line in output.getvalue().splitlines()]
+    return commands.run(*words, about=about)[:2]
 
 
 def test_the_command_works_without_blender(tmp_path, monkeypatch):

@@ -1,31 +1,26 @@
 """What comes of files of every kind: the same form through every reader and writer, frames, references, axes."""
 
-import io
-import json
 from pathlib import Path
 
 import bpy
 import numpy as np
 import pytest
 
-from addon.batch.command import main
 from addon.blender.files.reading_files import importer, open_meshes
 from addon.blender.results.result_clearing import clear_from
 from addon.core.measures.alignment import rigid_fit
+from tests import commands
 from tests.meshes import shapes
 
 from .conftest import add_object
 
 pytestmark = pytest.mark.usefixtures("computed_once")
 
-QUICK = ["--max-iterations", "2", "--landmark-count", "12"]
 KINDS = ("glb", "fbx", "usdc", "obj", "ply")
 
 
 def run(*words):
-    output = io.StringIO()
-    code = main(["compute", *map(str, words), *QUICK], output, alone=True)
-    return code, [json.loads(line) for line in output.getvalue().splitlines()]
+    return commands.run(*words)[:2]
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ from tests.meshes import shapes
 
 pytest.importorskip("psutil")
 pytest.importorskip("bpy")
-from tests.blender.batch_processes import busy_worker, ended, started
+from tests.commands import busy_worker, ended, started
 
 QUICK = ["--max-iterations", "2", "--landmark-count", "12"]
 # what Blender 5.2 says itself: of its colours, and of mounts where there is no list of them
