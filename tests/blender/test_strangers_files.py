@@ -17,7 +17,7 @@ import pytest
 
 from addon.batch.lines import complain
 from addon.blender.files.replacing_files import replaced
-from tests.blender.commands import ROOT, run, run_apart
+from tests.commands import ROOT, run, run_apart
 from tests.meshes import shapes
 
 pytestmark = pytest.mark.usefixtures("computed_once")
@@ -116,7 +116,7 @@ def bombs(folder):
     header = b"\0" * 80 + struct.pack("<I", 4_294_967_295)
     (folder / "count-stl.stl").write_bytes(header + b"\0" * 50)
     yield folder / "count-stl.stl"
-    (folder / "zeros.blend").write_bytes(gzip.compress(b"BLENDER-v402" + b"\0" * 100_000_000))
+    (folder / "zeros.blend").write_bytes(gzip.compress(b"BLENDER-v402" + b"\0" * 300_000_000))
     yield folder / "zeros.blend"
     (folder / "nested.usda").write_text("#usda 1.0\n" + 'def Xform "a" {\n' * 20_000)
     yield folder / "nested.usda"

@@ -8,7 +8,7 @@ import pytest
 from tests.blender.walks import Walk
 from tests.meshes import shapes
 
-WALKS, STEPS = map(int, os.environ.get("CANONICAL_FORM_WALKS", "2,40").split(","))
+WALKS, STEPS = map(int, os.environ.get("CANONICAL_FORM_WALKS", "2,60").split(","))
 
 
 @pytest.mark.parametrize("seed", range(1, WALKS + 1))

@@ -49,10 +49,9 @@ def test_a_large_mesh_is_measured_on_a_coarse_one_and_as_accurately(size, large,
     np.testing.assert_allclose(one, distance_field(vertices, faces, [100]), atol=1e-9 * one.max())
 
 
-@pytest.mark.parametrize(
-    ("angle", "whole"), [(0.2, 30_000), (1.6, 30_000), *((angle, 1500) for angle in (0.2, 0.8, 1.6, 2.5))]
-)
-def test_a_selection_is_measured_from_its_border(angle, whole, monkeypatch):
+@pytest.mark.parametrize("whole", [30_000, 1500])
+@pytest.mark.parametrize("angle", [0.2, 0.8, 1.6, 2.5])
+def test_a_selection_is_measured_from_its_border(whole, angle, monkeypatch):
     monkeypatch.setattr("addon.core.distance_fields._WHOLE", whole)
     monkeypatch.setattr("addon.core.distance_fields._COARSE", min(whole, 1400))
     vertices, faces = shapes.sphere(5)

@@ -135,7 +135,7 @@ def test_posed_like_the_bent_one_it_is_the_bent_one(poses):
     np.testing.assert_allclose(surface_area(posed.vertices, faces), surface_area(straight, faces), rtol=0.05)
 
 
-@pytest.mark.parametrize(("stretch", "share"), [(1.2, 0.54), (1.5, 0.42)])
+@pytest.mark.parametrize(("stretch", "share"), [(1.2, 0.54), (1.4, 0.45), (1.5, 0.42)])
 def test_a_body_keeps_its_shape_in_the_pose_of_another(poses, stretch, share):
     (straight, faces), (bent, bent_faces, old) = poses
     longer = straight * [1.0, 1.0, stretch]
