@@ -22,7 +22,7 @@ from .run.errors import InvalidSettingsError
 from .run.memory import require_pair_memory
 from .run.monitor import Cancelled, Monitor, Plan, Progress, Warned
 from .surface.delaunay import intrinsic_delaunay, refined
-from .surface.laplacian import mass, stiffness
+from .surface.laplacian import stiffness_and_mass
 from .surface.triangulation import Triangulation, triangulated
 
 _STAGES: Plan = {"Surface": 10, "Pieces": 90}
@@ -318,7 +318,7 @@ def _spectral_field(
         monitor.warn("coarse_mesh_stuck", count=count)
     chosen = surface.numbers_of(chosen)
     with monitor.stage("Distances"):
-        green = GreensFunction(stiffness(surface.triangulation), mass(surface.triangulation))
+        green = GreensFunction(*stiffness_and_mass(surface.triangulation))
         field = distances(green, count, chosen)
         monitor.check()
     return surface.prolong(field)

@@ -57,7 +57,7 @@ def drawn(
     column = np.clip(((x - (x.max() + x.min()) / 2) / wide + 0.5) * size, 0, size - 1).astype(np.int64)
     row = np.clip(((y.max() + y.min()) / 2 - y) / wide * size + 0.5 * size, 0, size - 1).astype(np.int64)
     nearest = np.full(size * size, -1)
-    order = np.argsort(z)
+    order = np.argsort(z, kind="stable")
     nearest[(row * size + column)[order]] = order  # the last stays
     hit = np.flatnonzero(nearest >= 0)
     seen = nearest[hit]

@@ -16,7 +16,7 @@ from ..patching.cells import voronoi_cells
 from ..run.errors import SolverError
 from ..run.monitor import Monitor
 from ..surface.delaunay import refined
-from ..surface.laplacian import mass, stiffness
+from ..surface.laplacian import stiffness_and_mass
 from ..surface.spectrum import Spectrum, compute_spectrum
 from ..surface.working_surface import Reduced, WorkingSurface, working_surface
 from ..symmetry.chirality import chirality
@@ -194,7 +194,7 @@ def _analysed(surface: WorkingSurface, monitor: Monitor) -> tuple[WorkingSurface
         for slack in (0.0, *_MORE_SLACK):
             if slack:
                 surface = surface.with_slack(slack, monitor)
-            L, M = stiffness(surface.triangulation), mass(surface.triangulation)
+            L, M = stiffness_and_mass(surface.triangulation)
             try:
                 spectrum = compute_spectrum(L, M, _EIGENPAIRS, monitor)
                 break
