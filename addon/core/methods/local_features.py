@@ -28,10 +28,11 @@ from ..run.memory import require_pair_memory
 from ..run.monitor import Monitor
 from ..stress.majorisation import Majorisation
 from ..stress.pairs import AllPairs, Pairs, Term
-from .straight import body_of, carried, detailed, landmarks_of, mended, rounded
+from .straight import LAYOUT_BENDING, body_of, carried, detailed, landmarks_of, mended, rounded
 
 _BETWEEN = 10.0  # weight of the other landmarks on a landmark, over that of its patch
 _STRUTS = 0.5  # weight of the struts of a vertex, over all its other weight
+_PULL = 12.0  # of the detail at preserve 1/2: scaling leaves more wrinkles than the push, which the detail is to smooth
 _TOLERANCE = 5e-5  # relative decrease of the stress in a step at which it stops: at 1e-3 rolled sheets stay bent
 
 
@@ -67,7 +68,7 @@ def local_feature_form(found: SurfaceFeatures, settings: Settings, monitor: Moni
     shape = form
     if settings.preserve_detail > 0:
         with monitor.stage("Detail"):
-            shape = mended(body, detailed(body, form, settings.preserve_detail, monitor), monitor)
+            shape = mended(body, detailed(body, form, settings.preserve_detail, _PULL, monitor), monitor)
     pairs = inside.pair_count + len(landmarks) ** 2
     return MethodResult(carried(found, body, shape, monitor), history, pairs)
 
@@ -81,7 +82,7 @@ def _start(
         between = (distances[landmarks] + distances[landmarks].T) / 2
         fitted, _ = smacof(between, layout.points[landmarks], tolerance=_TOLERANCE, monitor=monitor)
         points = placed_around(distances, landmarks, fitted, layout.points)
-        return rounded(body, layout._replace(points=points), monitor).points
+        return rounded(body, points, LAYOUT_BENDING, monitor)
 
 
 def _inside(found: SurfaceFeatures, body: ElasticBody, settings: Settings, monitor: Monitor) -> _Inside:

@@ -4,7 +4,7 @@
                 one, or face each other through the body
     2 layout    the landmarks scaled to three dimensions, or to two where the third would be a tie
     3 push      far pairs, the landmarks, want a distance that no body reaches: every limb is pulled straight, and long
-    4 lengths   the stretch, averaged over a limb, is undone; limbs keep their directions
+    4 lengths   the stretch, averaged over a limb, is undone, limbs made round, and what stretched again undone
     5 detail    the input deformed towards that, its limbs turned the rest of the way; hands and feet rolled alike, left
                 made like right, edges mended; then carried to all vertices by local rigid motions
 
@@ -40,17 +40,18 @@ from ..symmetry.mirror import asymmetry, held_symmetric
 from ..symmetry.partners import mirror_partners
 
 _HEAT = 0.002  # time of the heat that measures distances between landmarks: a bent joint hardly shortens them
-_ROUND, _ROUND_STEPS, _ROUND_BENDING = 30.0, 6, 0.1  # pull of the layout on the input: limbs become round again
+_ROUND, _ROUND_STEPS = 40.0, 6  # pull of a shape on the input: limbs become round again, heads wide
 _PUSH, _PUSH_STEPS = 40.0, 75  # force of all far pairs together
 _ACROSS = 4.0  # stiffness of a pair across an edge: a limb that is pushed does not crumple
 _EVEN_EDGE = np.sqrt(3)  # one over the stiffness of an edge between equilateral triangles
-_END, _ENDS_SHARE = 0.035, 0.5  # of the way to the next feature point: the end of a limb; and share of the force there
-_LIMB = 0.05  # time over which a stretch is averaged: the skin at one joint is stretched in every pose
-_PULL, _DETAIL_STEPS = 12.0, 8  # of the detail at preserve 1/2: the one trade between pose and edges
+_END, _ENDS_SHARE = 0.035, 0.6  # of the way to the next feature point: the end of a limb; and share of the force there
+_LIMB = 0.15  # time over which a stretch is averaged: the skin at one joint is stretched in every pose
+_PULL, _STEPS = 40.0, 8  # of the detail at preserve 1/2: the one trade between pose and edges
 _LEAST_PULL = 0.3  # at any wish for detail
-_SWING = 0.002  # time over which limbs are turned back: lengths undone and skin at a joint bend them again
-_BENDING = 0.8  # times preserve²: share of their turned vector in what edges want; the rest wants lengths
-_MEND, _MEND_STEPS, _MEND_BENDING = 200.0, 4, 0.6  # pull of the last steps, which mend edges and move no limb
+_SWING = 0.002  # time over which limbs are turned back: skin at a joint bends them again
+_MEND, _MEND_STEPS = 200.0, 4  # pull of the last steps, which mend edges and move no limb
+LAYOUT_BENDING, _BENDING = 0.1, 0.6  # share of their turned vector in what edges want, the rest wants lengths; and
+_DETAIL_BENDING = 0.8  # that in the detail, times preserve²: in the layout a rolled sheet is to unroll
 
 
 def straight_form(found: SurfaceFeatures, settings: Settings, monitor: Monitor) -> MethodResult:
@@ -62,17 +63,18 @@ def straight_form(found: SurfaceFeatures, settings: Settings, monitor: Monitor) 
 
     def straightened() -> Layout:
         with monitor.stage("Layout"):
-            layout = rounded(body, laid_out(distances, landmarks, body.points, body.faces, found.limbs), monitor)
+            layout = laid_out(distances, landmarks, body.points, body.faces, found.limbs)
+            layout = layout._replace(points=rounded(body, layout.points, LAYOUT_BENDING, monitor))
         with monitor.stage("Push"):
             shape = pushed(body, layout, landmarks, found.limbs, monitor)
         with monitor.stage("Lengths"):
-            return layout._replace(points=body.swung(body.without_stretch(shape, _LIMB), shape, _SWING))
+            return layout._replace(points=with_lengths(body, shape, monitor))
 
     shape, depth = monitor.kept("straightened", [body, landmarks], straightened)
     preserve, mirror = settings.preserve_detail, None
     if preserve > 0:
         with monitor.stage("Detail"):
-            shape = limbs_rolled(body, detailed(body, shape, preserve, monitor), found.limbs, depth)
+            shape = limbs_rolled(body, detailed(body, shape, preserve, _PULL, monitor), found.limbs, depth)
         if settings.symmetry == "hold":
             with monitor.stage("Symmetry"):
                 mirror = mirror_partners(body, shape, found.spectrum.eigenvectors, found.limbs, landmarks, monitor)
@@ -106,10 +108,9 @@ def landmarks_of(found: SurfaceFeatures, count: int, monitor: Monitor) -> tuple[
 # 2 layout -----------------------------------------------------------------------------------------------------------
 
 
-def rounded(body: ElasticBody, layout: Layout, monitor: Monitor) -> Layout:
-    """Make the limbs of a layout round, which scaling flattens."""
-    shape = body.towards(layout.points, _ROUND, _ROUND_STEPS, bending=_ROUND_BENDING, monitor=monitor)
-    return layout._replace(points=shape)
+def rounded(body: ElasticBody, shape: FloatArray, bending: float, monitor: Monitor) -> FloatArray:
+    """Make limbs round, which scaling flattens and the push makes thin."""
+    return body.towards(shape, _ROUND, _ROUND_STEPS, bending=bending, monitor=monitor)
 
 
 # 3 push -------------------------------------------------------------------------------------------------------------
@@ -133,10 +134,15 @@ def pushed(body: ElasticBody, layout: Layout, landmarks: IntArray, limbs: Limbs,
 # 4 and 5 lengths and detail ------------------------------------------------------------------------------------------
 
 
-def detailed(body: ElasticBody, shape: FloatArray, preserve: float, monitor: Monitor) -> FloatArray:
+def with_lengths(body: ElasticBody, shape: FloatArray, monitor: Monitor) -> FloatArray:
+    """Give limbs their lengths and girths back: one pulled to a thread has skin of the right lengths, but crumpled."""
+    return body.without_stretch(rounded(body, body.without_stretch(shape, _LIMB), _BENDING, monitor), _LIMB)
+
+
+def detailed(body: ElasticBody, shape: FloatArray, preserve: float, pull: float, monitor: Monitor) -> FloatArray:
     """Deform the input towards a shape, the less the more of its detail is to be preserved (above 0 to 1)."""
-    pull = max(_PULL * ((1 - preserve) / preserve) ** 2, _LEAST_PULL)
-    near = body.towards(shape, pull, _DETAIL_STEPS, bending=_BENDING * preserve**2, pressed=True, monitor=monitor)
+    pull = max(pull * ((1 - preserve) / preserve) ** 2, _LEAST_PULL)
+    near = body.towards(shape, pull, _STEPS, bending=_DETAIL_BENDING * preserve**2, pressed=True, monitor=monitor)
     return body.swung(near, shape, _SWING, firmness(preserve))
 
 
@@ -147,7 +153,7 @@ def firmness(preserve: float) -> float:
 
 def mended(body: ElasticBody, shape: FloatArray, monitor: Monitor) -> FloatArray:
     """Mend the edges of a shape whose limbs are where they belong."""
-    return body.towards(shape, _MEND, _MEND_STEPS, bending=_MEND_BENDING, pressed=True, monitor=monitor)
+    return body.towards(shape, _MEND, _MEND_STEPS, bending=_BENDING, pressed=True, monitor=monitor)
 
 
 def carried(found: SurfaceFeatures, body: ElasticBody, shape: FloatArray, monitor: Monitor) -> FloatArray:

@@ -12,7 +12,6 @@ from unittest import mock
 import numpy as np
 
 from addon.core import Settings, canonical_form
-from addon.core.deformation.elastic_body import ElasticBody
 from addon.core.measures.form_measures import compactness_error, edge_stretch
 from addon.core.mesh.edges import is_closed
 from tools.benchmarks.experiment import Row, experiment
@@ -33,13 +32,6 @@ class Variant(NamedTuple):
 
 CORE = "addon.core."
 STRAIGHT, LAYOUT, ELASTIC = f"{CORE}methods.straight.", f"{CORE}embedding.layout.", f"{CORE}deformation.elastic_body."
-SWUNG, turn = f"{ELASTIC}ElasticBody.swung", ElasticBody.swung
-
-
-def swung(body: ElasticBody, form: np.ndarray, *given: Any, on: int) -> np.ndarray:
-    """Turn limbs in one of the two places where the default does: after the detail it says how firmly, the fifth."""
-    return turn(body, form, *given) if len(given) + 2 == on else form
-
 
 VARIANTS = {
     "default": Variant(),
@@ -50,7 +42,7 @@ VARIANTS = {
     "preserve .55": Variant({"preserve_detail": 0.55}),
     "no struts": Variant(patches={f"{STRAIGHT}struts_through": lambda *_: np.empty((0, 2), dtype=np.int64)}),
     "layout: volume alone": Variant(patches={f"{LAYOUT}_SURE": np.inf}),
-    "layout not made round": Variant(patches={f"{STRAIGHT}rounded": lambda body, layout, monitor: layout}),
+    "layout and lengths not made round": Variant(patches={f"{STRAIGHT}rounded": lambda body, shape, *_: shape}),
     "no push": Variant(patches={f"{STRAIGHT}_PUSH": 1e-9}),
     "push 25": Variant(patches={f"{STRAIGHT}_PUSH": 25.0}),
     "push 60": Variant(patches={f"{STRAIGHT}_PUSH": 60.0}),
@@ -58,13 +50,17 @@ VARIANTS = {
     "no pairs across edges": Variant(patches={f"{STRAIGHT}_ACROSS": 1e-9}),
     "no push at the ends": Variant(patches={f"{STRAIGHT}_ENDS_SHARE": 0.0}),
     "lengths not undone": Variant(patches={f"{ELASTIC}ElasticBody.without_stretch": lambda body, form, share: form}),
-    "lengths averaged over .15": Variant(patches={f"{STRAIGHT}_LIMB": 0.15}),
-    "limbs not turned back after the lengths": Variant(patches={SWUNG: lambda *given: swung(*given, on=5)}),
-    "limbs not turned the rest of the way": Variant(patches={SWUNG: lambda *given: swung(*given, on=4)}),
+    "lengths undone once": Variant(
+        patches={f"{STRAIGHT}with_lengths": lambda body, shape, monitor: body.without_stretch(shape, 0.15)}
+    ),
+    "lengths averaged over .05": Variant(patches={f"{STRAIGHT}_LIMB": 0.05}),
+    "limbs not turned the rest of the way": Variant(
+        patches={f"{ELASTIC}ElasticBody.swung": lambda body, form, *_: form}
+    ),
     "no rolls": Variant(patches={f"{STRAIGHT}limbs_rolled": lambda body, form, *_: form}),
     "left not like right": Variant({"symmetry": "ignore"}),
-    "edges want lengths alone": Variant(patches={f"{STRAIGHT}_BENDING": 0.0}),
-    "edges want vectors alone": Variant(patches={f"{STRAIGHT}_BENDING": 4.0}),
+    "edges want lengths alone in the detail": Variant(patches={f"{STRAIGHT}_DETAIL_BENDING": 0.0}),
+    "edges want vectors alone in the detail": Variant(patches={f"{STRAIGHT}_DETAIL_BENDING": 4.0}),
     "no pressure": Variant(patches={f"{ELASTIC}ElasticBody._inflated": lambda body, points, solve: points}),
     "not mended": Variant(patches={f"{STRAIGHT}mended": lambda body, shape, monitor: shape}),
     "first rotations not wide": Variant(patches={f"{ELASTIC}_WIDE": 1e-6}),
