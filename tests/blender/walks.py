@@ -18,7 +18,6 @@ from tests.blender.user_data import colours, differing, leave_out_results, orpha
 from tests.meshes import shapes
 
 QUICK: dict[str, Any] = {"max_iterations": 2, "landmark_count": 10, "quality": "draft"}
-KEEPS = ("mode", "vertices", "edges", "polygons", "chosen", "materials", "pinned")
 
 
 class Walk:

@@ -102,7 +102,7 @@ class HeatMethod:
         L, M = stiffness(fine), diags(mass(fine))
         self._monitor.check()
         # the multiple of M only makes L invertible; right-hand sides sum to 0, so it does not show in the distances
-        self._poisson = factored(L + 1e-9 / mass(fine).sum() * M)
+        self._poisson = factored(L + 1e-9 / M.diagonal().sum() * M)
         self._monitor.check()
         L = _without_negative_weights(L)
         self._smooth = None

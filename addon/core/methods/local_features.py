@@ -28,7 +28,7 @@ from ..run.memory import require_pair_memory
 from ..run.monitor import Monitor
 from ..stress.majorisation import Majorisation
 from ..stress.pairs import AllPairs, Pairs, Term
-from .straight import LAYOUT_BENDING, body_of, carried, detailed, landmarks_of, mended, rounded
+from .straight import body_of, carried, detailed, landmarks_of, mended, rounded
 
 _BETWEEN = 10.0  # weight of the other landmarks on a landmark, over that of its patch
 _STRUTS = 0.5  # weight of the struts of a vertex, over all its other weight
@@ -82,7 +82,7 @@ def _start(
         between = (distances[landmarks] + distances[landmarks].T) / 2
         fitted, _ = smacof(between, layout.points[landmarks], tolerance=_TOLERANCE, monitor=monitor)
         points = placed_around(distances, landmarks, fitted, layout.points)
-        return rounded(body, points, LAYOUT_BENDING, monitor)
+        return rounded(body, points, monitor)
 
 
 def _inside(found: SurfaceFeatures, body: ElasticBody, settings: Settings, monitor: Monitor) -> _Inside:

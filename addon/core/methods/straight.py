@@ -10,8 +10,7 @@
 
 Every step but the second lowers one stress, ``Σ w |d - t|² + p Σ m |x - y|²``, over pairs of vertices (d = x_i - x_j),
 where t is the vector that a pair wants: its direction with a given length, or its vector in the input, turned with its
-surroundings. Lengths are in sqrt(area), diffusion times in shares of the area. What each step and constant buys:
-docs/appendix.md.
+surroundings. Lengths are in sqrt(area), times in shares of the area. What each step buys: docs/appendix.md.
 """
 
 from __future__ import annotations
@@ -46,12 +45,13 @@ _ACROSS = 4.0  # stiffness of a pair across an edge: a limb that is pushed does 
 _EVEN_EDGE = np.sqrt(3)  # one over the stiffness of an edge between equilateral triangles
 _END, _ENDS_SHARE = 0.035, 0.6  # of the way to the next feature point: the end of a limb; and share of the force there
 _LIMB = 0.15  # time over which a stretch is averaged: the skin at one joint is stretched in every pose
-_PULL, _STEPS = 40.0, 8  # of the detail at preserve 1/2: the one trade between pose and edges
+_PULL, _DETAIL_STEPS = 40.0, 8  # of the detail at preserve 1/2: the one trade between pose and edges
 _LEAST_PULL = 0.3  # at any wish for detail
 _SWING = 0.002  # time over which limbs are turned back: skin at a joint bends them again
 _MEND, _MEND_STEPS = 200.0, 4  # pull of the last steps, which mend edges and move no limb
-LAYOUT_BENDING, _BENDING = 0.1, 0.6  # share of their turned vector in what edges want, the rest wants lengths; and
-_DETAIL_BENDING = 0.8  # that in the detail, times preserve²: in the layout a rolled sheet is to unroll
+_BENDING = 0.6  # share of their turned vector in what edges want; the rest wants lengths
+_LAYOUT_BENDING = 0.1  # the same in a layout, where a rolled sheet is to unroll
+_DETAIL_BENDING = 0.8  # the same in the detail, times preserve²
 
 
 def straight_form(found: SurfaceFeatures, settings: Settings, monitor: Monitor) -> MethodResult:
@@ -64,7 +64,7 @@ def straight_form(found: SurfaceFeatures, settings: Settings, monitor: Monitor) 
     def straightened() -> Layout:
         with monitor.stage("Layout"):
             layout = laid_out(distances, landmarks, body.points, body.faces, found.limbs)
-            layout = layout._replace(points=rounded(body, layout.points, LAYOUT_BENDING, monitor))
+            layout = layout._replace(points=rounded(body, layout.points, monitor))
         with monitor.stage("Push"):
             shape = pushed(body, layout, landmarks, found.limbs, monitor)
         with monitor.stage("Lengths"):
@@ -108,7 +108,7 @@ def landmarks_of(found: SurfaceFeatures, count: int, monitor: Monitor) -> tuple[
 # 2 layout -----------------------------------------------------------------------------------------------------------
 
 
-def rounded(body: ElasticBody, shape: FloatArray, bending: float, monitor: Monitor) -> FloatArray:
+def rounded(body: ElasticBody, shape: FloatArray, monitor: Monitor, bending: float = _LAYOUT_BENDING) -> FloatArray:
     """Make limbs round, which scaling flattens and the push makes thin."""
     return body.towards(shape, _ROUND, _ROUND_STEPS, bending=bending, monitor=monitor)
 
@@ -136,14 +136,14 @@ def pushed(body: ElasticBody, layout: Layout, landmarks: IntArray, limbs: Limbs,
 
 def with_lengths(body: ElasticBody, shape: FloatArray, monitor: Monitor) -> FloatArray:
     """Give limbs their lengths and girths back: one pulled to a thread has skin of the right lengths, but crumpled."""
-    return body.without_stretch(rounded(body, body.without_stretch(shape, _LIMB), _BENDING, monitor), _LIMB)
+    return body.without_stretch(rounded(body, body.without_stretch(shape, _LIMB), monitor, _BENDING), _LIMB)
 
 
 def detailed(body: ElasticBody, shape: FloatArray, preserve: float, pull: float, monitor: Monitor) -> FloatArray:
     """Deform the input towards a shape, the less the more of its detail is to be preserved (above 0 to 1)."""
     pull = max(pull * ((1 - preserve) / preserve) ** 2, _LEAST_PULL)
-    near = body.towards(shape, pull, _STEPS, bending=_DETAIL_BENDING * preserve**2, pressed=True, monitor=monitor)
-    return body.swung(near, shape, _SWING, firmness(preserve))
+    new = body.towards(shape, pull, _DETAIL_STEPS, bending=_DETAIL_BENDING * preserve**2, pressed=True, monitor=monitor)
+    return body.swung(new, shape, _SWING, firmness(preserve))
 
 
 def firmness(preserve: float) -> float:
@@ -177,7 +177,7 @@ METHODS = (
             "Landmarks": 5,
             "Layout": 4,
             "Push": 12,
-            "Lengths": 2,
+            "Lengths": 4,
             "Detail": 8,
             "Symmetry": 5,
             "Prolongation": 2,

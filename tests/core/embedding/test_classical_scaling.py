@@ -34,10 +34,6 @@ def test_landmark_scaling_of_a_plane_is_flat():
     np.testing.assert_allclose(np.linalg.norm(embedding[:, None] - embedding, axis=2), wanted, atol=1e-5)
 
 
-def squared_misfit(distances, points, landmarks):
-    return ((np.linalg.norm(points[:, None] - points[landmarks], axis=2) - distances) ** 2).sum()
-
-
 def test_the_leading_axes_are_those_of_all_whatever_the_size_and_the_same_each_time():
     points = np.random.default_rng(2).normal(size=(450, 3)) * [0.03, 0.02, 0.01]
     wanted = np.linalg.norm(points[:, None] - points, axis=2)

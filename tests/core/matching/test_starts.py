@@ -7,8 +7,6 @@ from addon.core.matching.starts import starts
 from addon.core.run.errors import CancelledError
 from addon.core.run.monitor import Monitor
 
-MIRROR = np.diag([1.0, 1, -1])
-
 
 def rows_of(body):
     return np.arange(0, len(body.form), 3)

@@ -14,6 +14,7 @@ import numpy as np
 from addon.core import Settings, canonical_form
 from addon.core.measures.form_measures import compactness_error, edge_stretch
 from addon.core.mesh.edges import is_closed
+from addon.core.methods import straight
 from tools.benchmarks.experiment import Row, experiment
 from tools.benchmarks.mesh_sets import Body, folders, pose_ratio
 
@@ -51,7 +52,7 @@ VARIANTS = {
     "no push at the ends": Variant(patches={f"{STRAIGHT}_ENDS_SHARE": 0.0}),
     "lengths not undone": Variant(patches={f"{ELASTIC}ElasticBody.without_stretch": lambda body, form, share: form}),
     "lengths undone once": Variant(
-        patches={f"{STRAIGHT}with_lengths": lambda body, shape, monitor: body.without_stretch(shape, 0.15)}
+        patches={f"{STRAIGHT}with_lengths": lambda body, shape, monitor: body.without_stretch(shape, straight._LIMB)}
     ),
     "lengths averaged over .05": Variant(patches={f"{STRAIGHT}_LIMB": 0.05}),
     "limbs not turned the rest of the way": Variant(
