@@ -9,7 +9,7 @@ from ..run.monitor import Monitor
 
 _ALIKE = np.log(1.6)  # maximum difference of the logarithms of the Auto Diffusion Function of a point and its image
 _MISMATCH = 0.375  # maximum change of a single distance, over the mean distance
-_HANDEDNESS = 4.0  # weight of a handedness that is not reversed, a cubed length, relative to the change of distances
+_HANDEDNESS = 2.0  # weight of a handedness that is not reversed, a cubed length, relative to the change of distances
 _THICKNESS = 0.6  # weight of a change of the logarithm of the Auto Diffusion Function
 _FULL = 0.08  # bonus for each further pair that is swapped: bodies are symmetric as a whole, not limb by limb
 MOST_FEATURES = 40  # most feature points that are searched for swaps or assignments

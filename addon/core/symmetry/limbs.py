@@ -15,7 +15,6 @@ from .involutions import feature_involutions
 
 _SYMMETRIC = 0.1  # mismatch of a swap above which a surface counts as having no left and right
 _TOLD = 0.002  # minimum handedness, a cubed length, that distinguishes left from right,
-_TRUST_JOINED = 0.5  # weight of handedness in finding pairs, where bridges join parts
 _TOLD_WEAKLY = 0.022  # and by three limbs, or where bridges join parts: a hand is nearer a sleeve in some poses
 _ALIKE = 0.1  # prominences that differ by less count as equal
 
@@ -126,8 +125,7 @@ def limbs_of(
     """
     count = len(distances)
     partner = np.arange(count)
-    trusted = handedness * (_TRUST_JOINED if joined else 1.0)
-    swaps = feature_involutions(distances, trusted, adf, most=2, monitor=monitor)
+    swaps = feature_involutions(distances, handedness, adf, most=2, monitor=monitor)
     mismatch = [each for _, each in swaps] + [np.inf] * 2
     margin = 0.0
     if mismatch[0] < _SYMMETRIC:

@@ -60,3 +60,18 @@ def test_handedness_tells_a_mirror_image_from_a_body_whose_forelegs_alone_change
             handedness[i, j, k], handedness[i, k, j] = value, -value
     assert ranked_involutions(distances, handedness, np.ones(6))[0][0].tolist() == SWAPPED
     assert ranked_involutions(distances, handedness, np.ones(6))[0][1] < 0.0
+
+
+def test_a_stride_that_twists_the_body_does_not_swap_the_legs_alone():
+    hands, feet, head = (0, 1), (2, 3), 4
+    distances = np.zeros((5, 5))  # of a scanned person with one arm stretched forward
+    distances[np.triu_indices(5, 1)] = 1.21, 1.47, 1.47, 0.79, 1.56, 1.52, 0.79, 1.31, 1.38, 1.38
+    handedness = np.zeros((5, 5, 5))
+    for hand in hands:
+        for foot in feet:  # the same after a half turn, reversed where one pair alone is swapped
+            value = 0.018 if foot - hand == 2 else -0.018
+            for turn in range(3):
+                i, j, k = np.roll((hand, foot, head), turn)
+                handedness[i, j, k], handedness[i, k, j] = value, -value
+    adf = np.array([23.8, 23.0, 17.2, 16.9, 8.0])
+    assert ranked_involutions(distances + distances.T, handedness, adf)[0][0].tolist() == [1, 0, 3, 2, 4]
