@@ -171,23 +171,6 @@ class ElasticBody:
         spreads = (self._covariances(edges * each, each, share) for each in (now / torn, turned))
         return self._reassembled(self._mapped(now, stretch_between(*spreads)), np.zeros_like(form))
 
-    def swung(self, form: FloatArray, target: FloatArray, share: float, firm: float = 1.0) -> FloatArray:
-        """Turn the surroundings of each point of a form, averaged over a time, as far as in a target; skin stays.
-
-        `firm`: from 0, not at all, to 1, the whole way. The rotation is the nearest to ``C² Σ w a bᵀ``, C =
-        ``Σ w a aᵀ``: the axis of a limb, along which most edges lie, counts most, since a limb that was bent is
-        straight but sheared in the target.
-        """
-        now, then = self.near.apart(form), self.near.apart(target)
-        then *= (length(now) / length(then))[:, None]  # spikes of the target turn nothing
-        then = firm * then + (1 - firm) * now
-        skin = self.is_edge[:, None] * now
-        axis = self._covariances(skin, now, share)
-        rotation = nearest_rotations(axis @ axis @ self._covariances(skin, then, share))
-        # wrinkles of the target turn from place to place, limbs do not
-        rotation = self.smoothed(rotation.reshape(-1, 9) * self.mass[:, None], share)
-        return self._reassembled(self._mapped(now, nearest_rotations(rotation.reshape(-1, 3, 3))), form)
-
     def stretch(self, after: FloatArray, share: float) -> FloatArray:
         """Compute the logarithm of how much longer the edges around each vertex are than those of the body: (n,)."""
         long = (self.is_edge * self.length)[:, None] * np.column_stack([self.length, length(self.near.apart(after))])

@@ -29,15 +29,16 @@ def laid_out(distances: FloatArray, landmarks: IntArray, body: FloatArray, faces
     Distances do not know left from right. A layout in which a mirror exchanges the limbs of both sides is a bowl: the
     sign of its volume tells it from its mirror image (animals). One in which a half turn does is twisted as well to
     one side as to the other (people): a tie that nothing but chance or the pose could break. Then the third axis is
-    dropped, and the flat layout is its own mirror image. Where left and right are not sure, the volume alone
-    decides. The landmarks begin with the feature points.
+    dropped, and the flat layout is its own mirror image. Where left and right are not sure, or only one pair of limbs
+    says it, the volume alone decides. The landmarks begin with the feature points.
     """
     layout = landmark_scaling(distances, landmarks)
     layout -= layout.mean(axis=0)
     handed = handedness(layout, faces) * np.sign(signed_volume(body, faces))
     ends = layout[landmarks[: len(limbs.partner)]]
     mirror, half_turn = _misfits(ends, ends[limbs.partner])
-    told = limbs.margin > _SURE and abs(mirror - half_turn) > _TOLD
+    alone = np.count_nonzero(limbs.partner != np.arange(len(ends))) <= 2  # a plane mirrors any one pair
+    told = not alone and limbs.margin > _SURE and abs(mirror - half_turn) > _TOLD
     real = mirror < half_turn if told else abs(handed) > _DEEP
     return Layout(layout * [1.0, 1.0, float(real) * np.sign(handed)], float(real))
 

@@ -5,8 +5,8 @@
     2 layout    the landmarks scaled to three dimensions, or to two where the third would be a tie
     3 push      far pairs, the landmarks, want a distance that no body reaches: every limb is pulled straight, and long
     4 lengths   the stretch, averaged over a limb, is undone, limbs made round, and what stretched again undone
-    5 detail    the input deformed towards that, its limbs turned the rest of the way; hands and feet rolled alike, left
-                made like right, edges mended; then carried to all vertices by local rigid motions
+    5 detail    the input deformed towards that; hands and feet rolled alike, left made like right, edges mended; then
+                carried to all vertices by local rigid motions
 
 Every step but the second lowers one stress, ``Σ w |d - t|² + p Σ m |x - y|²``, over pairs of vertices (d = x_i - x_j),
 where t is the vector that a pair wants: its direction with a given length, or its vector in the input, turned with its
@@ -45,9 +45,8 @@ _ACROSS = 4.0  # stiffness of a pair across an edge: a limb that is pushed does 
 _EVEN_EDGE = np.sqrt(3)  # one over the stiffness of an edge between equilateral triangles
 _END, _ENDS_SHARE = 0.035, 0.6  # of the way to the next feature point: the end of a limb; and share of the force there
 _LIMB = 0.15  # time over which a stretch is averaged: the skin at one joint is stretched in every pose
-_PULL, _DETAIL_STEPS = 40.0, 8  # of the detail at preserve 1/2: the one trade between pose and edges
+_PULL, _DETAIL_STEPS = 60.0, 8  # of the detail at preserve 1/2: the one trade between pose and edges
 _LEAST_PULL = 0.3  # at any wish for detail
-_SWING = 0.002  # time over which limbs are turned back: skin at a joint bends them again
 _MEND, _MEND_STEPS = 200.0, 4  # pull of the last steps, which mend edges and move no limb
 _BENDING = 0.6  # share of their turned vector in what edges want; the rest wants lengths
 _LAYOUT_BENDING = 0.1  # the same in a layout, where a rolled sheet is to unroll
@@ -142,8 +141,8 @@ def with_lengths(body: ElasticBody, shape: FloatArray, monitor: Monitor) -> Floa
 def detailed(body: ElasticBody, shape: FloatArray, preserve: float, pull: float, monitor: Monitor) -> FloatArray:
     """Deform the input towards a shape, the less the more of its detail is to be preserved (above 0 to 1)."""
     pull = max(pull * ((1 - preserve) / preserve) ** 2, _LEAST_PULL)
-    new = body.towards(shape, pull, _DETAIL_STEPS, bending=_DETAIL_BENDING * preserve**2, pressed=True, monitor=monitor)
-    return body.swung(new, shape, _SWING, firmness(preserve))
+    bending = _DETAIL_BENDING * preserve**2
+    return body.towards(shape, pull, _DETAIL_STEPS, bending=bending, pressed=True, monitor=monitor)
 
 
 def firmness(preserve: float) -> float:

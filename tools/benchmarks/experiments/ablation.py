@@ -55,9 +55,6 @@ VARIANTS = {
         patches={f"{STRAIGHT}with_lengths": lambda body, shape, monitor: body.without_stretch(shape, straight._LIMB)}
     ),
     "lengths averaged over .05": Variant(patches={f"{STRAIGHT}_LIMB": 0.05}),
-    "limbs not turned the rest of the way": Variant(
-        patches={f"{ELASTIC}ElasticBody.swung": lambda body, form, *_: form}
-    ),
     "no rolls": Variant(patches={f"{STRAIGHT}limbs_rolled": lambda body, form, *_: form}),
     "left not like right": Variant({"symmetry": "ignore"}),
     "edges want lengths alone in the detail": Variant(patches={f"{STRAIGHT}_DETAIL_BENDING": 0.0}),
