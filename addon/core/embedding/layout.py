@@ -37,8 +37,8 @@ def laid_out(distances: FloatArray, landmarks: IntArray, body: FloatArray, faces
     handed = handedness(layout, faces) * np.sign(signed_volume(body, faces))
     ends = layout[landmarks[: len(limbs.partner)]]
     mirror, half_turn = _misfits(ends, ends[limbs.partner])
-    alone = np.count_nonzero(limbs.partner != np.arange(len(ends))) <= 2  # a plane mirrors any one pair
-    told = not alone and limbs.margin > _SURE and abs(mirror - half_turn) > _TOLD
+    several = np.count_nonzero(limbs.partner != np.arange(len(ends))) > 2  # a plane mirrors any one pair
+    told = several and limbs.margin > _SURE and abs(mirror - half_turn) > _TOLD
     real = mirror < half_turn if told else abs(handed) > _DEEP
     return Layout(layout * [1.0, 1.0, float(real) * np.sign(handed)], float(real))
 

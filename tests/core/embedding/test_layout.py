@@ -88,7 +88,7 @@ def test_without_sides_or_with_all_ends_in_a_plane_the_volume_tells(size, expect
     assert depth_of(TRUNK / 4, np.arange(4), solid) == expected
     bowl = np.vstack([TRUNK + np.array([0, 0, 0.5]), [0, 4, -2]]) / 4
     assert depth_of(bowl, np.append(ACROSS, 4), solid, margin=0.005) == expected  # another swap fits as well
-    twisted = np.array([[1.0, 2, 0], [-1, 2, 0], [0, -2, 1], [0, -2, -1]])  # feet taken for head and tail
+    twisted = np.array([[1.0, 2, 0], [-1, 2, 0], [0, -2, 1], [0, -2, -1]])
     assert depth_of(twisted, np.array([1, 0, 2, 3]), solid) == expected  # one pair, and feet taken for head and tail
 
 
