@@ -8,9 +8,9 @@ from .catalogue import method_named
 from .settings import Settings
 
 _SMALL = (0.08, 0.4e-6)  # gigabytes, and per vertex: the work on the coarse mesh, measured
-_LARGE = (0.02, 0.77e-6)  # the rounds of coarsening, which take more from about 160,000 vertices on
+_LARGE = (0.04, 0.85e-6)  # the rounds of coarsening, which take more from about 160,000 vertices on
 _MATCH = 0.5e-6  # gigabytes in addition to the larger form, per vertex of both, measured with a pose
-_MATCH_SECONDS = (1.0, 4e-5)  # in addition to the two forms, and per vertex
+_MATCH_SECONDS = (2.5, 6e-5)  # in addition to the two forms, and per vertex
 _LANDMARK_BYTES = 40.0  # a distance of each vertex from each landmark, and the work to place the vertex by them
 _WHOLE = 1.5e-5  # gigabytes per vertex where all are working vertices of an elastic body, measured
 _USUAL_PATCHES = 5
@@ -50,11 +50,11 @@ def time_estimate(vertex_count: int, settings: Settings) -> float:
     Examples
     --------
     >>> f"{time_estimate(100_000, Settings()):.1f} s"
-    '1.7 s'
+    '3.3 s'
     """
     if _grows_squared(settings):
         return 1.0 + 2e-7 * vertex_count**2
-    return (0.3 if settings.quality == "draft" else 0.7) + 1e-5 * vertex_count
+    return (0.4 if settings.quality == "draft" else 0.8) + 2.5e-5 * vertex_count
 
 
 def require_memory(vertex_count: int, settings: Settings) -> None:
@@ -98,7 +98,7 @@ def match_time_estimate(count: int, other_count: int, settings: Settings) -> flo
     Examples
     --------
     >>> f"{match_time_estimate(10_000, 10_000, Settings()):.1f} s"
-    '3.0 s'
+    '5.2 s'
     """
     base, each = _MATCH_SECONDS
     return time_estimate(count, settings) + time_estimate(other_count, settings) + base + each * count

@@ -8,7 +8,7 @@
     5 detail    the input deformed towards that; hands and feet rolled alike, left made like right, edges mended; then
                 carried to all vertices by local rigid motions
 
-Every step but the second lowers one stress, ``Σ w |d - t|² + p Σ m |x - y|²``, over pairs of vertices (d = x_i - x_j),
+The steps pull at one kind of stress, ``Σ w |d - t|² + p Σ m |x - y|²``, over pairs of vertices (d = x_i - x_j),
 where t is the vector that a pair wants: its direction with a given length, or its vector in the input, turned with its
 surroundings. Lengths are in sqrt(area), times in shares of the area. What each step buys: docs/appendix.md.
 """
