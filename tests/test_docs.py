@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from addon.core import Settings
+from addon.core.methods.local_features import _SMOOTHING
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -60,7 +61,7 @@ def test_the_method_page_states_the_defaults():
     settings = Settings()
     assert f"t = {settings.diffusion_time}" in text
     assert f"prominence ≥ {settings.prominence}" in text
-    assert f"smoothing {settings.smoothing}" in text
+    assert f"smoothing {_SMOOTHING}" in text
 
 
 def test_the_core_imports_no_blender_and_files_stay_small():

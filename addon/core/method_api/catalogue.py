@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from .settings import Settings
     from .surface_features import SurfaceFeatures
 
-FEATURE_OPTIONS = ("prominence", "feature_count", "diffusion_time")  # of every method
+FEATURE_OPTIONS = ("prominence", "feature_count", "diffusion_time", "eigenpairs")  # of every method
 PATIENT = 1e-5  # relative decrease of the stress in a step at which the rivals and the paper to the letter stop
 # stages of every run, before those of its method
 DETECTION: Plan = {"Coarse mesh": 28, "Triangulation": 2, "Spectrum": 7, "Feature points": 2, "Patches": 1}

@@ -29,6 +29,8 @@ class Settings:
         From 0, the arrangement alone, without the detail of the input, to 1, the surface kept as rigid as possible.
     diffusion_time : float
         t of the Auto Diffusion Function (equation 7), in multiples of 1/λ_1. Larger: fewer, broader features.
+    eigenpairs : int
+        Number K of eigenpairs in the Auto Diffusion Function, and in the distances of the paper to the letter.
     prominence : float
         Minimum prominence of a feature point: the logarithm of the ratio of the Auto Diffusion Function there to that
         at the pass to a higher point. Larger: fewer features.
@@ -38,9 +40,6 @@ class Settings:
         Vertices to use as feature points instead of those detected, in the order of their patches.
     landmark_count : int
         Number of landmarks that lay the surface out, and of rivals below quality 'full'.
-    smoothing : float
-        Diffusion time of the geodesics inside patches ('local_features'), as a share of the area. Such distances
-        hardly shorten where a joint bends. 0: as accurate as the heat method, and no struts through the interior.
     symmetry : {'hold', 'ignore'}
         Whether the straight form of a mirror-symmetric surface is kept symmetric.
     orientation : {'posed', 'upright', 'two_legs', 'all_fours'}
@@ -92,6 +91,9 @@ class Settings:
         soft_high=1.0,
         digits=3,
     )
+    eigenpairs: int = option(
+        80, "Eigenpairs", "Number of Laplacian eigenpairs in the Auto Diffusion Function", low=1, soft_high=400
+    )
     prominence: float = option(
         0.5, "Prominence", "How far a feature point must stand out; larger gives fewer patches", low=0, soft_high=3.0
     )
@@ -107,16 +109,6 @@ class Settings:
         "Number of points that lay the surface out",
         low=4,
         soft_high=500,
-    )
-    smoothing: float = option(
-        0.1,
-        "Smoothing",
-        "Diffusion time for averaging geodesics, as a fraction of the area; at 0 they are exact and shorten where "
-        "joints bend",
-        low=0,
-        high=10,
-        soft_high=1.0,
-        digits=3,
     )
     symmetry: str = option(
         "hold",

@@ -27,7 +27,6 @@ from .settings import Settings
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
 
-_EIGENPAIRS = 80  # K of the Auto Diffusion Function: more change nothing, λ_80 is 200 times λ_1
 _MERGED = 0.05  # share of the geodesic diameter within which two feature points are one
 _SPARE = 4  # candidates per feature point requested, since some lie too close to others
 _MORE_SLACK = (0.01, 0.1)  # slack of every triangle inequality, in mean edges, tried in turn where the spectrum fails
@@ -165,7 +164,9 @@ def detected(
     )
     if reduction.stuck:
         monitor.warn("coarse_mesh_stuck", count=len(reduction.points))
-    surface, L, M, spectrum = monitor.kept("spectrum", [reduction], lambda: _analysed(reduction, monitor))
+    surface, L, M, spectrum = monitor.kept(
+        "spectrum", [reduction, settings.eigenpairs], lambda: _analysed(reduction, settings.eigenpairs, monitor)
+    )
     with monitor.stage("Feature points"):
         adf = monitor.kept(
             "adf", [spectrum, settings.diffusion_time], lambda: auto_diffusion(spectrum, settings.diffusion_time)
@@ -188,7 +189,9 @@ def detected(
     return monitor.kept("features", [surface, adf, features, prominence], numbered)
 
 
-def _analysed(surface: WorkingSurface, monitor: Monitor) -> tuple[WorkingSurface, csr_matrix, FloatArray, Spectrum]:
+def _analysed(
+    surface: WorkingSurface, eigenpairs: int, monitor: Monitor
+) -> tuple[WorkingSurface, csr_matrix, FloatArray, Spectrum]:
     """Compute eigenpairs, on slightly longer edges where degenerate triangles disturb the solver."""
     with monitor.stage("Spectrum"):
         for slack in (0.0, *_MORE_SLACK):
@@ -196,14 +199,14 @@ def _analysed(surface: WorkingSurface, monitor: Monitor) -> tuple[WorkingSurface
                 surface = surface.with_slack(slack, monitor)
             L, M = stiffness_and_mass(surface.triangulation)
             try:
-                spectrum = compute_spectrum(L, M, _EIGENPAIRS, monitor)
+                spectrum = compute_spectrum(L, M, eigenpairs, monitor)
                 break
             except SolverError:
                 if slack == _MORE_SLACK[-1]:
                     raise
     if slack:
         monitor.warn("flat_triangles", share=slack)
-    if len(spectrum.eigenvalues) < _EIGENPAIRS:
+    if len(spectrum.eigenvalues) < eigenpairs:
         monitor.warn("few_eigenpairs")
     return surface, L, M, spectrum
 

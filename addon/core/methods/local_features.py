@@ -30,6 +30,7 @@ from ..stress.majorisation import Majorisation
 from ..stress.pairs import AllPairs, Pairs, Term
 from .straight import body_of, carried, detailed, landmarks_of, mended, rounded
 
+_SMOOTHING = 0.1  # time over which geodesics inside patches are averaged: such hardly shorten where a joint bends
 _BETWEEN = 10.0  # weight of the other landmarks on a landmark, over that of its patch
 _STRUTS = 0.5  # weight of the struts of a vertex, over all its other weight
 _PULL = 12.0  # of the detail at preserve 1/2: scaling leaves more wrinkles than the push, which the detail is to smooth
@@ -47,9 +48,7 @@ class _Inside(NamedTuple):
 def local_feature_form(found: SurfaceFeatures, settings: Settings, monitor: Monitor) -> MethodResult:
     """Unfold a surface by the stress of equation 10, and give it the detail of the input."""
     body = monitor.kept("body", [found], lambda: body_of(found, monitor))
-    inside = monitor.kept(
-        "inside", [body, settings.smoothing, settings.memory_limit], lambda: _inside(found, body, settings, monitor)
-    )
+    inside = monitor.kept("inside", [body, settings.memory_limit], lambda: _inside(found, body, settings, monitor))
     landmarks, distances = monitor.kept(
         "landmarks", [found, settings.landmark_count], lambda: landmarks_of(found, settings.landmark_count, monitor)
     )
@@ -97,11 +96,11 @@ def _inside(found: SurfaceFeatures, body: ElasticBody, settings: Settings, monit
             surface.points,
             patches,
             lambda vertices: green.commute_time_squared(vertices, monitor),  # c_ij², [8]
-            settings.smoothing or None,
+            _SMOOTHING or None,
             monitor,
         )
     struts: list[Term] = []
-    if settings.smoothing > 0 and not body.is_edge.all():
+    if _SMOOTHING > 0 and not body.is_edge.all():
         ends, lengths = body.near.ends[~body.is_edge], body.length[~body.is_edge]
         share = _STRUTS * total_weights(sets, count) / np.maximum(np.bincount(ends.ravel(), minlength=count), 1)
         struts.append(Pairs(ends, share[ends].mean(axis=1), count).wanting_lengths(lengths))
@@ -125,7 +124,7 @@ METHODS = (
             "Detail": 4,
             "Prolongation": 2,
         },
-        uses=("landmark_count", "smoothing", "preserve_detail", "max_iterations"),
+        uses=("landmark_count", "preserve_detail", "max_iterations"),
         pairs="patches",
         rank=11,
     ),

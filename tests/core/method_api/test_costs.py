@@ -34,7 +34,7 @@ def test_a_mesh_that_does_not_fit_is_refused_in_words(monkeypatch):
     monkeypatch.setattr("addon.core.run.memory.free_memory", lambda: 1.0)
     require_memory(400_000, Settings())
     with pytest.raises(
-        TooLargeError, match=r"1,000,000 vertices needs about 0\.8 GB, more than 0\.6 GB, which is 60% of"
+        TooLargeError, match=r"1,000,000 vertices needs about 0\.9 GB, more than 0\.6 GB, which is 60% of"
     ):
         require_memory(1_000_000, Settings())
 

@@ -12,9 +12,9 @@ from addon.core.method_api.options import options_of
 
 @pytest.mark.parametrize(
     "wrong",
-    [{"diffusion_time": 0}, {"diffusion_time": 1000}, {"smoothing": float("inf")},
+    [{"diffusion_time": 0}, {"diffusion_time": 1000}, {"eigenpairs": 0},
      {"prominence": -1}, {"feature_count": -1}, {"symmetry": "none"}, {"orientation": "down"},
-     {"landmark_count": 2}, {"smoothing": -1}, {"quality": "best"}, {"preserve_detail": 2},
+     {"landmark_count": 2}, {"preserve_detail": float("inf")}, {"quality": "best"}, {"preserve_detail": 2},
      {"max_iterations": -1}, {"memory_limit": -1}, {"memory_limit": "1"}, {"max_iterations": 2.5},
      {"landmark_count": None}],
 )  # fmt: skip
@@ -42,8 +42,8 @@ def test_what_a_method_fixes_takes_the_place_of_what_is_wished():
 
 
 def test_every_option_is_of_a_method_or_of_all():
-    of_all = {"method", "quality", "feature_points", "prominence", "feature_count", "diffusion_time", "orientation",
-              "pieces", "memory_limit"}  # fmt: skip
+    of_all = {"method", "quality", "feature_points", "prominence", "feature_count", "diffusion_time", "eigenpairs",
+              "orientation", "pieces", "memory_limit"}  # fmt: skip
     used = {name for each in methods().values() for name in each.uses}
     assert used | of_all == {each.name for each in fields(Settings)}
 

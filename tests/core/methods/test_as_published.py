@@ -94,7 +94,7 @@ def test_steps_are_plain_ones():
 def test_what_is_the_letters_does_not_listen_to_the_settings(mesh: Mesh, method):
     plain = canonical_form(*mesh, Settings(method=method, max_iterations=3))
     other = Settings(
-        method=method, max_iterations=3, quality="draft", diffusion_time=1.0, smoothing=0.5, preserve_detail=1.0,
+        method=method, max_iterations=3, quality="draft", diffusion_time=1.0, preserve_detail=1.0,
         symmetry="ignore", landmark_count=9,
     )  # fmt: skip
     np.testing.assert_array_equal(canonical_form(*mesh, other).vertices, plain.vertices)

@@ -23,7 +23,7 @@ CHANGES: tuple[dict[str, Any], ...] = (
     {"quality": "draft"},
     {"quality": "full"},
     {"method": "local_features", "max_iterations": 5},
-    {"method": "local_features", "max_iterations": 5, "smoothing": 0.0},
+    {"eigenpairs": 30},
     {"method": "local_features", "max_iterations": 5, "preserve_detail": 0.2},
     {"method": "local_features", "max_iterations": 2},
     {"landmark_count": 15},
