@@ -136,7 +136,7 @@ class BlenderFile:
             value=wanted.value,
             deformed=wanted.shown,
             new_object=wanted.shown and wanted.format != "blend",
-            hausdorff=True,
+            hausdorff="hausdorff" in wanted.measures,
             objects="TOGETHER" if wanted.together else "EACH",
             reference=None if form is None else lambda _cancelled: form,
             likeness=reference if isinstance(reference, Likeness) else None,

@@ -41,15 +41,16 @@ class PlainFile:
             kinds = ", ".join(kind[1:] for kind in PLAIN)
             raise CanonicalFormError(f"--format {self._wanted.format} {_NEEDS_BLENDER}. Without it, choose {kinds}.")
         vertices, settings = self._mesh.vertices, self._wanted.settings
+        hausdorff = "hausdorff" in self._wanted.measures
         if isinstance(reference, Likeness):
             posed, _ = reference.posed(vertices, self._faces, settings, progress)
-            report = FormReport.of(posed, vertices, self._faces, settings)
+            report = FormReport.of(posed, vertices, self._faces, settings, hausdorff=hausdorff)
             report.like = reference.report(posed)
             self._result = posed
             return report
         form = canonical_form(vertices, self._faces, settings, reference=reference, progress=progress)
         self._result = form
-        return FormReport.of(form, vertices, self._faces, settings)
+        return FormReport.of(form, vertices, self._faces, settings, hausdorff=hausdorff)
 
     def write(self, target: Path) -> list[str]:
         """Write the result with what the file carried."""

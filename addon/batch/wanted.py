@@ -34,6 +34,8 @@ class Wanted:
     axes : (3, 3) ndarray of float or None
         Rotation from the axes of the scene to those of the file, for row vectors; None to write .obj and .ply in local
         space.
+    measures : tuple of str
+        Costly measures to take as well: 'hausdorff'.
     value : float
         Value of the shape key in a .blend file.
     trusted : bool
@@ -59,6 +61,7 @@ class Wanted:
     objects: tuple[str, ...] = ()
     together: bool = False
     axes: FloatArray | None = None
+    measures: tuple[str, ...] = ()
     value: float = 1.0
     trusted: bool = False
     skip_existing: bool = False

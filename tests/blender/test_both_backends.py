@@ -73,6 +73,15 @@ def test_forms_and_lines_are_the_same(kind, both, meshes, tmp_path):
     assert (len(marks[0]) > 3) == (kind != "off")  # patches as groups or colours
 
 
+@pytest.mark.parametrize("asked", [[], ["--measure", "hausdorff"]])
+def test_costly_measures_are_taken_on_request_alone(asked, both, meshes):
+    for code, [line] in both("compute", meshes / "off.off", "--format", "off", *asked):
+        assert code == 0
+        assert ("Hausdorff distance" in line["timings"]) == bool(asked)
+        assert line["measures"].get("hausdorff", 1.0) > 0.1
+        assert ("hausdorff" in line["measures"]) == bool(asked)
+
+
 def test_poses_and_matches_are_the_same(both, meshes):
     for words in (("pose-like", meshes / "off.off", "--format", "ply", "--reference"), ("match", meshes / "off.off")):
         (code, [line]), (plain_code, [plain]) = both(*words, meshes / "ply.ply")
