@@ -13,6 +13,7 @@ from .assembly.body import Body
 from .assembly.gathering import gathered
 from .assembly.opening import OPENING, opened
 from .matching.point_map import PointMap, point_map
+from .matching.seam_sides import CutSurface, seam_sides
 from .matching.sides import Side, sides
 from .matching.unfolded import Unfolded, unfolded
 from .mesh.geometry import surface_area
@@ -20,8 +21,8 @@ from .mesh.tables import rows_in
 from .method_api.catalogue import DETECTION, method_named
 from .method_api.costs import require_match_memory
 from .method_api.settings import Settings
-from .numerics.arrays import IntArray
-from .results import Match
+from .numerics.arrays import FloatArray, IntArray
+from .results import Match, MatchedSeams
 from .run.errors import CancelledError, CanonicalFormError, InvalidSettingsError
 from .run.messages import message
 from .run.monitor import Cancelled, Monitor, Progress
@@ -254,19 +255,30 @@ def _on_meshes(
     total = len(bodies.vertices)
     faces = gathered(bodies, face, np.full(total, -1))
     at = gathered(bodies, weights, np.zeros((total, 3)))
-    nearest = others.faces[faces, np.argmax(at, axis=1)]
+    nearest = others.unjoined[faces, np.argmax(at, axis=1)]
     return Match(
         np.where(faces < 0, -1, nearest),
         faces,
         at,
         gathered(bodies, confidence, np.zeros(total)),
         scores,
-        others.faces,
+        others.unjoined,
         len(others.vertices),
         monitor.timings,
         monitor.warnings,
         other_monitor.warnings,
+        _seams(bodies, others, faces, at),
     )
+
+
+def _seams(bodies: Bodies, others: Bodies, faces: IntArray, weights: FloatArray) -> MatchedSeams | None:
+    """Tell which vertices were treated as one, and on which side of a seam each lies; None if none were."""
+    here, there = (
+        CutSurface(each.vertices, each.pieces.representative, each.faces, each.unjoined) for each in (bodies, others)
+    )
+    if all((each.joined == np.arange(len(each.joined))).all() for each in (here, there)):
+        return None
+    return MatchedSeams(here.joined, there.joined, seam_sides(here, there, faces, weights))
 
 
 def _warn(surfaces: list[Unfolded], maps: list[PointMap], ways: list[Side], monitor: Monitor) -> None:

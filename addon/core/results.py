@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from .numerics.arrays import FloatArray, IntArray
 from .run.messages import Message
 
 if TYPE_CHECKING:
+    from .matching.seam_sides import SeamSides
     from .symmetry.limbs import BodyLimbs
 
 
@@ -102,6 +103,25 @@ class CanonicalForm(_Summarised):
     bodies: list[BodyLimbs] = field(default_factory=list)
 
 
+class MatchedSeams(NamedTuple):
+    """The seams of two meshes that are matched, where borders coincide.
+
+    Attributes
+    ----------
+    joined : (n,) ndarray of int
+        The vertex of this mesh that stands for each: itself, or the first at its place.
+    other_joined : (n',) ndarray of int
+        The same for the other mesh.
+    sides : SeamSides
+        Copies of one place of this mesh that lie on different sides of a seam of the other, and the point of each on
+        its own side: where values differ from side to side, as weights do at lips that are closed, each gets its own.
+    """
+
+    joined: IntArray
+    other_joined: IntArray
+    sides: SeamSides
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Match(_Summarised):
     """For every vertex of a mesh, the corresponding point of another.
@@ -121,7 +141,8 @@ class Match(_Summarised):
         first. Lower is better; among the first, whose scores are close, strain decides. Of several bodies, those of the
         largest.
     other_faces : (m', 3) ndarray of int
-        Triangles of the other mesh: those given, repaired where `other_warnings` says so.
+        Triangles of the other mesh: those given, repaired where `other_warnings` says so. Where borders coincide, each
+        has its own vertices.
     other_count : int
         Number n' of vertices of the other mesh.
     timings : dict of str to float
@@ -130,6 +151,8 @@ class Match(_Summarised):
         Sentences for the user, about this mesh and the match.
     other_warnings : list of Message
         Sentences about the other mesh.
+    seams : MatchedSeams, optional
+        The vertices that were treated as one; None for none.
     """
 
     vertices: IntArray
@@ -142,6 +165,7 @@ class Match(_Summarised):
     timings: dict[str, float]
     warnings: list[Message]
     other_warnings: list[Message]
+    seams: MatchedSeams | None = None
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -73,6 +73,11 @@ class Bodies:
         """Triangles of all pieces, (m, 3)."""
         return self.pieces.faces
 
+    @property
+    def unjoined(self) -> IntArray:
+        """The same triangles with the vertices of the mesh as given, of coincident ones each its own, (m, 3)."""
+        return self.pieces.unjoined
+
     def map(self, work: Callable[..., Result], monitor: Monitor, plan: Plan, *of_each: Sequence[Any]) -> list[Result]:
         """Process every body in turn, and pass on its warnings.
 

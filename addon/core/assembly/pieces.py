@@ -59,6 +59,8 @@ class Pieces:
         Positions of all vertices, as given.
     faces : (m, 3) ndarray of int
         Triangles of all pieces, as corners of the mesh.
+    unjoined : (m, 3) ndarray of int
+        The same triangles with the vertices that they have in the mesh as given: of coincident ones each its own.
     representative : (n,) ndarray of int
         The vertex that each vertex is identified with: itself, or the first at its position along a seam.
     repairs : list of Message
@@ -72,6 +74,7 @@ class Pieces:
     pieces: list[Piece]
     vertices: FloatArray
     faces: IntArray
+    unjoined: IntArray
     representative: IntArray
     repairs: list[Message]
     dropped: int
@@ -105,10 +108,11 @@ def connected_pieces(
     points, corners = mesh.vertices, mesh.faces
     label = component_labels(len(points), np.concatenate([corners[:, :2], corners[:, 1:]]))[corners[:, 0]]
     monitor.check()
-    start = np.zeros(min(len(corners), 1), dtype=np.int64)
+    start, first = np.zeros(min(len(corners), 1), dtype=np.int64), label[:1]
     if (label != label[:1]).any():
         order = np.argsort(label, kind="stable")
         corners, start = corners[order], np.concatenate([start, np.flatnonzero(np.diff(label[order])) + 1])
+        first = label[order][start]
     if len(start) > _MOST_CARRIED:
         raise InvalidMeshError("too_many_pieces", count=len(start), most=_MOST_CARRIED)
     area, size = component_areas(points, corners, start)
@@ -119,11 +123,13 @@ def connected_pieces(
     groups = np.split(corners, start[1:])
     pieces = [_piece(points, groups[index]) for index in order]
     dropped = len(groups) - len(pieces)
-    used = np.concatenate([piece.vertices[piece.faces] for piece in pieces]) if dropped else mesh.faces
+    used = np.isin(label, first[order]) if dropped else slice(None)
     on_surface = np.zeros(len(points), dtype=bool)
     on_surface[corners] = True
     loose = int(np.count_nonzero(~on_surface[mesh.representative]))
-    return Pieces(pieces, points, used, mesh.representative, mesh.warnings, dropped, loose)
+    return Pieces(
+        pieces, points, mesh.faces[used], mesh.unjoined[used], mesh.representative, mesh.warnings, dropped, loose
+    )
 
 
 def _largest_first(area: FloatArray, size: FloatArray) -> IntArray:

@@ -10,12 +10,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..numerics.arrays import FloatArray, IntArray
+from ..numerics.arrays import BoolArray, FloatArray, IntArray
 from ..run.messages import Message, message
 from ..run.monitor import Monitor
-from .connectivity import consistently_oriented, joined_at_seams, without_duplicates, without_repeated_corners
+from .connectivity import repeats_a_corner, repeats_a_triangle, turned_over
 from .edges import edge_table
 from .geometry import checked_arrays, relative_rounding
+from .seams import joined_at_seams
 
 _COARSE = 1e-4  # share of the size below which rounding of the positions is not reported
 
@@ -30,6 +31,8 @@ class RepairedMesh(NamedTuple):
     faces : (m', 3) ndarray of int64
         Triangles of three different vertices each, without duplicates, oriented consistently where possible. Of
         coincident vertices along a seam they use the first.
+    unjoined : (m', 3) ndarray of int64
+        The same triangles with the vertices that the mesh as given has there: of coincident ones each its own.
     representative : (n,) ndarray of int64
         The vertex that each vertex is identified with: itself, or the first at its position.
     changes : dict of str to int
@@ -40,6 +43,7 @@ class RepairedMesh(NamedTuple):
 
     vertices: FloatArray
     faces: IntArray
+    unjoined: IntArray
     representative: IntArray
     changes: dict[str, int]
     rounding: float
@@ -70,20 +74,36 @@ def repaired(vertices: ArrayLike, faces: ArrayLike, monitor: Monitor | None = No
     points, given = checked_arrays(vertices, faces)
     rounding = relative_rounding(points)
     check()
-    whole = without_repeated_corners(given)
+    repeated = repeats_a_corner(given)
+    whole = given[~repeated] if repeated.any() else given
     edges = edge_table(whole)
     check()
     representative = joined_at_seams(points, whole, edges)
     check()
     joined = int(np.count_nonzero(representative != np.arange(len(points))))
-    sewn = without_repeated_corners(representative[whole]) if joined else whole
-    single = without_duplicates(sewn)
+    sewn = representative[whole] if joined else whole
+    kept = ~repeats_a_corner(sewn) if joined else np.ones(len(whole), dtype=bool)
+    doubled = repeats_a_triangle(sewn) & kept
     check()
-    oriented = consistently_oriented(single, edges if single is whole else edge_table(single))
+    kept &= ~doubled
+    same = kept.all()
+    single, unjoined = (sewn, whole) if same else (sewn[kept], whole[kept])
+    turned = turned_over(single, edges if single is whole else edge_table(single))
     changes = {
         "repeated_corners": len(given) - len(whole),
         "coincident_borders": joined,
-        "duplicate_faces": len(sewn) - len(single),
-        "inconsistent_faces": int(np.count_nonzero((oriented != single).any(axis=1))),
+        "duplicate_faces": int(np.count_nonzero(doubled)),
+        "inconsistent_faces": int(np.count_nonzero(turned)),
     }
-    return RepairedMesh(points, oriented, representative, changes, rounding)
+    oriented = _flipped(single, turned)
+    cut = oriented if single is unjoined else _flipped(unjoined, turned)
+    return RepairedMesh(points, oriented, cut, representative, changes, rounding)
+
+
+def _flipped(faces: IntArray, turned: BoolArray) -> IntArray:
+    """Turn some triangles over."""
+    if not turned.any():
+        return faces
+    result = faces.copy()
+    result[turned] = result[turned][:, ::-1]
+    return result
