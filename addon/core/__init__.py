@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from .poses import pose_like
     from .results import CanonicalForm, FeaturePatches, Match, PosedLike
     from .run.kept_stages import KeptStages
-    from .transfers import transferred, transferred_corners, transferred_shape
+    from .transfers import transferred, transferred_corners, transferred_labels, transferred_shape
 
 __all__ = [
     "CancelledError",
@@ -48,6 +48,7 @@ __all__ = [
     "pose_like",
     "transferred",
     "transferred_corners",
+    "transferred_labels",
     "transferred_shape",
 ]
 
@@ -68,6 +69,7 @@ _DOORS = {
     "pose_like": "poses",
     "transferred": "transfers",
     "transferred_corners": "transfers",
+    "transferred_labels": "transfers",
     "transferred_shape": "transfers",
 }
 

@@ -10,7 +10,7 @@ from .mesh.edges import vertex_pairs
 from .mesh.geometry import surface_area
 from .mesh.islands import island_labels
 from .mesh.tables import rows_in
-from .numerics.arrays import FloatArray, IntArray
+from .numerics.arrays import BoolArray, FloatArray, IntArray
 from .numerics.factoring import factored
 from .results import Match
 from .run.errors import InvalidMeshError
@@ -34,7 +34,8 @@ def transferred(matched: Match, values: ArrayLike) -> FloatArray:
     -------
     (n, ...) ndarray of float
         Values on the vertices of this mesh, averaged with the weights of the match; sums over columns, such as those of
-        bone weights, are preserved. 0 at vertices without a match.
+        bone weights, are preserved. 0 at vertices without a match. Copies of one place get one value, except where
+        values differ at a seam of the other mesh: there each gets that of its side.
 
     Raises
     ------
@@ -52,7 +53,17 @@ def transferred(matched: Match, values: ArrayLike) -> FloatArray:
     if values.ndim < 1 or len(values) != matched.other_count:
         raise InvalidMeshError("transfer_shape", count=matched.other_count)
     corners = matched.other_faces[matched.faces]  # where there is no match, the weights are 0
-    return np.asarray(np.einsum("ij,ij...->i...", matched.weights, values[corners]))
+    found = np.asarray(np.einsum("ij,ij...->i...", matched.weights, values[corners]))
+    seams = matched.seams
+    if seams is None or not len(seams.sides.vertices) or _alike(values, values[seams.other_joined]).all():
+        return found
+    vertices, faces, weights = seams.sides
+    own = np.einsum("ij,ij...->i...", weights, values[matched.other_faces[faces]])
+    place = seams.joined[vertices]
+    _, first, group = np.unique(place, return_index=True, return_inverse=True)
+    differs = np.bincount(group.ravel(), ~_alike(own, own[first[group.ravel()]]))[group.ravel()] > 0
+    found[vertices[differs]] = own[differs]  # elsewhere copies keep one value
+    return found
 
 
 def transferred_corners(
@@ -111,7 +122,8 @@ def transferred_corners(
     if values.ndim != 2 or len(values) != len(other_vertex_of):
         raise InvalidMeshError("transfer_corners", count=len(other_vertex_of))
     triangles = other_vertex_of[other_corners]
-    island = island_labels(triangles, values[other_corners])
+    places = triangles if matched.seams is None else matched.seams.other_joined[triangles]
+    island = island_labels(places, values[other_corners])
     triangle, weights = _on_triangles(matched, triangles)
     own, share = triangle[vertex_of], weights[vertex_of]
     known = own >= 0
@@ -130,6 +142,42 @@ def transferred_corners(
     reach = _FARTHER * reach + np.linalg.norm(straight - carried[base], axis=1)
     kept = same & (np.linalg.norm(carried - carried[base], axis=1) <= reach + _ROUNDING)
     return np.where(known[:, None], np.where(kept[:, None], carried, straight), 0.0)
+
+
+def transferred_labels(
+    matched: Match, polygon_of: IntArray, vertex_of: IntArray, other_triangles: IntArray, labels: IntArray
+) -> IntArray:
+    """Transfer labels of the triangles of the other mesh, such as materials: a polygon gets that of most corners.
+
+    Parameters
+    ----------
+    matched : Match
+        A match of this mesh with the other.
+    polygon_of : (l,) ndarray of int
+        The polygon of each corner of this mesh.
+    vertex_of : (l,) ndarray of int
+        The vertex of each corner.
+    other_triangles : (t, 3) ndarray of int
+        Triangles of the other mesh, in any order.
+    labels : (t,) ndarray of int
+        Their labels, from 0.
+
+    Returns
+    -------
+    (p,) ndarray of int
+        Labels of the polygons of this mesh; -1 where no corner has a match.
+
+    Examples
+    --------
+    >>> from addon.core import match
+    >>> points, faces = [[0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 3]], [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]
+    >>> same = match(points, faces, points, faces)
+    >>> transferred_labels(same, np.repeat(np.arange(4), 3), np.ravel(faces), np.array(faces), np.full(4, 7)).tolist()
+    [7, 7, 7, 7]
+    """
+    triangle, _ = _on_triangles(matched, other_triangles)
+    own = triangle[vertex_of]
+    return _commonest(polygon_of, np.where(own < 0, -1, labels[own]))
 
 
 def transferred_shape(
@@ -180,8 +228,9 @@ def transferred_shape(
 
     points, before = np.asarray(vertices, dtype=np.float64), np.asarray(other_vertices, dtype=np.float64)
     there = transferred(matched, before)
-    way = transferred(matched, np.asarray(other_shape, dtype=np.float64)) - there
-    pairs = vertex_pairs(np.asarray(faces, dtype=np.int64))
+    way = transferred(matched, np.asarray(other_shape, dtype=np.float64) - before)
+    joined = np.arange(len(points)) if matched.seams is None else matched.seams.joined
+    pairs = vertex_pairs(joined[np.asarray(faces, dtype=np.int64)])
     i, j = np.concatenate([pairs, pairs[:, ::-1]]).T
     edges, likes = points[j] - points[i], there[j] - there[i]
     covariance = np.zeros((len(points), 3, 3))
@@ -192,10 +241,15 @@ def transferred_shape(
     weight = coo_array((np.ones(len(i)), (i, j)), shape=(len(points),) * 2)
     time = (_WIDE * size / (length or 1.0)) ** 2
     smooth = factored(((1 + time) * diags(degree) - time * weight).tocsc()).solve
-    turn = nearest_rotations(smooth(covariance.reshape(-1, 9)).reshape(-1, 3, 3))
+    turn = nearest_rotations(smooth(covariance.reshape(-1, 9)).reshape(-1, 3, 3))[joined]
     scale = size / np.sqrt(surface_area(before, matched.other_faces))
     moved: FloatArray = points + scale * np.einsum("ij,ijk->ik", way, turn)
     return moved
+
+
+def _alike(one: FloatArray, other: FloatArray) -> BoolArray:
+    """Tell which values (k, ...) of two lists are the same, but for rounding; gives (k,)."""
+    return np.asarray((np.abs(one - other) <= _ROUNDING).reshape(len(one), -1).all(axis=1))
 
 
 def _on_triangles(matched: Match, triangles: IntArray) -> tuple[IntArray, FloatArray]:

@@ -4,7 +4,15 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from addon.core import InvalidMeshError, Match, match, transferred, transferred_corners, transferred_shape
+from addon.core import (
+    InvalidMeshError,
+    Match,
+    match,
+    transferred,
+    transferred_corners,
+    transferred_labels,
+    transferred_shape,
+)
 from addon.core.mesh.closest_points import closest_points
 from addon.core.mesh.islands import island_labels
 from addon.core.mesh.tables import rows_in
@@ -142,3 +150,74 @@ def test_weights_found_by_a_match_come_back_from_other_triangles():
     carried = transferred(found, smooth(others))
     np.testing.assert_allclose(carried.sum(axis=1), 1.0)
     assert np.abs(carried - smooth(points)).mean() < 0.05
+
+
+def with_a_slit(points, faces):
+    """Cut a figure half around its trunk, as closed lips are cut: the vertices, the triangles, which are above."""
+    above = points[faces].mean(axis=1)[:, 2] > 0.05
+    here = np.zeros((2, len(points)), dtype=bool)
+    for side, some in enumerate((faces[~above], faces[above])):
+        here[side, some] = True
+    lips = np.flatnonzero(here.all(axis=0) & (points[:, 1] > 0.02) & (np.abs(points[:, 0]) < 0.3))
+    copy = np.arange(len(points))
+    copy[lips] = len(points) + np.arange(len(lips))
+    cut = np.where(above[:, None], copy[faces], faces)
+    upper = np.zeros(len(points) + len(lips), dtype=bool)
+    upper[cut[above]] = True
+    upper[lips] = False
+    return np.concatenate([points, points[lips]]), cut, upper, lips
+
+
+@pytest.fixture(scope="module")
+def lips():
+    """A figure with a slit, the same under other numbers, and their match."""
+    points, faces, upper, closed = with_a_slit(*figure(16))
+    assert len(closed) > 2
+    here, own, old = permuted(points, faces)
+    return points, faces, upper, closed, here, own, old, match(here, own, points, faces)
+
+
+def test_lips_that_are_closed_keep_values_of_their_own(lips):
+    points, _, upper, closed, _, _, old, found = lips
+    jaw = np.where(upper, 0.0, 1.0)
+    at_lips = np.isin(old, closed) | (old >= len(points) - len(closed))
+    np.testing.assert_allclose(transferred(found, jaw)[at_lips], jaw[old][at_lips], atol=0.35)
+    one = transferred(found, points)  # the same on both sides: copies get one value
+    place = {number: tuple(value) for number, value in zip(old.tolist(), one, strict=True)}
+    assert all(place[lip] == place[len(points) - len(closed) + number] for number, lip in enumerate(closed.tolist()))
+
+
+def test_a_key_opens_closed_lips_and_no_other_seam(lips):
+    points, _, upper, closed, here, own, old, found = lips
+    opened = points + np.where(upper, 0.0, -0.1)[:, None] * [0, 0, 1]
+    moved = transferred_shape(found, here, own, points, opened)
+    way = np.empty(len(points))
+    way[old] = (moved - here)[:, 2]
+    gap = way[-len(closed) :] - way[closed]
+    assert (gap > 0.05).all()
+    grown = np.empty_like(points)
+    grown[old] = transferred_shape(found, here, own, points, 1.1 * points)
+    np.testing.assert_array_equal(grown[-len(closed) :], grown[closed])
+
+
+def test_a_split_source_gives_what_the_whole_one_does():
+    points, faces = figure(14)
+    front = points[faces].mean(axis=1)[:, 1] > 0
+    both = np.intersect1d(faces[front], faces[~front])
+    copy = np.arange(len(points))
+    copy[both] = len(points) + np.arange(len(both))
+    cut, split = np.where(front[:, None], copy[faces], faces), np.concatenate([points, points[both]])
+    here, own, _ = permuted(points, faces)
+    map_of = np.where(front[:, None, None], 2.0, 0.0) + points[faces][:, :, [0, 2]]
+    corners = np.arange(faces.size).reshape(-1, 3)
+    own_corners = (np.repeat(np.arange(len(own)), 3), own.ravel())
+    results = []
+    for there, triangles in ((points, faces), (split, cut)):
+        found = match(here, own, there, triangles)
+        results.append((
+            transferred_corners(found, *own_corners, there, corners, map_of.reshape(-1, 2), triangles.ravel()),
+            transferred_labels(found, *own_corners, triangles, front.astype(int)),
+            transferred(found, np.sin(3 * there)),
+        ))  # fmt: skip
+    for whole, parts in zip(*results, strict=True):
+        np.testing.assert_allclose(parts, whole, atol=1e-9)

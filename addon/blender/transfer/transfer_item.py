@@ -20,6 +20,7 @@ from ..records.form_key import form_key
 from ..records.transfer_record import Written, make_room, read_transfers, write_transfers
 from ..results.in_betweens import PROPERTY, has_in_betweens
 from ..words.wording import listed, told
+from .transfer_reading import SourceKey
 
 if TYPE_CHECKING:
     from ...core import Match
@@ -41,10 +42,10 @@ class Carried(NamedTuple):
         UV maps, by corner.
     colours : dict of str to (str, str, ndarray)
         Domain, data type and values of colour attributes.
-    keys : dict of str to ((n, 3) ndarray of float, (float, float))
-        Shapes, and the range of their sliders.
+    keys : dict of str to SourceKey
+        Shape keys, with the shapes of this object.
     material_of : (p,) ndarray of int or None
-        Material slot of the source for each polygon; None if materials are not transferred.
+        Material slot of the source for each polygon, -1 where there is none; None if materials are not transferred.
     rest : (n, 3) ndarray of float or None
         Positions in the rest pose of the rig; None without a rig.
     """
@@ -52,7 +53,7 @@ class Carried(NamedTuple):
     groups: dict[str, FloatArray]
     uvs: dict[str, FloatArray]
     colours: dict[str, tuple[str, str, FloatArray]]
-    keys: dict[str, tuple[FloatArray, tuple[float, float]]]
+    keys: dict[str, SourceKey]
     material_of: IntArray | None
     rest: FloatArray | None
 
@@ -124,7 +125,7 @@ class TransferItem:
         rest : (n, 3) ndarray of float or None
             Positions in the rest pose of the rig.
         """
-        from ...core import transferred, transferred_corners
+        from ...core import transferred, transferred_corners, transferred_labels
 
         def on_corners(values: FloatArray) -> FloatArray:
             return transferred_corners(
@@ -132,9 +133,11 @@ class TransferItem:
             )
 
         groups: dict[str, FloatArray] = {}
-        if "GROUPS" in kinds and source.groups:
-            weights = transferred(found, np.column_stack(list(source.groups.values())))
-            groups = dict(zip(source.groups, weights.T, strict=True))
+        masks = {each.mask for each in source.keys} if "KEYS" in kinds else set()
+        wanted = [name for name in source.groups if "GROUPS" in kinds or name in masks]
+        if wanted:
+            weights = transferred(found, np.column_stack([source.groups[name] for name in wanted]))
+            groups = dict(zip(wanted, weights.T, strict=True))
         colours = {
             each.name: (
                 "CORNER" if each.on_corners else "POINT",
@@ -147,8 +150,16 @@ class TransferItem:
             groups,
             {name: on_corners(values) for name, values in source.uvs.items()} if "UVS" in kinds else {},
             colours,
-            {each.name: (keys[each.name], each.limits) for each in source.keys if each.name in keys},
-            self._material_of(found, source, len(there)) if "MATERIALS" in kinds else None,
+            {each.name: each._replace(shape=keys[each.name]) for each in source.keys if each.name in keys},
+            transferred_labels(
+                found,
+                self._polygon_of,
+                self._vertex_of,
+                source.vertex_of[source.triangle_corners],
+                source.material_of,
+            )
+            if "MATERIALS" in kinds
+            else None,
             rest,
         )
 
@@ -185,15 +196,6 @@ class TransferItem:
                     self._write_materials(obj, source, self.carried.material_of)
             restore_active_items(obj, active.kept(existing_items(obj), otherwise=active_items(obj)))
             obj.data.update()
-
-    def _material_of(self, found: Match, source: Source, there_count: int) -> IntArray:
-        """Return, for each polygon, the material slot of the source that most of its corners have."""
-        triangles = source.vertex_of[source.triangle_corners]
-        slots = np.zeros(there_count, dtype=np.int64)
-        slots[triangles.ravel()] = np.repeat(source.material_of, 3)
-        count = np.zeros((int(self._polygon_of.max()) + 1, int(slots.max()) + 1), dtype=np.int64)
-        np.add.at(count, (self._polygon_of, slots[found.vertices[self._vertex_of]]), 1)
-        return np.asarray(count.argmax(axis=1))
 
     def _room(self, obj: bpy.types.Object, source: Source, kind: str, names: list[str], written: Written) -> list[str]:
         """Return the names that can be written, and warn about the user's items of the same names."""
@@ -259,9 +261,10 @@ class TransferItem:
     def _write_keys(self, obj: bpy.types.Object, source: Source, carried: Carried, written: Written) -> None:
         """Write shape keys, new ones with value 0, except that of the rig's rest pose, which replaces earlier ones."""
         shapes = dict(carried.keys)
+        new = set()
         if carried.rest is not None:
             rest = REST.format(source.name).encode()[:63].decode(errors="ignore")  # Blender's limit, in bytes
-            shapes = {rest: (carried.rest, (0.0, 1.0)), **shapes}
+            shapes = {rest: SourceKey(rest, carried.rest), **shapes}
             kept = {*shapes, *(key.name for key in source.keys)}  # the source may have taken over a rig itself
             others = [name for name in written["keys"] if name.startswith(REST.format("")) and name not in kept]
             for name in make_room(obj, "keys", others, written):  # changed by the user
@@ -270,17 +273,24 @@ class TransferItem:
         if names and obj.data.shape_keys is None:
             obj.shape_key_add(name="Basis", from_mix=False)
         for name in names:
-            shape, (low, high) = shapes[name]
+            shape = shapes[name].shape
             key = obj.data.shape_keys.key_blocks.get(name)
             if key is None:
                 key = obj.shape_key_add(name=name, from_mix=False)
                 key.relative_key = obj.data.shape_keys.reference_key
-                key.slider_min, key.slider_max = low, high
+                key.slider_min, key.slider_max = shapes[name].limits
                 key.value = 0.0
+                if shapes[name].mask in obj.vertex_groups:
+                    key.vertex_group = shapes[name].mask
+                new.add(name)
             key.points.foreach_set("co", shape.astype(np.float32).ravel())
             if shape is carried.rest:
                 key.value = 1.0
-            written["keys"][key.name] = key_fingerprint(key)
+            written["keys"][name] = key_fingerprint(key)
+        if names:
+            _set_relative(obj.data.shape_keys, {name: shapes[name].relative for name in names}, new)
+        for name in names:
+            written["keys"][name] = key_fingerprint(obj.data.shape_keys.key_blocks[name])
         form = form_key(obj.data)
         if carried.rest is not None and form is not None:  # with both, the object would be moved twice
             form.value = 0.0
@@ -292,8 +302,8 @@ class TransferItem:
 
         Polygons that match one without a material keep theirs.
         """
-        used = np.unique(material_of)
-        slot = np.full(int(used.max()) + 1, -1, dtype=np.int32)
+        used = np.unique(material_of[material_of >= 0])
+        slot = np.full(int(used.max(initial=0)) + 1, -1, dtype=np.int32)
         for number in used.tolist():
             name = source.materials[number] if number < len(source.materials) else ""
             material = bpy.data.materials.get(name)
@@ -306,10 +316,39 @@ class TransferItem:
             slot[number] = mine.index(material)
         own = np.empty(len(material_of), dtype=np.int32)
         obj.data.polygons.foreach_get("material_index", own)
-        chosen = slot[material_of]
+        chosen = np.where(material_of < 0, -1, slot[material_of])
         if (chosen >= 0).any():
             obj.data.polygons.foreach_set("material_index", np.where(chosen >= 0, chosen, own))
             self.told.append(told("materials"))
+
+
+def _set_relative(keys: bpy.types.Key, relative: dict[str, str], new: Set[str]) -> None:
+    """Let keys, whose shapes change the Basis, change the keys that they are relative to; new ones as in the source."""
+    basis = _points(keys.reference_key)
+    done: set[str] = set()
+
+    def follow(name: str) -> None:
+        key = keys.key_blocks[name]
+        done.add(name)
+        if name in new and relative[name] in keys.key_blocks:
+            key.relative_key = keys.key_blocks[relative[name]]
+        other = key.relative_key
+        if other in (keys.reference_key, key):
+            return
+        if other.name in relative and other.name not in done:
+            follow(other.name)
+        key.points.foreach_set("co", _points(key) + _points(other) - basis)
+
+    for name in relative:
+        if name not in done:
+            follow(name)
+
+
+def _points(key: bpy.types.ShapeKey) -> np.ndarray:
+    """Read the positions of a key, flat."""
+    points = np.empty(3 * len(key.points), dtype=np.float32)
+    key.points.foreach_get("co", points)
+    return points
 
 
 @contextmanager

@@ -46,11 +46,17 @@ class SourceKey(NamedTuple):
         Positions at value 1, without the other keys.
     limits : (float, float)
         Minimum and maximum of its slider.
+    mask : str
+        Name of the vertex group that limits it, as those for the left and the right side; empty for none.
+    relative : str
+        Name of the key that it changes; empty for the Basis.
     """
 
     name: str
     shape: FloatArray
-    limits: tuple[float, float]
+    limits: tuple[float, float] = (0.0, 1.0)
+    mask: str = ""
+    relative: str = ""
 
 
 class Source(NamedTuple):
@@ -78,6 +84,8 @@ class Source(NamedTuple):
         Slot of each triangle.
     armature : str
         Name of the armature that deforms it; empty without one.
+    damaged : list of str
+        Names of UV maps, colour attributes and keys that hold values which are not numbers, and are left out.
     """
 
     name: str
@@ -90,6 +98,7 @@ class Source(NamedTuple):
     materials: list[str]
     material_of: IntArray
     armature: str
+    damaged: list[str]
 
 
 def read_source(obj: bpy.types.Object) -> Source:
@@ -116,21 +125,31 @@ def read_source(obj: bpy.types.Object) -> Source:
     mesh.loop_triangles.foreach_get("material_index", slot)
     vertex_of = np.empty(len(mesh.loops), dtype=np.int32)
     mesh.loops.foreach_get("vertex_index", vertex_of)
+    uvs = {layer.name: _values(layer.uv, "vector", 2) for layer in mesh.uv_layers}
+    colours = [
+        SourceColours(each.name, each.domain == "CORNER", each.data_type, _values(each.data, "color", 4))
+        for each in mesh.color_attributes
+        if each.domain in ("POINT", "CORNER") and each.name not in own.colours and each.name != shown
+    ]
+    keys = _keys(mesh, own)
+    values = [
+        *uvs.items(),
+        *((each.name, each.values) for each in colours),
+        *((each.name, each.shape) for each in keys),
+    ]
+    damaged = [name for name, each in values if not np.isfinite(each).all()]
     return Source(
         obj.name,
         corners.reshape(-1, 3).astype(np.int64),
         vertex_of.astype(np.int64),
         weights_of(obj, [group.name for group in obj.vertex_groups if group.name not in own.groups]),
-        {layer.name: _values(layer.uv, "vector", 2) for layer in mesh.uv_layers},
-        [
-            SourceColours(each.name, each.domain == "CORNER", each.data_type, _values(each.data, "color", 4))
-            for each in mesh.color_attributes
-            if each.domain in ("POINT", "CORNER") and each.name not in own.colours and each.name != shown
-        ],
-        _keys(mesh, own),
+        {name: each for name, each in uvs.items() if name not in damaged},
+        [each for each in colours if each.name not in damaged],
+        [each for each in keys if each.name not in damaged],
         ["" if each.material is None else each.material.name for each in obj.material_slots],
         slot.astype(np.int64),
         next((each.object.name for each in obj.modifiers if each.type == "ARMATURE" and each.object is not None), ""),
+        damaged,
     )
 
 
@@ -145,6 +164,8 @@ def _keys(mesh: bpy.types.Mesh, own: ItemNames) -> list[SourceKey]:
             key.name,
             basis + _values(key.data, "co", 3) - _values(key.relative_key.data, "co", 3),
             (key.slider_min, key.slider_max),
+            key.vertex_group,
+            "" if key.relative_key in (keys.reference_key, key) else key.relative_key.name,
         )
         for key in keys.key_blocks
         if key != keys.reference_key and key.name not in own.shape_keys

@@ -19,7 +19,7 @@ from ..objects.object_states import object_mode
 from ..objects.placement import placement_of
 from ..records.record import read_record
 from ..words.advice import all_advised
-from ..words.wording import progress_of, told
+from ..words.wording import listed, progress_of, told
 from .transfer_item import TransferItem
 from .transfer_reading import Source, read_source
 
@@ -92,6 +92,14 @@ class TransferTask:
         self._kinds, self._settings, self._side = kinds, settings, side
         self._rigged = "GROUPS" in kinds and bool(self._source.armature)
         self.warnings: list[str] = []
+        if self._source.damaged:
+            self.warnings.append(
+                told(
+                    "{damaged} of {source} have values that are not numbers, and were left out.",
+                    damaged=listed(self._source.damaged),
+                    source=source.name,
+                )
+            )
         self.told: list[str] = []
 
     def compute(self, progress: Progress | None = None, cancelled: Cancelled | None = None) -> None:
