@@ -2,33 +2,51 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
 
-from .polygon_mesh import PolygonMesh, Polygons, coordinates
+from .polygon_mesh import PolygonMesh, Polygons, coordinates, decoded, decoded_text, encoded
+
+_CONTINUED = re.compile(r"\\\r?\n")  # a line that goes on in the next
 
 
 def read_obj(path: Path) -> PolygonMesh:
-    """Read the vertices and polygons of an .obj file; everything else is ignored."""
+    """Read the vertices with their colours and the polygons of an .obj file; everything else is ignored."""
     vertices: list[list[float]] = []
+    colours: list[list[float]] = []
     polygons: Polygons = []
-    for line in path.read_text(encoding="utf-8", errors="replace").replace("\\\n", " ").splitlines():
-        words = line.split()
+    text = _CONTINUED.sub(" ", decoded_text(path.read_bytes()))
+    for line in text.splitlines():
+        words = line.split("#", 1)[0].split()
         if not words:
             continue
         if words[0] == "v":
+            if "," in line and "." not in line:  # decimal commas
+                words = [word.replace(",", ".") for word in words]
             vertices.append([float(word) for word in words[1:4]])
+            colours.append([float(word) for word in words[4:7]])
         elif words[0] == "f":
-            corners = [int(word.split("/")[0]) for word in words[1:]]
-            polygons.append([corner - 1 if corner > 0 else len(vertices) + corner for corner in corners])
-    return PolygonMesh(np.array(vertices, dtype=np.float64).reshape(-1, 3), polygons)
+            corners = [int(float(word.split("/")[0])) for word in words[1:]]
+            polygons.append([corner - 1 if corner >= 0 else len(vertices) + corner for corner in corners])
+    if min((corner for corners in polygons for corner in corners), default=0) == -1:  # they count from 0
+        polygons = [[corner + 1 for corner in corners] for corners in polygons]
+    coloured = bool(colours) and all(len(each) == 3 for each in colours)
+    return PolygonMesh(
+        np.array(vertices, dtype=np.float64).reshape(-1, 3),
+        polygons,
+        colours=decoded(np.array(colours)) if coloured else None,
+    )
 
 
 def obj_lines(mesh: PolygonMesh) -> list[str]:
-    """List the lines of an .obj file: vertices, UV coordinates, polygons with their patches as groups and materials."""
+    """List the lines of an .obj file: vertices with colours, UV coordinates, polygons with groups and materials."""
     lines = [f"mtllib {mesh.library}"] if mesh.library else []
-    lines += [f"v {point}" for point in coordinates(mesh.vertices)]
+    points = coordinates(mesh.vertices)
+    if mesh.colours is not None:
+        points = [" ".join(each) for each in zip(points, coordinates(encoded(mesh.colours[:, :3])), strict=True)]
+    lines += [f"v {point}" for point in points]
     corner_uv: list[int] | None = None
     if mesh.corner_uv is not None:
         places, number = np.unique(mesh.corner_uv, axis=0, return_inverse=True)

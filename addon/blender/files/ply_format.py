@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ...core import InvalidMeshError
-from .polygon_mesh import PolygonMesh, coordinates, counted
+from ...core.numerics.arrays import FloatArray
+from .polygon_mesh import PolygonMesh, Polygons, coordinates, counted, decoded, decoded_text, encoded
 
 _TYPES = {
     "char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": "i2", "int16": "i2", "ushort": "u2",
@@ -16,15 +18,18 @@ _TYPES = {
     "double": "f8", "float64": "f8",
 }  # fmt: skip
 _ORDERS = {"binary_little_endian": "<", "binary_big_endian": ">"}
+_END = re.compile(rb"end_header[ \t]*(\r\n|\n|\r)")
 _MOST_CORNERS = 255  # of a face: their number is one byte, as many readers expect
 
 
 def read_ply(path: Path) -> PolygonMesh:
-    """Read the vertices and polygons of a .ply file, text or binary; everything else is ignored."""
+    """Read vertices with their colours and polygons of a .ply file, text or binary; everything else is ignored."""
     data = path.read_bytes()
-    end = data.index(b"end_header")
-    body = data[data.index(b"\n", end) + 1 :]
-    header = [line.split() for line in data[:end].decode("ascii").splitlines()]
+    end = _END.search(data)
+    if end is None:
+        raise ValueError("no end of the header")
+    body = data[end.end() :]
+    header = [line.split() for line in decoded_text(data[: end.start()].replace(b"\r", b"\n")).splitlines()]
     if header[0] != ["ply"]:
         raise ValueError("not a .ply file")
     formats = [words[1] for words in header if words[:1] == ["format"]]
@@ -46,9 +51,12 @@ def read_ply(path: Path) -> PolygonMesh:
             {words[-1]: reader.value(words) for words in properties} for _ in range(count if properties else 0)
         ]
     points = [[row["x"], row["y"], row["z"]] for row in found["vertex"]]
+    colours = _colours(found["vertex"], next(each for name, _, each in elements if name == "vertex"))
+    strips = [row.get("vertex_indices", row.get("vertex_index")) for row in found.get("tristrips", [])]
     lists = [row.get("vertex_indices", row.get("vertex_index")) for row in found.get("face", [])]
     polygons = [[int(each) for each in row or ()] for row in lists]
-    return PolygonMesh(np.array(points, dtype=np.float64).reshape(-1, 3), polygons)
+    polygons += [triangle for strip in strips for triangle in _triangles([int(each) for each in strip or ()])]
+    return PolygonMesh(np.array(points, dtype=np.float64).reshape(-1, 3), polygons, colours=colours)
 
 
 def ply_lines(mesh: PolygonMesh) -> list[str]:
@@ -61,9 +69,7 @@ def ply_lines(mesh: PolygonMesh) -> list[str]:
     points, channels = coordinates(mesh.vertices), []
     if mesh.colours is not None:
         channels = ["property uchar red", "property uchar green", "property uchar blue"]
-        linear = np.clip(mesh.colours[:, :3], 0, 1)
-        encoded = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)  # sRGB
-        colours = np.round(255 * encoded).astype(int).tolist()
+        colours = np.round(255 * encoded(mesh.colours[:, :3])).astype(int).tolist()
         points = [f"{point} {red} {green} {blue}" for point, (red, green, blue) in zip(points, colours, strict=True)]
     return [
         "ply",
@@ -77,6 +83,27 @@ def ply_lines(mesh: PolygonMesh) -> list[str]:
         *points,
         *counted(mesh.polygons),
     ]
+
+
+def _triangles(strip: list[int]) -> Polygons:
+    """Cut strips of triangles, which -1 ends, into triangles: every second one is the other way round."""
+    found, start = [], 0
+    for at, corner in enumerate(strip):
+        if corner == -1:
+            start = at + 1
+        elif at - start >= 2:
+            one, other = strip[at - 2], strip[at - 1]
+            found.append([one, other, corner] if (at - start) % 2 == 0 else [other, one, corner])
+    return found
+
+
+def _colours(rows: list[dict[str, Any]], properties: list[list[str]]) -> FloatArray | None:
+    """Return the colours of the vertices, whole numbers up to 255 or shares of 1; None if they have none."""
+    kinds = {words[-1]: words[0] for words in properties}
+    if not rows or not {"red", "green", "blue"} <= kinds.keys():
+        return None
+    values = np.array([[row["red"], row["green"], row["blue"]] for row in rows], dtype=np.float64)
+    return decoded(values if _TYPES[kinds["red"]][0] == "f" else values / 255)
 
 
 def _length(value: Any) -> int:

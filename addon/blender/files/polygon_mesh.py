@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 from collections.abc import Sequence
 from itertools import pairwise
 from typing import NamedTuple
@@ -44,6 +45,44 @@ class PolygonMesh(NamedTuple):
     materials: Sequence[str] = ()
     slots: Sequence[int] = ()
     library: str = ""
+
+
+def decoded_text(data: bytes) -> str:
+    r"""Decode the text of a mesh file: UTF-8 or UTF-16 as their byte-order marks say, otherwise UTF-8.
+
+    Examples
+    --------
+    >>> decoded_text("v 1 2 3".encode("utf-16")), decoded_text(b"\xef\xbb\xbfv 1 2 3")
+    ('v 1 2 3', 'v 1 2 3')
+    """
+    if data[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):
+        return data.decode("utf-16", errors="replace").lstrip("\ufeff")
+    return data.decode("utf-8-sig", errors="replace")
+
+
+def encoded(linear: np.ndarray) -> FloatArray:
+    """Encode linear colours, 0 to 1, as sRGB.
+
+    Examples
+    --------
+    >>> encoded(np.array([0.0, 0.0031308, 1.0])).round(4).tolist()
+    [0.0, 0.0404, 1.0]
+    """
+    low = np.clip(linear, 0, 1).astype(np.float64)
+    return np.where(low <= 0.0031308, 12.92 * low, 1.055 * low ** (1 / 2.4) - 0.055)
+
+
+def decoded(colours: np.ndarray) -> FloatArray:
+    """Decode sRGB colours, 0 to 1, to linear ones with an alpha of 1; `colours` (n, 3) gives (n, 4).
+
+    Examples
+    --------
+    >>> decoded(np.array([[0.0, 0.0404, 1.0]])).round(4).tolist()
+    [[0.0, 0.0031, 1.0, 1.0]]
+    """
+    given = np.clip(colours, 0, 1).astype(np.float64)
+    linear = np.where(given <= 0.04045, given / 12.92, ((given + 0.055) / 1.055) ** 2.4)
+    return np.column_stack([linear, np.ones(len(linear))])
 
 
 def fans(polygons: Polygons) -> IntArray:
