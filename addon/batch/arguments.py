@@ -67,6 +67,7 @@ def wanted_of(options: argparse.Namespace, mark: str, *, stages: bool) -> Wanted
         objects=tuple(options.objects or ()),
         together=options.together,
         axes=None if options.axes is None else _axes(options.axes, options.format),
+        colours=options.colours,
         measures=tuple(options.measure or ()),
         value=options.value,
         skip_existing=options.skip_existing,
@@ -129,7 +130,7 @@ def _parser() -> argparse.ArgumentParser:
     _add_method(matching, None)
     matching.set_defaults(
         format="npz", mesh="base", frame=None, frames=None, frames_as="files", together=False, axes=None, value=1.0,
-        measure=None, skip_existing=False, pose=None, jobs=1, scheduler=None,
+        colours="none", measure=None, skip_existing=False, pose=None, jobs=1, scheduler=None,
     )  # fmt: skip
     return parser
 
@@ -146,6 +147,10 @@ def _add_files(parser: argparse.ArgumentParser) -> None:
         help="what to write (default: blend, obj without Blender)",
     )  # fmt: skip
     files.add_argument("--skip-existing", action="store_true", help="skip files that already have their result")
+    files.add_argument(
+        "--colours", choices=("none", "patches", "adf"), default="none", help="what colours show in other kinds than "
+        ".blend: only what the mesh has, its patches (in .obj also groups), or the Auto Diffusion Function",
+    )  # fmt: skip
     files.add_argument(
         "--measure", nargs="+", choices=("hausdorff",), metavar="NAME", help="measures that take longer than the form, "
         "to be reported as well: hausdorff, the distance from the pose",

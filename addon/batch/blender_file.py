@@ -13,16 +13,19 @@ from ..blender.files.face_indices import require_whole_faces
 from ..blender.files.reading_files import open_meshes, scripts_left_off
 from ..blender.files.writing_files import Shown, save_blend, save_forms
 from ..blender.jobs.form_item import FormItem
+from ..blender.jobs.form_result import FormResult
 from ..blender.jobs.form_task import FormTask
 from ..blender.jobs.likeness import Likeness
 from ..blender.jobs.pose_reading import read_likeness
 from ..blender.jobs.request import Request
 from ..blender.objects.mesh_reading import refusal
 from ..blender.records.form_report import FormReport
+from ..blender.results.bare_copies import bare_copies
 from ..blender.results.frame_keys import keep_for_frame
 from ..blender.results.result_clearing import clear_from
+from ..blender.results.result_writing import FIELD_COLOURS, PATCH_COLOURS
 from ..core import CanonicalForm, CanonicalFormError
-from ..core.numerics.arrays import FloatArray
+from ..core.numerics.arrays import FloatArray, IntArray
 from ..core.run.monitor import Progress
 from .open_files import Body, MeshInFile, Reference
 from .wanted import Wanted
@@ -84,15 +87,19 @@ class BlenderFile:
             save_blend(target, wanted.mark)
             return []
         assert item is not None
-        shown = [
-            Shown(obj, _in_axes(result.found.vertices, obj, wanted), result.found.patches, result.colours.patches)  # type: ignore[union-attr]
-            for obj, result in zip(map(bpy.data.objects.get, item.written_to), item.results, strict=True)
-        ]
+        objects = [bpy.data.objects[name] for name in item.written_to]
+        forms = [result.found.vertices for result in item.results]  # type: ignore[union-attr]
         read = [each.source for each in self.meshes]
         try:
-            left_out = save_forms(target, shown, wanted.mark, pictures=None if wanted.trusted else self._path.parent)
+            with bare_copies(objects, forms) as copies:
+                shown = [
+                    Shown(copy, _in_axes(form, obj, wanted), *_field(result, wanted))
+                    for copy, form, obj, result in zip(copies, forms, objects, item.results, strict=True)
+                ]
+                pictures = None if wanted.trusted else self._path.parent
+                left_out = save_forms(target, shown, wanted.mark, pictures=pictures)
         finally:
-            bpy.data.batch_remove([each.obj for each in shown if each.obj not in read])
+            bpy.data.batch_remove([each for each in objects if each not in read])
         return [_PICTURES_LEFT_OUT.format(", ".join(left_out))] if left_out else []
 
     def form(self, body: Body) -> CanonicalForm:
@@ -165,6 +172,15 @@ def _whole_report(item: FormItem) -> FormReport:
         ],
         patch_sizes=[sum(each) for each in zip(*(each.patch_sizes for each in reports), strict=True)],
     )
+
+
+def _field(result: FormResult, wanted: Wanted) -> tuple[IntArray | None, np.ndarray | None, str]:
+    """Return the patches, and the colours and name of the field that is wanted, if any."""
+    if wanted.colours == "none":
+        return None, None, ""
+    if wanted.colours == "adf":
+        return None, result.colours.field, FIELD_COLOURS
+    return result.found.patches, result.colours.patches, PATCH_COLOURS
 
 
 def _in_axes(form: FloatArray, obj: bpy.types.Object, wanted: Wanted) -> FloatArray:

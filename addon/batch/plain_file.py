@@ -57,8 +57,13 @@ class PlainFile:
         found, axes = self._result, self._wanted.axes
         assert found is not None
         placed = found.vertices if axes is None else found.vertices @ axes
-        colours = colours_of(found.adf, found.patches, self._faces).patches
-        mesh = self._mesh._replace(vertices=placed, patches=found.patches, colours=colours)
+        mesh = self._mesh._replace(vertices=placed)
+        if self._wanted.colours != "none":
+            colours = colours_of(found.adf, found.patches, self._faces)
+            if self._wanted.colours == "adf":
+                mesh = mesh._replace(colours=colours.field)
+            else:
+                mesh = mesh._replace(patches=found.patches, colours=colours.patches)
         write_plain(target, mesh, self._wanted.mark)
         return []
 

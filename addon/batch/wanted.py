@@ -34,6 +34,8 @@ class Wanted:
     axes : (3, 3) ndarray of float or None
         Rotation from the axes of the scene to those of the file, for row vectors; None to write .obj and .ply in local
         space.
+    colours : {'none', 'patches', 'adf'}
+        Colours that are added to the result, in other kinds than .blend.
     measures : tuple of str
         Costly measures to take as well: 'hausdorff'.
     value : float
@@ -61,6 +63,7 @@ class Wanted:
     objects: tuple[str, ...] = ()
     together: bool = False
     axes: FloatArray | None = None
+    colours: str = "none"
     measures: tuple[str, ...] = ()
     value: float = 1.0
     trusted: bool = False

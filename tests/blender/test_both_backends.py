@@ -58,7 +58,9 @@ def require_same(line, plain):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_forms_and_lines_are_the_same(kind, both, meshes, tmp_path):
-    (code, [line]), (plain_code, [plain]) = both("compute", meshes / f"{kind}.{kind}", "--format", kind)
+    (code, [line]), (plain_code, [plain]) = both(
+        "compute", meshes / f"{kind}.{kind}", "--format", kind, "--colours", "patches"
+    )
     assert code == plain_code == 0
     require_same(line, plain)
     name = Path(line["output"]).name

@@ -52,7 +52,11 @@ def test_every_format_gives_the_same_form(folder, tmp_path):
     assert [Path(line["input"]).suffix for line in lines] == [path.suffix for path in inputs]
     vertices, faces = shapes.figure(13)
     for line in lines:
-        assert (line["vertices"], line["faces"]) == (len(vertices), len(faces))
+        assert line["faces"] == len(faces)
+        if line["input"].endswith("glb"):  # flat faces share no vertices there
+            assert line["vertices"] > 2 * len(vertices)
+        else:
+            assert line["vertices"] == len(vertices)
         assert len(line["feature_points"]) == len(lines[0]["feature_points"])
         distorted = "edge_distortion_median"
         assert line["measures"][distorted] == pytest.approx(lines[0]["measures"][distorted], rel=1e-2)

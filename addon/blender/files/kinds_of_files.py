@@ -16,6 +16,6 @@ IMPORTERS = {  # Blender's operators by file kind; the first that exists is used
     ".abc": ("wm.alembic_import",),
 }
 READ = (".blend", ".off", *IMPORTERS)
-EXPORTERS = {"glb": "export_scene.gltf", "fbx": "export_scene.fbx", "usdc": "wm.usd_export"}
+EXPORTERS = {"glb": "export_scene.gltf", "fbx": "export_scene.fbx", "usdc": "wm.usd_export", "usdz": "wm.usd_export"}
 PLAIN = (".off", ".obj", ".ply")  # read and written without Blender; they hold one object
 WRITTEN = ("blend", "obj", "ply", *EXPORTERS, "off")

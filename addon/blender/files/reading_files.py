@@ -7,13 +7,13 @@ import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 import bpy
 
 from ...core import InvalidMeshError
 from .file_access import require_named, require_readable
 from .kinds_of_files import IMPORTERS, READ
+from .misread_files import read_instead
 from .off_format import read_off
 from .outside_references import require_own_buffers
 
@@ -192,19 +192,6 @@ def _empty() -> None:
     fresh.name = "Scene"
 
 
-def _weld(mesh: bpy.types.Mesh) -> None:
-    """Merge vertices at identical positions: glTF stores a copy for every normal and UV coordinate."""
-    import bmesh
-
-    edited = bmesh.new()
-    edited.from_mesh(mesh)
-    first: dict[tuple[float, float, float], Any] = {}
-    kept = {vertex: first.setdefault(tuple(vertex.co), vertex) for vertex in edited.verts}
-    bmesh.ops.weld_verts(edited, targetmap={vertex: target for vertex, target in kept.items() if vertex != target})
-    edited.to_mesh(mesh)
-    edited.free()
-
-
 def importer(kind: str) -> Callable[..., set[str]] | None:
     """Return the operator with which this Blender imports a kind of file.
 
@@ -228,8 +215,11 @@ def importer(kind: str) -> Callable[..., set[str]] | None:
 def _import(path: Path) -> None:
     """Import a file into the open, empty file."""
     kind = path.suffix.lower()
-    if kind == ".off":
-        read = read_off(path)
+    try:
+        read = read_off(path) if kind == ".off" else read_instead(path)
+    except (ArithmeticError, LookupError, TypeError, ValueError) as error:
+        raise InvalidMeshError(f"{path.name} is damaged or not a {kind} file.") from error
+    if read is not None:
         mesh = bpy.data.meshes.new(path.stem)
         mesh.from_pydata(read.vertices.tolist(), [], read.polygons)
         obj = bpy.data.objects.new(path.stem, mesh)
@@ -242,6 +232,3 @@ def _import(path: Path) -> None:
             "Use another Blender, or another kind of file."
         )
     operator(filepath=str(path))
-    if kind in (".glb", ".gltf"):
-        for mesh in bpy.data.meshes:
-            _weld(mesh)

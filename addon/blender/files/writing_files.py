@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -12,7 +13,6 @@ import numpy as np
 
 from ...core import InvalidMeshError
 from ...core.numerics.arrays import FloatArray, IntArray
-from ..mesh_items.key_removal import remove_all_keys
 from .kinds_of_files import EXPORTERS
 from .obj_format import word
 from .outside_references import without_foreign_pictures
@@ -30,32 +30,46 @@ _TOLD: dict[str, dict[str, Any]] = {  # options of the exporters: write only the
         "export_format": "GLB",
         "export_animations": False,
         "export_vertex_color": "ACTIVE",
+        "export_attributes": True,
+        "export_extras": True,
     },
-    "fbx": {"use_selection": True, "object_types": {"MESH"}, "bake_anim": False},
+    "fbx": {
+        "use_selection": True,
+        "object_types": {"MESH"},
+        "bake_anim": False,
+        "use_custom_props": True,
+        "path_mode": "COPY",
+        "embed_textures": True,
+    },
     "usdc": {"selected_objects_only": True, "export_animation": False},
+    "usdz": {"selected_objects_only": True, "export_animation": False},
 }
+_HOLDS_PICTURES = ("glb", "fbx", "usdz")
 _OWN_MTL = "# By Canonical Form"  # first line of a .mtl that a later run may replace
 
 
 class Shown(NamedTuple):
-    """An object with its form, to be written to a file.
+    """An object that is written to a file.
 
     Attributes
     ----------
     obj : bpy.types.Object
-        The object whose polygons, UV maps and materials are written.
+        The object, shaped as its form.
     form : (n, 3) ndarray of float
-        Positions of the vertices of its mesh, in local space.
-    patches : (n,) ndarray of int
-        Patch of each vertex; -1 for none.
-    colours : (n, 4) ndarray of float
-        Colour of each vertex, by patch.
+        Positions of its vertices in the axes of a text file.
+    patches : (n,) ndarray of int or None
+        Patch of each vertex, for the groups of an .obj; -1 for none.
+    colours : (n, 4) ndarray of float or None
+        Colours of its vertices to add, such as those of the patches; None to leave them as they are.
+    named : str
+        Name of these colours.
     """
 
     obj: bpy.types.Object
     form: FloatArray
-    patches: IntArray
-    colours: np.ndarray
+    patches: IntArray | None = None
+    colours: np.ndarray | None = None
+    named: str = ""
 
 
 def save_blend(path: Path, mark: str = "") -> None:
@@ -78,11 +92,11 @@ def save_blend(path: Path, mark: str = "") -> None:
 
 
 def save_forms(path: Path, shown: Sequence[Shown], mark: str = "", *, pictures: Path | None = None) -> list[str]:
-    """Write forms with the polygons, UV maps and materials of their meshes.
+    """Write objects that are shaped as their forms.
 
-    .obj, .ply and .off files hold one form, in local space and in the vertex order of the mesh; .obj stores the patches
-    as groups, .ply as colours and without UV map, .off positions and polygons only. Blender writes the other kinds, in
-    world space, with the patches as colours.
+    .obj, .ply and .off files hold one form, in local space and in the vertex order of the mesh: .obj with UV map,
+    materials and colours, .ply with colours, .off positions and polygons only. Blender writes the other kinds, in
+    world space. Viewers multiply the colours of a .glb into its texture, so that those of a field are an attribute.
 
     Parameters
     ----------
@@ -108,7 +122,9 @@ def save_forms(path: Path, shown: Sequence[Shown], mark: str = "", *, pictures: 
     """
     kind = path.suffix[1:]
     if kind in EXPORTERS:
-        with without_foreign_pictures([each.obj for each in shown], pictures if kind == "glb" else None) as left_out:
+        with without_foreign_pictures(
+            [each.obj for each in shown], pictures if kind in _HOLDS_PICTURES else None
+        ) as left_out:
             replaced(path, lambda partial: _export(partial, kind, shown), mark)
         return left_out
     (one,) = shown
@@ -146,23 +162,64 @@ def _export(path: Path, kind: str, shown: Sequence[Shown]) -> None:
         raise InvalidMeshError(f"This Blender ({bpy.app.version_string}) does not write .{kind}. Choose another kind.")
     for obj in bpy.context.view_layer.objects:
         obj.select_set(False)
+    for each in shown:
+        each.obj.select_set(True)
+        bpy.context.view_layer.objects.active = each.obj
+        if each.colours is not None:
+            _add_colours(each.obj.data, each.colours, each.named, kind)
     write = getattr(getattr(bpy.ops, group), operator)
     known = write.get_rna_type().properties
-    told = _TOLD[kind] | {name: value for name, value in _PICTURES_STAY.items() if name in known}
-    names = [each.obj.name for each in shown]
-    for each in shown:
-        each.obj.name = "Original"  # the copies have the names, and Blender would number them
-    copies = [_copy(each, name) for each, name in zip(shown, names, strict=True)]
+    told = _TOLD[kind] | {name: value for name, value in _PICTURES_STAY.items() if name in known and kind == "usdc"}
     try:
-        with quiet():
+        with quiet(), _textures_alone([each.obj for each in shown] if kind == "fbx" else []):
             write(filepath=str(path), **told)
     except RuntimeError as error:
         raise InvalidMeshError(f"Blender cannot write {path.suffix}: {last_line(error)}") from error
-    finally:
-        bpy.data.batch_remove([*copies, *(each.data for each in copies)])
-        for each, name in zip(shown, names, strict=True):
-            each.obj.name = name
     _require_whole(path)
+
+
+@contextmanager
+def _textures_alone(objects: Sequence[bpy.types.Object]) -> Iterator[None]:
+    """Link the first image behind a base colour directly, for a while: .fbx knows no textures times vertex colours."""
+    changed = []
+    for material in {slot.material for obj in objects for slot in obj.material_slots if slot.material is not None}:
+        for node in material.node_tree.nodes if material.node_tree is not None else ():
+            colour = node.inputs.get("Base Color") if node.type == "BSDF_PRINCIPLED" else None
+            source = colour.links[0].from_socket if colour is not None and colour.is_linked else None
+            image = None if source is None or source.node.type == "TEX_IMAGE" else _image_behind(source.node)
+            if image is not None:
+                changed.append((material.node_tree.links, source, colour))
+                material.node_tree.links.new(image.outputs["Color"], colour)
+    try:
+        yield
+    finally:
+        for links, source, colour in changed:
+            links.new(source, colour)
+
+
+def _image_behind(node: bpy.types.Node) -> bpy.types.Node | None:
+    """Find the first image texture among the nodes that a node depends on."""
+    nodes, seen = [node], set()
+    while nodes:
+        one = nodes.pop(0)
+        if one.type == "TEX_IMAGE" and one.image is not None:
+            return one
+        if one not in seen:
+            seen.add(one)
+            nodes += [link.from_node for each in one.inputs for link in each.links]
+    return None
+
+
+def _add_colours(mesh: bpy.types.Mesh, colours: np.ndarray, named: str, kind: str) -> None:
+    """Add colours to a mesh."""
+    if kind == "glb":  # as COLOR_0, a viewer would multiply them into the texture
+        name = f"_{named.upper().replace(' ', '_')}"
+        attribute = mesh.attributes.new(name=name, type="FLOAT_VECTOR", domain="POINT")
+        attribute.data.foreach_set("vector", colours[:, :3].astype(np.float32).ravel())
+    else:
+        attribute = mesh.color_attributes.new(name=named, type="FLOAT_COLOR", domain="POINT")
+        attribute.data.foreach_set("color", colours.astype(np.float32).ravel())
+        mesh.color_attributes.active_color = attribute
 
 
 def _require_whole(path: Path) -> None:
@@ -181,25 +238,6 @@ def _require_whole(path: Path) -> None:
         raise OSError(f"Blender could not write all of the {path.suffix} file. Is the disk full?")
 
 
-def _copy(shown: Shown, name: str) -> bpy.types.Object:
-    """Add a selected copy of an object, shaped as its form, without modifiers, shape keys, parent and animation."""
-    mesh = shown.obj.data.copy()
-    copy = bpy.data.objects.new(name, mesh)
-    bpy.context.scene.collection.objects.link(copy)
-    if mesh.shape_keys is not None:
-        remove_all_keys(copy)
-    mesh.vertices.foreach_set("co", shown.form.astype(np.float32).ravel())
-    mesh.update()
-    copy.matrix_world = shown.obj.matrix_world
-    if not np.allclose(copy.matrix_basis, shown.obj.matrix_world, atol=1e-6):  # sheared, as no file format holds it
-        mesh.transform(copy.matrix_basis.inverted_safe() @ shown.obj.matrix_world)
-    for own, slot in zip(copy.material_slots, shown.obj.material_slots, strict=False):
-        own.material = slot.material
-    copy.select_set(True)
-    bpy.context.view_layer.objects.active = copy
-    return copy
-
-
 def _polygon_mesh(shown: Shown) -> PolygonMesh:
     """Read what a text file holds of an object, shaped as its form."""
     mesh = shown.obj.data
@@ -212,11 +250,27 @@ def _polygon_mesh(shown: Shown) -> PolygonMesh:
         shown.form,
         [list(polygon.vertices) for polygon in mesh.polygons],
         shown.patches,
-        shown.colours,
+        _own_colours(mesh) if shown.colours is None else shown.colours,
         corner_uv,
         [slot.material.name if slot.material else "" for slot in shown.obj.material_slots],
         [polygon.material_index for polygon in mesh.polygons],
     )
+
+
+def _own_colours(mesh: bpy.types.Mesh) -> np.ndarray | None:
+    """Return the active colours of a mesh, one a vertex; None if it has none."""
+    attribute = mesh.color_attributes.active_color
+    if attribute is None or attribute.domain not in ("POINT", "CORNER"):
+        return None
+    colours = np.empty(4 * len(attribute.data), dtype=np.float32)
+    attribute.data.foreach_get("color", colours)
+    colours = colours.reshape(-1, 4).astype(np.float64)
+    if attribute.domain == "POINT":
+        return colours
+    vertex = np.empty(len(mesh.loops), dtype=np.int32)
+    mesh.loops.foreach_get("vertex_index", vertex)
+    count = np.maximum(np.bincount(vertex, minlength=len(mesh.vertices)), 1)
+    return np.column_stack([np.bincount(vertex, each, len(mesh.vertices)) / count for each in colours.T])
 
 
 def _as_mtl(material: bpy.types.Material) -> list[str]:
