@@ -18,6 +18,7 @@ from .reference import ReferenceBody
 
 _ROUNDED = 1e-4  # share of the size to which positions at the reference may be rounded
 _CLOSE = 0.02  # difference of mismatches below which the form may as well lie the other way round
+_UPSIDE_DOWN = -0.5  # cosine between the axes of form and file below which one of the two stands on its head
 _UNLIKE = 0.3  # mismatch above which two bodies count as dissimilar
 
 
@@ -58,7 +59,12 @@ def in_place(
     else:
         own = form[found.surface.kept]
         stance = settings.orientation
-        rotation = upright_rotation(own, found.mass, found.limbs, embedded.partner, stance=stance)
+        posed = rigid_fit(form, found.whole_points, areas)[0]
+        rotation, by_file = upright_rotation(own, found.mass, found.limbs, embedded.partner, stance=stance, posed=posed)
+        if by_file:
+            monitor.warn("upright_by_file")
+        elif rotation[:, 2] @ posed[:, 2] < _UPSIDE_DOWN:
+            monitor.warn("upside_down")
         share = areas / areas.sum()
         shift = share @ found.whole_points - share @ form @ rotation
     return (form @ rotation + shift) * found.unit + found.centre, order

@@ -78,6 +78,10 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
     "another reference.",
     "reference_sides": "Front and back, or left and right, can hardly be distinguished on this reference. Check how "
     "the form lies.",
+    "upright_by_file": "The surface does not tell head from feet, or front from back, so the form stands as in the "
+    "file. Check how it lies.",
+    "upside_down": "The form stands the other way up than the file. If the file is right, choose a reference that "
+    "stands as it should, or keep the form as posed.",
     "reference_features": "This body has {count} feature points and the reference {others}; if one has no "
     "counterpart, the numbers after it differ.",
     # a match

@@ -15,7 +15,7 @@ from .involutions import feature_involutions
 
 _SYMMETRIC = 0.1  # mismatch of a swap above which a surface counts as having no left and right
 _TOLD = 0.002  # minimum handedness, a cubed length, that distinguishes left from right,
-_TOLD_WEAKLY = 0.022  # and by three limbs, or where bridges join parts: a hand is nearer a sleeve in some poses
+TOLD_WEAKLY = 0.022  # and by three limbs, or where bridges join parts: a hand is nearer a sleeve in some poses
 _ALIKE = 0.1  # prominences that differ by less count as equal
 
 
@@ -142,7 +142,7 @@ def limbs_of(
         agree = np.where(np.linalg.eigh(same)[1][:, -1] >= 0, 1, -1)
         side[ones], side[others] = agree, -agree
         told = sided(handedness, side, along)
-        if abs(told) < (_TOLD_WEAKLY if joined or count == 3 else _TOLD):
+        if abs(told) < (TOLD_WEAKLY if joined or count == 3 else _TOLD):
             told = float(places() @ -side)
         side = side if told >= 0 else -side
     return Limbs(distances, handedness, adf, partner, side, along, margin, np.arange(count), distances)

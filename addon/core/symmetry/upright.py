@@ -7,12 +7,17 @@ from typing import NamedTuple
 import numpy as np
 
 from ..numerics.arrays import FloatArray, IntArray
-from .limbs import Limbs
+from .chirality import sided
+from .limbs import TOLD_WEAKLY, Limbs
 from .mirror import mirror_plane
 
 _UNDERNEATH = 0.12  # least mean offset of the limbs' ends towards the front, in sqrt(area), of a body on all fours
 _TAIL = 0.25  # least distance from the middle to the tail's end, in sqrt(area): hair is no tail
 _UNTOLD = 1e-3  # vectors that are shorter give no direction
+_STANDS = 0.5  # cosine between an axis and that of the file, above which the body stands along it
+_LEG = (0.1, 0.3)  # distance from the tip of a foot, in sqrt(area), where the leg is measured
+_FEWEST = 8  # vertices of it
+_POINT = 0.15  # cosine between slope and front, below which toes tell nothing
 _NEAR_AN_END = 0.4  # distance from the ends of the limbs, in sqrt(area), within which a surface counts as low
 # left, head and front of a body in axes with Z up and -Y towards the viewer of the front view
 _STANDING = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])
@@ -26,7 +31,8 @@ def upright_rotation(
     partner: IntArray | None,
     *,
     stance: str = "upright",
-) -> FloatArray:
+    posed: FloatArray | None = None,
+) -> tuple[FloatArray, bool]:
     """Find the rotation that makes a form upright: Z up, its face or the front of its trunk towards -Y.
 
     Left and right come from the mirror plane of the form, the direction of the head from the whole surface: where the
@@ -36,8 +42,13 @@ def upright_rotation(
     stands along its longest axis, its broad side to the front; the first feature point and the order of the vertices
     determine the signs of its axes.
 
+    Where the distances hardly tell front from back, as in people, the toes do; what the surface does not tell at all,
+    head from feet without a limb in the middle, and front from back without toes, is taken from the file: a body that
+    stands upright there stays so.
+
     `form` (n, 3); `weights` (n,); `limbs`: head, tail and sides among them; `partner` (n,); `stance`: the stance;
-    'upright' lets the surface decide; gives (3, 3).
+    'upright' lets the surface decide; `posed` (3, 3): the rotation to how the body lies in the file; gives (3, 3), and
+    whether the file had a say.
 
     Examples
     --------
@@ -46,13 +57,25 @@ def upright_rotation(
     >>> far = np.linalg.norm(body[:, None] - body, axis=2)
     >>> limbs = limbs_of(far, np.zeros((5, 5, 5)), np.array([2.0, 2, 2, 2, 1]), lambda: np.arange(5.0))
     >>> turned = body[:, [1, 2, 0]]
-    >>> upright = turned @ upright_rotation(turned, np.ones(5), limbs, None)
+    >>> upright = turned @ upright_rotation(turned, np.ones(5), limbs, None)[0]
     >>> bool(np.allclose(upright[:2, 0], [1 / 3, -1 / 3])), bool(upright[4, 2] > 1)
     (True, True)
     """
     centred, share, ahead = placed = _placed(form, weights, limbs)
     left, headward, front = _axes(placed, limbs, partner)
-    paired = limbs.side != 0
+    paired, by_file = limbs.side != 0, False
+    up = np.zeros(3) if posed is None else posed[:, 2]
+    if paired.all() and abs(headward @ up) > _STANDS:  # no limb in the middle is a head
+        by_file = True
+        if headward @ up < 0:
+            left, headward, ahead = -left, -headward, -ahead
+    weak = bool(paired.any()) and abs(sided(limbs.handedness, limbs.side, limbs.along)) < TOLD_WEAKLY
+    if weak:
+        toes = _toes(centred, limbs, headward, front)
+        if abs(toes) < _POINT and posed is not None and headward @ up > _STANDS and abs(front @ posed[:, 1]) > _STANDS:
+            by_file, toes = True, -float(front @ posed[:, 1])  # -Y is the front of a scene
+        if toes < 0:
+            left, front = -left, -front
     underneath = (centred[limbs.features[paired]] @ front).mean() if paired.any() else 0.0
     tailed = (limbs.along > 0).any() and (centred[limbs.features[np.argmax(limbs.along)]] @ headward) < -_TAIL
     if underneath > _UNDERNEATH and np.ptp(ahead) > _UNTOLD:
@@ -60,8 +83,10 @@ def upright_rotation(
         headward, front = _levelled(centred, share, (headward, front), (ahead, low))
     if stance == "upright":
         stance = "all_fours" if tailed or underneath > _UNDERNEATH else "two_legs"
+    if stance == "all_fours" and weak and front @ up > _STANDS:  # on its back
+        by_file, left, front = True, -left, -front
     axes = np.column_stack([left, headward, front])
-    return np.asarray(axes @ (_ON_ALL_FOURS if stance == "all_fours" else _STANDING))
+    return np.asarray(axes @ (_ON_ALL_FOURS if stance == "all_fours" else _STANDING)), by_file
 
 
 def body_axes(form: FloatArray, weights: FloatArray, limbs: Limbs) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -119,6 +144,23 @@ def _axes(placed: _Placed, limbs: Limbs, partner: IntArray | None) -> tuple[Floa
         headward = axes[:, 2] * _sign(end if abs(end) > _UNTOLD else float(place @ centred @ axes[:, 2]))
         left = axes[:, 1] * _sign(float(place @ centred @ axes[:, 1]))
     return left, headward, np.cross(left, headward)
+
+
+def _toes(centred: FloatArray, limbs: Limbs, headward: FloatArray, front: FloatArray) -> float:
+    """Tell how far the toes of the lowest two limbs point to the front, -1 to 1: the shin is nearer to them there."""
+    paired = np.flatnonzero(limbs.side != 0)
+    height = centred[limbs.features] @ headward
+    foot = int(paired[np.argmin((height + height[limbs.partner])[paired])])
+    nearest, cosines = np.argmin(limbs.to_features, axis=1), []
+    for limb in (foot, int(limbs.partner[foot])):
+        away = limbs.to_features[:, limb]
+        leg = (nearest == limb) & (away > _LEG[0]) & (away < _LEG[1])
+        if np.count_nonzero(leg) < _FEWEST:
+            return 0.0
+        places = centred[leg] - centred[leg].mean(axis=0)
+        slope = np.linalg.lstsq(places, away[leg] - away[leg].mean(), rcond=None)[0]
+        cosines.append(-float(slope @ front) / (float(np.linalg.norm(slope)) or 1.0))
+    return float(np.mean(cosines))
 
 
 def _levelled(

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from addon.core import InvalidSettingsError, Settings, canonical_form
+from addon.core import InvalidSettingsError, Settings, canonical_form, mannequin
 from addon.core.matching.laying import laid_by_limbs
 from addon.core.measures.alignment import rigid_fit
 from addon.core.mesh.coarsening import coarsened
@@ -259,3 +259,34 @@ def test_many_like_limbs_are_told_apart_while_it_can_still_be_cancelled():
     form = canonical_form(vertices * (1 + spikes)[:, None], faces, DRAFT, cancelled=cancelled)
     assert len(form.feature_points) > 20
     assert asked > 100
+
+
+TURNS = [np.eye(3), np.diag([-1.0, -1, 1]), np.diag([1.0, -1, -1]), np.diag([-1.0, 1, -1]), np.eye(3)[[1, 2, 0]]]
+
+
+@pytest.mark.parametrize("turn", TURNS)
+def test_a_person_stands_and_faces_the_viewer_however_it_lies_in_the_file(turn):
+    vertices, faces = mannequin(arms=40)
+    form = canonical_form(vertices @ turn, faces, Settings(quality="draft", orientation="upright"))
+    alike = [np.corrcoef(vertices[:, axis], form.vertices[:, axis])[0, 1] for axis in range(3)]
+    assert min(alike) > 0.7
+    told = [each.kind for each in form.warnings]
+    assert ("upside_down" in told) == ((turn @ [0, 0, 1])[2] < -0.5)
+
+
+@pytest.mark.parametrize("turn", TURNS[:4])
+def test_what_the_surface_does_not_tell_is_as_in_the_file(turn):
+    vertices, faces = mannequin(arms=40)
+    ends = [int(each) for axis in (0, 2) for each in _ends(vertices, axis)]  # hands and feet: none is a head
+    settings = Settings(quality="draft", orientation="two_legs", feature_points=ends)
+    form = canonical_form(vertices @ turn, faces, settings)
+    assert "upright_by_file" in [each.kind for each in form.warnings]
+    assert np.corrcoef((vertices @ turn)[:, 2], form.vertices[:, 2])[0, 1] > 0.7
+
+
+def _ends(vertices, axis):
+    """The two hands, or the lowest vertex of either foot."""
+    left = vertices[:, 0] > 0
+    for side in (left, ~left):
+        some = np.flatnonzero(side)
+        yield some[np.argmax(np.abs(vertices[some, 0])) if axis == 0 else np.argmin(vertices[some, 2])]
