@@ -15,6 +15,7 @@ from .mesh_reading import Reading
 from .mirrors import is_followed
 
 _OF_A_MESH = ("repeated_corners", "coincident_borders", "duplicate_faces", "inconsistent_faces", "loose_vertices")
+_POSED = 1e-3  # change of a bone that poses a mesh: of its axes, and of its place over the size of the armature
 _LEAST_VALUE = 1e-3  # of a shape key that visibly deforms the object
 _ADDING = (
     "ARRAY",
@@ -31,13 +32,20 @@ _ADDING = (
 )
 _BENDING = (
     "CAST",
+    "CLOTH",
     "CURVE",
     "DISPLACE",
     "HOOK",
+    "LAPLACIANDEFORM",
+    "LAPLACIANSMOOTH",
     "LATTICE",
+    "MESH_CACHE",
     "MESH_DEFORM",
+    "MESH_SEQUENCE_CACHE",
     "SHRINKWRAP",
     "SIMPLE_DEFORM",
+    "SMOOTH",
+    "SOFT_BODY",
     "SURFACE_DEFORM",
     "WARP",
     "WAVE",
@@ -161,12 +169,20 @@ def _those_with(objects: Sequence[bpy.types.Object], what: Callable[[bpy.types.O
 
 
 def _bending_modifiers(obj: bpy.types.Object) -> list[str]:
-    """Return the names of the enabled modifiers that deform the object."""
-    return [
+    """Return the names of the enabled modifiers, and of the parent, that deform the object."""
+    return _bending_parent(obj) + [
         each.name
         for each in obj.modifiers
-        if each.show_viewport and (each.type in _BENDING or (each.type == "ARMATURE" and _in_pose(each)))
+        if each.show_viewport and (each.type in _BENDING or (each.type == "ARMATURE" and _in_pose(each.object)))
     ]
+
+
+def _bending_parent(obj: bpy.types.Object) -> list[str]:
+    """Return the name of the parent if the object is bent by it, without a modifier."""
+    parent = obj.parent
+    if parent is None or obj.parent_type not in ("ARMATURE", "LATTICE", "CURVE") or obj.parent_type != parent.type:
+        return []
+    return [parent.name] if parent.type != "ARMATURE" or _in_pose(parent) else []
 
 
 def _adding_modifiers(obj: bpy.types.Object) -> list[str]:
@@ -176,9 +192,13 @@ def _adding_modifiers(obj: bpy.types.Object) -> list[str]:
     ]
 
 
-def _in_pose(modifier: bpy.types.ArmatureModifier) -> bool:
-    rig = modifier.object
+def _in_pose(rig: bpy.types.Object | None) -> bool:
+    """Return whether an armature is posed, by its bones or by their constraints."""
     if rig is None or rig.data.pose_position == "REST":
         return False
-    rest = np.eye(4)
-    return any(not np.allclose(np.array(bone.matrix_basis), rest, atol=1e-4) for bone in rig.pose.bones)
+    size = max(rig.dimensions) or 1.0
+    for bone in rig.pose.bones:
+        turned = np.array(bone.matrix) - np.array(bone.bone.matrix_local)
+        if np.abs(turned[:3, :3]).max() > _POSED or np.abs(turned[:3, 3]).max() > _POSED * size:
+            return True
+    return False
