@@ -34,6 +34,10 @@ _LEFT_OFF = (
     "Scripts or Python drivers in this file were left off; what they would move is not moved. "
     "If you trust the file, add --trust-scripts."
 )
+_SHARED = (
+    "Objects that share their mesh with another took no part, and show its form: {}. "
+    "Make them single user, or write another kind than .blend."
+)
 _PICTURES_LEFT_OUT = (
     "Pictures from outside the folder of this file were left out: {}. If you trust the file, add --trust-scripts."
 )
@@ -118,8 +122,12 @@ class BlenderFile:
         return read_likeness(mesh.source, self._wanted.side)
 
     def warnings(self) -> list[str]:
-        """Say whether Blender left scripts or drivers off."""
-        return [_LEFT_OFF] if scripts_left_off(self._path) else []
+        """Say whether Blender left scripts or drivers off, and which objects have no form of their own."""
+        own = [each.source for each in self.meshes]
+        others = [obj.name for obj in bpy.data.objects if obj.users_scene and obj not in own
+                  and any(obj.data == each.data for each in own)]  # fmt: skip
+        told = [_SHARED.format(", ".join(others))] if self._wanted.together and others else []
+        return told + ([_LEFT_OFF] if scripts_left_off(self._path) else [])
 
     def _objects(self, body: Body, frame: int | None) -> list[bpy.types.Object]:
         """Return the objects of a body at a frame, the first of them active, if all of them can be used."""

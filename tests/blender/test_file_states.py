@@ -436,3 +436,18 @@ def test_every_other_tool_refuses_what_the_run_refuses(blender):
         bpy.ops.object.canonical_form_select_patch()
     with pytest.raises(RuntimeError, match="Nothing is being computed"):
         bpy.ops.object.canonical_form_cancel()
+
+
+@pytest.mark.parametrize("turned", [True, False])
+def test_keys_that_push_the_wrong_way_on_a_turned_form_are_told(turned, figure_object):
+    figure_object.shape_key_add(name="Basis")
+    key = figure_object.shape_key_add(name="Bulge", from_mix=False)
+    for place in key.data:
+        if place.co.z > 0.5:
+            place.co.x += 0.1
+    figure_object.rotation_euler.y = 2.0 if turned else 0.0
+    bpy.context.view_layer.update()
+    bpy.ops.object.canonical_form(**QUICK, orientation="upright" if turned else "posed")
+    told = [each for each in require_record(figure_object.data).report.warnings if "push as they did" in each]
+    assert bool(told) == turned
+    assert not turned or "Bulge" in told[0]

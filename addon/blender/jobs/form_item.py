@@ -15,7 +15,7 @@ from ..mesh_items.fingerprints import fingerprint
 from ..objects.combining import Combined, combined
 from ..objects.mesh_reading import Reading, find_object, names_of, read_object, require_unchanged
 from ..objects.object_states import object_mode
-from ..objects.object_warnings import object_warnings
+from ..objects.object_warnings import object_warnings, turned_key_warnings
 from ..objects.placement import world_rotation
 from ..objects.undeforming import positions_before
 from ..records.record import Part
@@ -248,6 +248,8 @@ class FormItem:
         found = [(result.found, result.shapes) for result in self.results]
         if self.readings[0].deformed and request.step == "FORM" and not new:
             found = [_before_modifiers(obj, *each) for obj, each in zip(objects, found, strict=True)]
+        if request.step == "FORM" and not new:
+            warnings += turned_key_warnings(objects, [each.vertices for each, _ in found])  # type: ignore[union-attr]
         called = key_name(self.results[0].report)
         targets: list[bpy.types.Object] = []
         done = False

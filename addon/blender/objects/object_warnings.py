@@ -7,6 +7,8 @@ from collections.abc import Callable, Sequence
 import bpy
 import numpy as np
 
+from ...core.measures.alignment import rigid_fit
+from ...core.numerics.arrays import FloatArray
 from ...core.run.messages import Message
 from ..records.record import read_record
 from ..words.advice import advised
@@ -16,6 +18,8 @@ from .mirrors import is_followed
 
 _OF_A_MESH = ("repeated_corners", "coincident_borders", "duplicate_faces", "inconsistent_faces", "loose_vertices")
 _POSED = 1e-3  # change of a bone that poses a mesh: of its axes, and of its place over the size of the armature
+_PUSHED = 0.1  # of the farthest push of a key: where it pushes
+_TURNED = np.radians(25)  # of its part of the surface, above which it pushes the wrong way
 _LEAST_VALUE = 1e-3  # of a shape key that visibly deforms the object
 _ADDING = (
     "ARRAY",
@@ -153,13 +157,68 @@ def bending_keys(obj: bpy.types.Object) -> list[str]:
     ours = () if record is None else (*record.keys, *record.in_between_keys)
     found = []
     for key in keys.key_blocks:
-        if key != keys.reference_key and key.name not in ours and not key.mute and abs(key.value) > _LEAST_VALUE:
-            places, others = (np.empty(3 * len(each.data), dtype=np.float32) for each in (key, key.relative_key))
-            key.points.foreach_get("co", places)
-            key.relative_key.points.foreach_get("co", others)
-            if not np.array_equal(places, others):
-                found.append(key.name)
+        shown = key.name not in ours and not key.mute and abs(key.value) > _LEAST_VALUE
+        if shown and key != keys.reference_key and (_positions(key) != _positions(key.relative_key)).any():
+            found.append(key.name)
     return found
+
+
+def turned_key_warnings(objects: Sequence[bpy.types.Object], forms: Sequence[FloatArray]) -> list[str]:
+    """Return a warning about shape keys of the user that push in the axes of the pose where a form turns the surface.
+
+    Parameters
+    ----------
+    objects : sequence of bpy.types.Object
+        The objects.
+    forms : sequence of (n, 3) ndarray of float
+        Positions of the form of each.
+
+    Returns
+    -------
+    list of str
+        A sentence that names the keys; empty if there are none.
+    """
+    form_of = dict(zip((obj.name for obj in objects), forms, strict=True))
+    names, keys = _those_with(objects, lambda obj: _turned_keys(obj, form_of[obj.name]))
+    if not keys:
+        return []
+    return [
+        told(
+            "Shape keys of {name} push as they did in its pose, not as the form is turned: {keys}. With the form, they "
+            "move the surface the wrong way.",
+            name=names,
+            keys=keys,
+        )
+    ]
+
+
+def _turned_keys(obj: bpy.types.Object, form: FloatArray) -> list[str]:
+    """Return the names of the user's keys whose part of the surface is turned from the Basis to a form."""
+    keys = obj.data.shape_keys
+    if keys is None:
+        return []
+    record = read_record(obj.data)
+    ours = () if record is None else (*record.keys, *record.in_between_keys)
+    basis = _positions(keys.reference_key)
+    found = []
+    for key in keys.key_blocks:
+        if key == keys.reference_key or key.name in ours:
+            continue
+        moved = np.linalg.norm(_positions(key) - _positions(key.relative_key), axis=1)
+        part = np.flatnonzero(moved > _PUSHED * moved.max(initial=0.0)) if moved.any() else moved[:0].astype(int)
+        if len(part) < 3 or np.linalg.matrix_rank(basis[part] - basis[part].mean(axis=0), tol=1e-9) < 2:
+            continue
+        rotation = rigid_fit(basis[part], form[part])[0]
+        if (np.trace(rotation) - 1) / 2 < np.cos(_TURNED):
+            found.append(key.name)
+    return found
+
+
+def _positions(key: bpy.types.ShapeKey) -> FloatArray:
+    """Read the positions of a key."""
+    places = np.empty(3 * len(key.data), dtype=np.float32)
+    key.points.foreach_get("co", places)
+    return places.reshape(-1, 3).astype(np.float64)
 
 
 def _those_with(objects: Sequence[bpy.types.Object], what: Callable[[bpy.types.Object], list[str]]) -> tuple[str, str]:
