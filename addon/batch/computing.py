@@ -26,6 +26,11 @@ def compute_file(targets: Targets, wanted: Wanted, reference: Reference) -> list
                 if wanted.skip_existing and target.exists():
                     lines += [targets.skipped(target, frame) for frame in frames]
                     continue
+                too_long = targets.too_long(target)
+                if too_long:
+                    error = CanonicalFormError(too_long)
+                    lines += [failure(_head(targets.path, body, frames[0]), error, too_long) for body in bodies]
+                    continue
                 found = [
                     _computed(_head(targets.path, body, frame), opened, body, wanted, reference)
                     for frame in frames

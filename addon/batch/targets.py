@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from ..blender.files.replacing_files import LONGEST
 from ..core.run.errors import CanonicalFormError
 
 
@@ -65,6 +67,13 @@ class Targets(NamedTuple):
         """Return the line for an existing result that was skipped."""
         line: dict[str, Any] = {"input": str(self.path), "output": str(target), "skipped": True}
         return line if frame is None else {**line, "frame": frame}
+
+    def too_long(self, target: Path) -> str:
+        """Say so if a name is longer than file systems allow; empty otherwise."""
+        size = len(os.fsencode(target.name))
+        return (
+            "" if size <= LONGEST else f"The name of the result has {size} bytes, more than {LONGEST}: {target.name}."
+        )
 
     def require_new(self, target: Path) -> None:
         """Refuse to overwrite any input file of this run, under whatever name."""

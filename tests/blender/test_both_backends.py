@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from addon.batch import opening
+from addon.batch import opening, plain_file, targets
 from addon.batch.command import main
 from addon.blender.files.kinds_of_files import PLAIN
 from addon.blender.files.plain_files import read_plain, write_plain
@@ -116,3 +116,19 @@ def test_existing_results_are_skipped_alike(both, meshes):
     assert code == plain_code == 0
     assert lines == plain_lines
     assert lines[0]["skipped"]
+
+
+@pytest.mark.parametrize("fits", [True, False])
+def test_long_names_are_used_or_refused_before_anything_is_computed(fits, tmp_path, monkeypatch):
+    vertices, faces = shapes.figure(13)
+    path = tmp_path / f"{'x' * 251}.off"
+    write_plain(path, PolygonMesh(vertices, faces.tolist()))
+    monkeypatch.setattr(opening, "has_blender", lambda: False)
+    if not fits:
+        monkeypatch.setattr(targets, "LONGEST", 250)
+        monkeypatch.setattr(plain_file, "canonical_form", None)
+    output = io.StringIO()
+    words = ["compute", str(path), "--output", str(tmp_path / "out"), "--format", "off", *QUICK]
+    assert main(words, output, alone=True) == (0 if fits else 1)
+    line = json.loads(output.getvalue())
+    assert Path(line["output"]).is_file() if fits else "name of the result has 255 bytes" in line["error"]

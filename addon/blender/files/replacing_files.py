@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import os
+import zlib
 from collections.abc import Callable
 from pathlib import Path
+
+LONGEST = 255  # bytes in a name, of most file systems
 
 
 def replaced(path: Path, write: Callable[[Path], object], mark: str = "") -> None:
@@ -19,7 +22,11 @@ def replaced(path: Path, write: Callable[[Path], object], mark: str = "") -> Non
     mark : str
         Distinguishes the temporary files of different runs; defaults to the process ID.
     """
-    partial = path.with_name(f".{path.stem}.{mark or os.getpid()}.partial{path.suffix}")
+    end = f".{mark or os.getpid()}.partial{path.suffix}"
+    stem = path.stem
+    if len(os.fsencode(f".{stem}{end}")) > LONGEST:
+        stem = f"{zlib.crc32(os.fsencode(stem)):08x}"
+    partial = path.with_name(f".{stem}{end}")
     try:
         partial.unlink(missing_ok=True)  # writing would follow a link at this path
         write(partial)
