@@ -238,3 +238,53 @@ def test_frames_of_a_body_can_be_computed_again_and_cleared(character, tmp_path)
         bpy.ops.object.canonical_form_limb(patch=0)
     assert bpy.ops.object.canonical_form_clear() == {"FINISHED"}
     assert all(bpy.data.objects[name].data.shape_keys is None for name in character)
+
+
+def library(folder):
+    """A file with a figure in a collection."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    obj = add_object("Hero", *shapes.figure(13))
+    collection = bpy.data.collections.new("Heroes")
+    bpy.context.scene.collection.children.link(collection)
+    collection.objects.link(obj)
+    bpy.context.scene.collection.objects.unlink(obj)
+    path = folder / "library.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    return path
+
+
+def linked(folder):
+    path = library(folder)
+    with bpy.data.libraries.load(str(path), link=True) as (_, found):
+        found.objects = ["Hero"]
+    bpy.context.scene.collection.objects.link(bpy.data.objects["Hero"])
+
+
+def overridden(folder):
+    linked(folder)
+    bpy.data.objects["Hero"].override_create(remap_local_usages=True).location.x = 5.0
+
+
+def instanced(folder):
+    path = library(folder)
+    with bpy.data.libraries.load(str(path), link=True) as (_, found):
+        found.collections = ["Heroes"]
+    empty = bpy.data.objects.new("Instance", None)
+    empty.instance_type, empty.instance_collection = "COLLECTION", bpy.data.collections["Heroes"]
+    empty.location.x = 5.0
+    bpy.context.scene.collection.objects.link(empty)
+
+
+@pytest.mark.parametrize("how", [linked, overridden, instanced])
+def test_what_another_file_holds_is_computed_where_nothing_is_written_into_it(how, tmp_path):
+    how(tmp_path)
+    path = saved(tmp_path)
+    code, [line] = run(path, "--output", tmp_path / "out", "--format", "glb")
+    assert code == 0, line
+    assert line["object"] == "Hero"
+    (obj,) = open_meshes(Path(line["output"]))
+    assert in_scene(obj)[:, 0].mean() == pytest.approx(0.0 if how is linked else 5.0, abs=1.0)
+    code, [line] = run(path, "--output", tmp_path / "blend")
+    assert code == 1
+    assert "linked from another file" in line["error"] or "collection instances" in line["error"]

@@ -13,6 +13,7 @@ import bpy
 from ...core import InvalidMeshError
 from .file_access import require_named, require_readable
 from .kinds_of_files import IMPORTERS, READ
+from .local_copies import copy_foreign_meshes
 from .misread_files import read_instead
 from .off_format import read_off
 from .outside_references import require_own_buffers
@@ -53,7 +54,7 @@ _KINDS = [  # collections of bpy.data that an imported file may fill
 
 
 def open_meshes(
-    path: Path, names: Sequence[str] = (), *, shared: bool = True, trusted: bool = False
+    path: Path, names: Sequence[str] = (), *, shared: bool = True, trusted: bool = False, kept: bool = True
 ) -> list[bpy.types.Object]:
     """Open a file in place of the current one and return its mesh objects.
 
@@ -68,6 +69,9 @@ def open_meshes(
     trusted : bool
         Whether to trust the file: scripts and Python drivers of a trusted .blend file run, and files outside its folder
         that it refers to may be included in the results.
+    kept : bool
+        Whether results are to be written into the file. If not, meshes that are linked, overridden or in collection
+        instances are copied, since they cannot be written to.
 
     Returns
     -------
@@ -95,6 +99,8 @@ def open_meshes(
                 _import(path)
     except RuntimeError as error:
         raise InvalidMeshError(f"Blender cannot read {path.name}: {last_line(error)}") from error
+    if path.suffix.lower() == ".blend" and not kept:
+        copy_foreign_meshes()
     found: dict[bpy.types.ID, bpy.types.Object] = {}
     there = set()
     for obj in sorted(bpy.data.objects, key=lambda each: each.name):
@@ -104,7 +110,9 @@ def open_meshes(
             found.setdefault(obj.data if shared else obj, obj)
     require_named(path, names, there)
     if not found:
-        raise InvalidMeshError(f"{path.name} holds no mesh with faces.")
+        instances = kept and any(obj.instance_type == "COLLECTION" for obj in bpy.context.scene.objects)
+        remedy = " but in collection instances. Choose another --format than blend" if instances else ""
+        raise InvalidMeshError(f"{path.name} holds no mesh with faces{remedy}.")
     return list(found.values())
 
 
