@@ -10,6 +10,7 @@ import bpy
 import numpy as np
 
 from ..blender.files.face_indices import require_whole_faces
+from ..blender.files.outside_references import pictures_not_held
 from ..blender.files.reading_files import open_meshes, scripts_left_off
 from ..blender.files.writing_files import Shown, save_blend, save_forms
 from ..blender.jobs.form_item import FormItem
@@ -37,6 +38,9 @@ _LEFT_OFF = (
 _SHARED = (
     "Objects that share their mesh with another took no part, and show its form: {}. "
     "Make them single user, or write another kind than .blend."
+)
+_PICTURES_ABSENT = (
+    "Pictures that do not come along: {}. Their files are missing, or choose glb, fbx or usdz, which hold them."
 )
 _PICTURES_LEFT_OUT = (
     "Pictures from outside the folder of this file were left out: {}. If you trust the file, add --trust-scripts."
@@ -102,9 +106,11 @@ class BlenderFile:
                 ]
                 pictures = None if wanted.trusted else self._path.parent
                 left_out = save_forms(target, shown, wanted.mark, pictures=pictures)
+                absent = [] if wanted.format in ("ply", "off") else pictures_not_held(copies, wanted.format)
         finally:
             bpy.data.batch_remove([each for each in objects if each not in read])
-        return [_PICTURES_LEFT_OUT.format(", ".join(left_out))] if left_out else []
+        told = [(_PICTURES_LEFT_OUT, left_out), (_PICTURES_ABSENT, [each for each in absent if each not in left_out])]
+        return [sentence.format(", ".join(names)) for sentence, names in told if names]
 
     def form(self, body: Body) -> CanonicalForm:
         """Compute the form of the body without writing it."""

@@ -88,6 +88,13 @@ def test_what_the_mesh_has_arrives_and_nothing_of_ours(kind, painted, tmp_path):
         assert obj["studio"] == "north"
 
 
+@pytest.mark.parametrize(("kind", "held"), [("glb", True), ("usdz", True), ("usdc", False), ("obj", False)])
+def test_pictures_that_do_not_come_along_are_told(kind, held, painted, tmp_path):
+    code, [line], _ = run(painted, "--output", tmp_path / "out", "--format", kind)
+    assert code == 0
+    assert any("do not come along: Skin" in each for each in line["warnings"]) != held
+
+
 @pytest.mark.parametrize(("kind", "name"), [("glb", "_PATCHES"), ("fbx", "Patches"), ("usdz", "Patches")])
 def test_colours_are_added_on_request(kind, name, painted, tmp_path):
     code, [line], _ = run(painted, "--output", tmp_path / "out", "--format", kind, "--colours", "patches")

@@ -102,6 +102,34 @@ def without_foreign_pictures(objects: Sequence[bpy.types.Object], folder: Path |
             node.image = image
 
 
+def pictures_not_held(objects: Sequence[bpy.types.Object], kind: str) -> list[str]:
+    """Return the names of the images of objects that do not come along in a file.
+
+    Parameters
+    ----------
+    objects : sequence of bpy.types.Object
+        The objects.
+    kind : str
+        Kind of file.
+
+    Returns
+    -------
+    list of str
+        Images whose files are missing, and, where the file only names its pictures, those packed into the input.
+    """
+    materials = [slot.material for obj in objects for slot in obj.material_slots if slot.material is not None]
+    found = set()
+    for node in _nodes([each.node_tree for each in materials]):
+        image = getattr(node, "image", None)
+        if image is None or image.source not in ("FILE", "TILED"):
+            continue
+        packed = image.packed_file is not None
+        missing = not packed and not Path(bpy.path.abspath(image.filepath, library=image.library)).exists()
+        if (missing and image.source == "FILE") or (packed and kind in ("obj", "usdc")):
+            found.add(image.name)
+    return sorted(found)
+
+
 def _description(path: Path) -> Any:
     """Read the JSON of a .gltf file, or that at the start of a .glb file."""
     with path.open("rb") as file:
