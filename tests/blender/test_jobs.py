@@ -31,7 +31,7 @@ def test_a_thread_computes_what_a_script_does(figure_object):
     bpy.ops.object.canonical_form(**QUICK)
     at_once = snapshot(figure_object)
     bpy.ops.object.canonical_form_clear()
-    task = FormTask([figure_object], Request(Settings(**{**QUICK, "smoothing": 0.10000000149011612})))
+    task = FormTask([figure_object], Request(Settings(**{**QUICK, "diffusion_time": 0.15000000596046448})))
     job = ended(Job(task.compute))
     assert job.result() is None
     assert job.fraction == 1.0

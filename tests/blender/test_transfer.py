@@ -386,36 +386,3 @@ def test_nothing_is_written_where_one_of_several_objects_was_changed(pair, mode)
 def read_faces(obj):
     """The triangles of an object."""
     return np.array([list(polygon.vertices) for polygon in obj.data.polygons])
-
-
-def test_masks_of_keys_and_keys_of_keys_come_along(pair, small):
-    scan, base, _ = pair
-    vertices = small[0]
-    keys = keys_of(base)
-    keys["Grow"].vertex_group = "Left"
-    more = base.shape_key_add(name="More", from_mix=False)
-    more.data.foreach_set("co", (1.2 * vertices + [0, 0, 0.3]).astype(np.float32).ravel())
-    more.relative_key = keys["Grow"]
-    assert bpy.ops.object.canonical_form_transfer(**TRANSFER, kinds={"KEYS"}) == {"FINISHED"}
-    got = keys_of(scan)
-    assert scan.vertex_groups.keys() == ["Left"]
-    assert (got["Grow"].vertex_group, got["More"].vertex_group) == ("Left", "")
-    assert (got["Grow"].relative_key.name, got["More"].relative_key.name) == ("Basis", "Grow")
-    way = points_of(got["More"]) - points_of(got["Grow"])
-    assert np.linalg.norm(way - [0, 0, 0.3], axis=1).mean() < 0.02
-    once = snapshot(scan)
-    bpy.ops.object.canonical_form_transfer(**TRANSFER, kinds={"KEYS"})
-    assert snapshot(scan) == once
-
-
-@pytest.mark.parametrize("kind", ["KEYS", "UVS", "COLOURS"])
-def test_values_that_are_not_numbers_are_left_out_and_told(kind, pair, capfd):
-    scan, base, _ = pair
-    keys_of(base)["Grow"].data[3].co.x = float("nan")
-    base.data.uv_layers["Map"].uv[3].vector.x = float("nan")
-    base.data.color_attributes["Paint"].data[3].color[0] = float("nan")
-    assert bpy.ops.object.canonical_form_transfer(**TRANSFER, kinds={kind}) == {"FINISHED"}
-    assert "not numbers" in capfd.readouterr().out
-    here = read_source(scan)
-    assert here.damaged == []
-    assert (here.keys, [*here.uvs], [each.name for each in here.colours if each.name == "Paint"]) == ([], [], [])

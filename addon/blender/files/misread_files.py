@@ -44,7 +44,7 @@ def read_instead(path: Path) -> PolygonMesh | None:
         return None
     data = path.read_bytes()
     if kind == ".ply":
-        return read_ply(path) if b"\n" not in data[:4] else None  # lines end with CR alone
+        return read_ply(path) if data[:4] == b"ply\r" and data[4:5] != b"\n" else None  # lines end with CR alone
     reason = _misread(data)
     if not reason:
         return None

@@ -22,8 +22,14 @@ def read_off(path: Path) -> PolygonMesh:
             return _read_words(path, [word for words in body for word in words])
         vertex_count, face_count = int(body[0][0]), int(body[0][1])
         rows = body[1:]
-        if any(len(words) < 3 for words in rows[:vertex_count]) or len(rows) < vertex_count + face_count:
-            return _read_words(path, [word for words in body for word in words])
+        short = any(len(words) < 3 for words in rows[: max(vertex_count, 0)])
+        if short or min(vertex_count, face_count) < 0 or len(rows) < vertex_count + face_count:
+            try:
+                return _read_words(path, [word for words in body for word in words])
+            except InvalidMeshError as error:
+                if short and len(rows) >= vertex_count + face_count:
+                    raise InvalidMeshError(f"{path.name} has a vertex with less than three coordinates.") from error
+                raise
         vertices = np.array([words[:3] for words in rows[:vertex_count]], dtype=np.float64).reshape(-1, 3)
         polygons: Polygons = []
         for words in rows[vertex_count : vertex_count + face_count]:
@@ -75,7 +81,9 @@ def _read_words(path: Path, words: list[str]) -> PolygonMesh:
 def _require_corners(path: Path, polygons: Polygons, vertex_count: int) -> None:
     """Reject faces with corners that do not exist."""
     for corners in polygons:
-        if not corners or min(corners) < 0 or max(corners) >= vertex_count:
+        if not corners:
+            raise InvalidMeshError(f"{path.name} is not a well-formed .off file (a face without corners).")
+        if min(corners) < 0 or max(corners) >= vertex_count:
             raise InvalidMeshError(
                 f"{path.name} has a face with corners that are not there: {len(corners)} {' '.join(map(str, corners))}."
             )

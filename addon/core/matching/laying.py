@@ -13,6 +13,8 @@ from .assignments import feature_assignments
 
 _NEAR = 0.25  # sqrt(area): feature points that are farther apart do not correspond
 _TURNED = 2.0  # trace of the rotation between two alignments that lie differently: more than 60 degrees
+CLOSE = 0.02  # difference of mismatches below which the form may as well lie the other way round
+_UP_MOST = np.array([1.0, 1.0, 2.0])  # weights of the axes: a body that faces away is better than one on its head
 _RESIDUAL = 2.0  # weight of the remaining distance, in sqrt(area), relative to the mismatch of an assignment
 
 
@@ -62,16 +64,23 @@ def laid_by_vertices(
 
 
 def laid_by_limbs(
-    form: FloatArray, other: FloatArray, tips: IntArray, others: IntArray, limbs: Limbs, other_limbs: Limbs
+    form: FloatArray,
+    other: FloatArray,
+    tips: IntArray,
+    others: IntArray,
+    limbs: Limbs,
+    other_limbs: Limbs,
+    *,
+    upright: FloatArray | None = None,
 ) -> Laying:
     """Align a form to that of another mesh of a similar body.
 
     Every assignment of the feature points gives a start for iterative closest points; the best result, by the mismatch
-    of the assignment and the remaining distance, is taken. If no feature points correspond, closest points start from
-    the principal axes.
+    of the assignment and the remaining distance, is taken; of results that are about as good, the one that lies most
+    as the form would by itself. If no feature points correspond, closest points start from the principal axes.
 
     `form` (n, 3); `other` (n', 3); `tips` (k,); `others` (k',); `limbs, other_limbs`: the limbs identified among
-    them.
+    them; `upright` (3, 3): the rotation that the form would have by itself, if the other stands upright.
 
     Examples
     --------
@@ -101,9 +110,13 @@ def laid_by_limbs(
         tried.append(Laying(motion[0], motion[1], np.full(len(tips), -1), _RESIDUAL * left))
     best = min(tried, key=lambda each: each.mismatch)
     turned = [each.mismatch for each in tried if np.trace(best.rotation.T @ each.rotation) < _TURNED]
+    rival = min(turned, default=np.inf) - best.mismatch
+    if upright is not None:
+        alike = [each for each in tried if each.mismatch < best.mismatch + CLOSE]
+        best = max(alike, key=lambda each: float(np.diag(upright.T @ each.rotation) @ _UP_MOST))
     placed = form[tips] @ best.rotation + best.shift
     image = completed(best.image, placed, other[others])
-    return best._replace(image=image, rival=min(turned, default=np.inf) - best.mismatch)
+    return best._replace(image=image, rival=rival)
 
 
 def completed(image: IntArray, tips: FloatArray, others: FloatArray) -> IntArray:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..matching.laying import laid_by_limbs, laid_by_vertices
+from ..matching.laying import CLOSE, laid_by_limbs, laid_by_vertices
 from ..measures.alignment import rigid_fit
 from ..mesh.geometry import surface_area, vertex_areas
 from ..method_api.method_result import MethodResult
@@ -17,7 +17,6 @@ from ..symmetry.upright import upright_rotation
 from .reference import ReferenceBody
 
 _ROUNDED = 1e-4  # share of the size to which positions at the reference may be rounded
-_CLOSE = 0.02  # difference of mismatches below which the form may as well lie the other way round
 _UPSIDE_DOWN = -0.5  # cosine between the axes of form and file below which one of the two stands on its head
 _UNLIKE = 0.3  # mismatch above which two bodies count as dissimilar
 
@@ -42,10 +41,13 @@ def in_place(
             laying = laid_by_vertices(form, reference.points, areas, found.whole_features, reference.tips)
         else:
             tips = found.whole_features
-            laying = laid_by_limbs(form, reference.points, tips, reference.tips, found.limbs, reference.limbs)
+            upright = None if settings.orientation == "posed" else _upright(embedded, found, form, settings)[0]
+            laying = laid_by_limbs(
+                form, reference.points, tips, reference.tips, found.limbs, reference.limbs, upright=upright
+            )
         if laying.mismatch > _UNLIKE:
             monitor.warn("reference_unlike")
-        elif laying.rival < _CLOSE:
+        elif laying.rival < CLOSE:
             monitor.warn("reference_sides")
         elif len(laying.image) != len(reference.tips) or (laying.image < 0).any():
             monitor.warn("reference_features", count=len(laying.image), others=len(reference.tips))
@@ -57,10 +59,7 @@ def in_place(
     if settings.orientation == "posed":
         rotation, shift = rigid_fit(form, found.whole_points, areas)
     else:
-        own = form[found.surface.kept]
-        stance = settings.orientation
-        posed = rigid_fit(form, found.whole_points, areas)[0]
-        rotation, by_file = upright_rotation(own, found.mass, found.limbs, embedded.partner, stance=stance, posed=posed)
+        rotation, posed, by_file = _upright(embedded, found, form, settings)
         if by_file:
             monitor.warn("upright_by_file")
         elif rotation[:, 2] @ posed[:, 2] < _UPSIDE_DOWN:
@@ -68,3 +67,13 @@ def in_place(
         share = areas / areas.sum()
         shift = share @ found.whole_points - share @ form @ rotation
     return (form @ rotation + shift) * found.unit + found.centre, order
+
+
+def _upright(
+    embedded: MethodResult, found: SurfaceFeatures, form: FloatArray, settings: Settings
+) -> tuple[FloatArray, FloatArray, bool]:
+    """Find the rotations of a form to upright and to its pose, and whether the file had a say."""
+    posed = rigid_fit(form, found.whole_points, vertex_areas(found.whole_points, found.whole_faces))[0]
+    own, stance = form[found.surface.kept], settings.orientation
+    rotation, by_file = upright_rotation(own, found.mass, found.limbs, embedded.partner, stance=stance, posed=posed)
+    return rotation, posed, by_file

@@ -7,11 +7,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from addon.core import InvalidSettingsError, Settings, canonical_form, mannequin
-from addon.core.matching.laying import laid_by_limbs
+from addon.core.matching.laying import CLOSE, laid_by_limbs
 from addon.core.measures.alignment import rigid_fit
 from addon.core.mesh.coarsening import coarsened
 from addon.core.mesh.geometry import surface_area, vertex_areas
-from addon.core.placing.orientation import _CLOSE
 from addon.core.placing.reference import reference_bodies
 from addon.core.run.monitor import Monitor
 from addon.core.symmetry.limbs import limbs_of
@@ -171,12 +170,13 @@ def test_a_form_that_may_lie_either_way_round_is_told(nose):
     limbs = limbs_of(far, np.zeros((4, 4, 4)), np.ones(4), lambda: np.arange(4.0))
     laying = laid_by_limbs(points, points, np.arange(4), np.arange(4), limbs, limbs)
     assert laying.mismatch < 0.1
-    assert (laying.rival < _CLOSE) == (nose == 0)
+    assert (laying.rival < CLOSE) == (nose == 0)
 
 
 def test_the_warning_reaches_the_form(figure, monkeypatch):
     monkeypatch.setattr(
-        "addon.core.placing.orientation.laid_by_limbs", lambda *words: laid_by_limbs(*words)._replace(rival=0.0)
+        "addon.core.placing.orientation.laid_by_limbs",
+        lambda *words, **how: laid_by_limbs(*words, **how)._replace(rival=0.0),
     )
     form = canonical_form(figure[0], figure[1], UPRIGHT)
     vertices, faces, _ = shapes.permuted(*figure)
