@@ -130,7 +130,7 @@ def _parser() -> argparse.ArgumentParser:
     _add_method(matching, None)
     matching.set_defaults(
         format="npz", mesh="base", frame=None, frames=None, frames_as="files", together=False, axes=None, value=1.0,
-        colours="none", measure=None, skip_existing=False, pose=None, jobs=1, scheduler=None,
+        colours="none", measure=None, dry_run=False, skip_existing=False, pose=None, jobs=1, scheduler=None,
     )  # fmt: skip
     return parser
 
@@ -139,13 +139,22 @@ def _add_files(parser: argparse.ArgumentParser) -> None:
     """Add the arguments for input and output files."""
     files = parser.add_argument_group("files")
     files.add_argument(
-        "meshes", nargs="+", type=Path, metavar="MESH", help=f"files, folders or patterns ({', '.join(READ)})"
+        "meshes", nargs="*", type=Path, metavar="MESH", help=f"files, folders or patterns ({', '.join(READ)})"
     )
+    files.add_argument("--files-from", type=Path, metavar="LIST", help="a text file with more of them, one a line")
+    files.add_argument("--recursive", action="store_true", help="take the subfolders of folders as well")
     files.add_argument("--output", type=Path, required=True, metavar="DIR", help="folder for the results")
     files.add_argument(
         "--format", choices=WRITTEN, default="blend" if has_blender() else "obj",
         help="what to write (default: blend, obj without Blender)",
     )  # fmt: skip
+    files.add_argument(
+        "--output-tree", action="store_true", help="results in folders as those of their files, with the "
+        "whole names of these: what else is computed has no say in a name",
+    )  # fmt: skip
+    files.add_argument(
+        "--dry-run", action="store_true", help="only list the files and the results that they would have"
+    )
     files.add_argument("--skip-existing", action="store_true", help="skip files that already have their result")
     files.add_argument(
         "--colours", choices=("none", "patches", "adf"), default="none", help="what colours show in other kinds than "

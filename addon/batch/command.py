@@ -21,7 +21,7 @@ from ..scheduling.attempts import Failure
 from ..scheduling.crews import Crew, DaskCrew, InThisProcess, LocalCrew
 from .arguments import parsed, wanted_of
 from .computing import compute_file, compute_reference, read_pose
-from .inputs import found_files, output_stems, separators
+from .inputs import found_files, listed_files, output_stems, separators
 from .lines import SCHEMA, FileCount, Line, complain
 from .matching import match_files
 from .open_files import Reference
@@ -103,18 +103,25 @@ class _Run:
             mark=f"{os.getpid()}-{token_hex(4)}",  # processes of different containers may have the same number
             stages=sys.stderr.isatty() and options.jobs == 1 and not options.scheduler,
         )
-        self._output = output
+        self._output, self._dry = output, options.dry_run
         self._targets: list[Targets] = []
         self._told = {"done": 0, "failed": 0, "skipped": 0}
         self._plan(options)
-        require_folder(options.output)
+        for folder in () if self._dry else dict.fromkeys([options.output, *(each.output for each in self._targets)]):
+            require_folder(folder)
         self._crew = _hired(options, alone)
 
     def _plan(self, options: Namespace) -> None:
         """Find the files, and name their results."""
         self._read = read_pose if options.command == "pose-like" else compute_reference
-        files = found_files(options.meshes, options.output)
-        stems = output_stems(files)
+        words = [*options.meshes, *(listed_files(options.files_from) if options.files_from else [])]
+        found = found_files(words, options.output, recursive=options.recursive)
+        if not found:
+            raise CanonicalFormError("Name the meshes: files, folders or patterns, or --files-from a list of them.")
+        files = [each.path for each in found]
+        tree = options.output_tree
+        stems = [path.name for path in files] if tree else output_stems(files)
+        dashes = ["-"] * len(stems) if tree else separators(stems)
         self._reference_path: Path | None = None
         if options.reference == "first" and options.command == "compute":
             self._reference_path = files[0]
@@ -123,13 +130,22 @@ class _Run:
             self._reference_path = named.resolve() if options.scheduler else named
         inputs = (*files, *([] if self._reference_path is None else [self._reference_path]))
         self._targets = [
-            Targets(path, options.output, stem, dash, options.format, inputs)
-            for path, stem, dash in zip(files, stems, separators(stems), strict=True)
+            Targets(
+                each.path, options.output / each.place if tree else options.output, stem, dash, options.format, inputs
+            )
+            for each, stem, dash in zip(found, stems, dashes, strict=True)
         ]
+        if len({each.of_file() for each in self._targets}) < len(self._targets):
+            raise CanonicalFormError("Two files would have the same result. Name each mesh once.")
 
     def all(self) -> int:
         """Do the work, report each task when it is finished, and return the exit code."""
         began = time.monotonic()
+        if self._dry:
+            self._tell(
+                [{"input": str(each.path), "output": str(each.of_file()), "dry_run": True} for each in self._targets]
+            )
+            return 0
         tasks = self._tasks()
         progress = FileCount(len(tasks), time.monotonic)
         work = ((number, (task.function, task.arguments)) for number, task in enumerate(tasks))
@@ -170,8 +186,9 @@ class _Run:
     def close(self) -> None:
         """Release the workers, and remove their partial files."""
         self._crew.close()
-        for partial in self._wanted.output.glob(f".*.{self._wanted.mark}.partial*"):
-            partial.unlink(missing_ok=True)
+        for folder in {self._wanted.output, *(each.output for each in self._targets)}:
+            for partial in folder.glob(f".*.{self._wanted.mark}.partial*"):
+                partial.unlink(missing_ok=True)
 
     def _tell(self, lines: list[Line]) -> None:
         """Print lines, and report errors."""
