@@ -202,3 +202,23 @@ def test_two_files_of_one_name_can_be_matched(two_files, tmp_path):
     one.write_bytes(here.read_bytes())
     code, [line] = run(one, other, "--output", tmp_path / "out", about="match")
     assert (code, Path(line["output"]).name) == (0, f"{here.stem}-{here.stem}.npz")
+
+
+def test_colours_of_any_range_and_a_body_that_begins_with_a_line_feed(tmp_path):
+    head = (
+        "ply\rformat binary_little_endian 1.0\relement vertex 3\rproperty float x\rproperty float y\rproperty float z\r"
+    )
+    head += "property ushort red\rproperty ushort green\rproperty ushort blue\relement face 1\r"
+    head += "property list uchar int vertex_indices\rend_header\r"
+    first = struct.unpack("<f", b"\n\0\0\x3f")[0]
+    rows = [(first, 0, 0), (1, 0, 0), (0, 1, 0)]
+    body = b"".join(struct.pack("<3f3H", *row, 65535, 0, 0) for row in rows) + struct.pack("<B3i", 3, 0, 1, 2)
+    (tmp_path / "a.ply").write_bytes(head.encode() + body)
+    mesh = read_plain(tmp_path / "a.ply")
+    np.testing.assert_allclose(mesh.vertices, rows)
+    assert mesh.colours is not None
+    np.testing.assert_allclose(mesh.colours[0], [1, 0, 0, 1])
+    (tmp_path / "a.obj").write_text("v 0 0 0 255 0 0\nv 1 0 0 0 255 0\nv 0 1 0 0 0 255\nf 1 2 3\n")
+    colours = read_plain(tmp_path / "a.obj").colours
+    assert colours is not None
+    np.testing.assert_allclose(colours[:, :3], np.eye(3))

@@ -261,6 +261,13 @@ def linked(folder):
     bpy.context.scene.collection.objects.link(bpy.data.objects["Hero"])
 
 
+def linked_collection(folder):
+    path = library(folder)
+    with bpy.data.libraries.load(str(path), link=True) as (_, found):
+        found.collections = ["Heroes"]
+    bpy.context.scene.collection.children.link(bpy.data.collections["Heroes"])
+
+
 def overridden(folder):
     linked(folder)
     bpy.data.objects["Hero"].override_create(remap_local_usages=True).location.x = 5.0
@@ -276,7 +283,7 @@ def instanced(folder):
     bpy.context.scene.collection.objects.link(empty)
 
 
-@pytest.mark.parametrize("how", [linked, overridden, instanced])
+@pytest.mark.parametrize("how", [linked, linked_collection, overridden, instanced])
 def test_what_another_file_holds_is_computed_where_nothing_is_written_into_it(how, tmp_path):
     how(tmp_path)
     path = saved(tmp_path)
@@ -284,7 +291,7 @@ def test_what_another_file_holds_is_computed_where_nothing_is_written_into_it(ho
     assert code == 0, line
     assert line["object"] == "Hero"
     (obj,) = open_meshes(Path(line["output"]))
-    assert in_scene(obj)[:, 0].mean() == pytest.approx(0.0 if how is linked else 5.0, abs=1.0)
+    assert in_scene(obj)[:, 0].mean() == pytest.approx(5.0 if how in (overridden, instanced) else 0.0, abs=1.0)
     code, [line] = run(path, "--output", tmp_path / "blend")
     assert code == 1
     assert "linked from another file" in line["error"] or "collection instances" in line["error"]

@@ -11,8 +11,7 @@ def copy_foreign_meshes() -> None:
 
     The copies have the names, modifiers and places of what they copy.
     """
-    scene = bpy.context.scene
-    foreign = [obj for obj in scene.objects if obj.type == "MESH" and _is_foreign(obj)]
+    foreign = [obj for obj in bpy.data.objects if obj.type == "MESH" and obj.users_scene and _is_foreign(obj)]
     graph = bpy.context.evaluated_depsgraph_get()
     instanced = [
         (each.object.original, each.matrix_world.copy())
@@ -44,6 +43,7 @@ def _copied(obj: bpy.types.Object, name: str, place: Matrix) -> None:
     copy.data = obj.data.copy()
     copy.name, copy.data.name = name, obj.data.name
     bpy.context.scene.collection.objects.link(copy)
+    copy.constraints.clear()  # the place has them
     if copy.parent is None or copy.parent_type == "OBJECT":
         copy.parent = None
         copy.matrix_world = place

@@ -33,10 +33,12 @@ def read_obj(path: Path) -> PolygonMesh:
     if min((corner for corners in polygons for corner in corners), default=0) == -1:  # they count from 0
         polygons = [[corner + 1 for corner in corners] for corners in polygons]
     coloured = bool(colours) and all(len(each) == 3 for each in colours)
+    shades = np.array(colours) if coloured else np.zeros((0, 3))
+    shades = shades / 255 if shades.max(initial=0.0) > 1 else shades
     return PolygonMesh(
         np.array(vertices, dtype=np.float64).reshape(-1, 3),
         polygons,
-        colours=decoded(np.array(colours)) if coloured else None,
+        colours=decoded(shades) if coloured else None,
     )
 
 

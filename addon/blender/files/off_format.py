@@ -10,7 +10,7 @@ import numpy as np
 from ...core import InvalidMeshError
 from .polygon_mesh import PolygonMesh, Polygons, coordinates, counted, decoded_text
 
-_HEAD = re.compile(r"((?:ST)?C?N?)(4?n?)OFF(\d*)", re.IGNORECASE)  # some files have no space before the first count
+_HEAD = re.compile(r"((?:ST)?C?N?)(4?n?)(?i:OFF)(\d*)")  # some files have no space before the first count
 
 
 def read_off(path: Path) -> PolygonMesh:

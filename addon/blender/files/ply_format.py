@@ -28,7 +28,8 @@ def read_ply(path: Path) -> PolygonMesh:
     end = _END.search(data)
     if end is None:
         raise ValueError("no end of the header")
-    body = data[end.end() :]
+    alone = data[3:4] == b"\r" and data[4:5] != b"\n"  # then a line feed is the first byte of the body
+    body = data[end.start(1) + 1 if alone else end.end() :]
     header = [line.split() for line in decoded_text(data[: end.start()].replace(b"\r", b"\n")).splitlines()]
     if header[0] != ["ply"]:
         raise ValueError("not a .ply file")
@@ -103,7 +104,8 @@ def _colours(rows: list[dict[str, Any]], properties: list[list[str]]) -> FloatAr
     if not rows or not {"red", "green", "blue"} <= kinds.keys():
         return None
     values = np.array([[row["red"], row["green"], row["blue"]] for row in rows], dtype=np.float64)
-    return decoded(values if _TYPES[kinds["red"]][0] == "f" else values / 255)
+    kind = _TYPES[kinds["red"]]
+    return decoded(values if kind[0] == "f" else values / (255 if kind == "u1" else np.iinfo(kind).max))
 
 
 def _length(value: Any) -> int:

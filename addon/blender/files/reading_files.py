@@ -104,7 +104,10 @@ def open_meshes(
     found: dict[bpy.types.ID, bpy.types.Object] = {}
     there = set()
     for obj in sorted(bpy.data.objects, key=lambda each: each.name):
-        visible = obj.users_scene and not any(each.name == _BONE_SHAPES for each in obj.users_collection)
+        replaced = not kept and obj.library is not None  # by a copy
+        visible = (
+            not replaced and obj.users_scene and not any(each.name == _BONE_SHAPES for each in obj.users_collection)
+        )
         if obj.type == "MESH" and visible and len(obj.data.polygons) and (not names or obj.name in names):
             there.add(obj.name)
             found.setdefault(obj.data if shared else obj, obj)

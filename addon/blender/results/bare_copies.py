@@ -38,10 +38,10 @@ def bare_copies(objects: Sequence[bpy.types.Object], shapes: Sequence[FloatArray
     """
     originals = [each for obj in objects for each in (obj, obj.data)]
     names = [each.name for each in originals]
-    for each in originals:
-        each.name = "Original"
     copies: list[bpy.types.Object] = []
     try:
+        for each in originals:
+            each.name = "Original"
         for obj, shape, name, mesh_name in zip(objects, shapes, names[::2], names[1::2], strict=True):
             copies.append(_bare_copy(obj, shape, name, mesh_name))
         yield copies

@@ -74,7 +74,7 @@ def upright_rotation(
         toes = _toes(centred, limbs, headward, front)
         if abs(toes) < _POINT and posed is not None and headward @ up > _STANDS and abs(front @ posed[:, 1]) > _STANDS:
             by_file, toes = True, -float(front @ posed[:, 1])  # -Y is the front of a scene
-        if toes < 0:
+        if toes < -_POINT:
             left, front = -left, -front
     underneath = (centred[limbs.features[paired]] @ front).mean() if paired.any() else 0.0
     tailed = (limbs.along > 0).any() and (centred[limbs.features[np.argmax(limbs.along)]] @ headward) < -_TAIL
