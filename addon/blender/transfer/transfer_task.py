@@ -11,6 +11,7 @@ import bpy
 import numpy as np
 
 from ...core import CanonicalFormError, TooLargeError
+from ...core.matching.seam_sides import SeamSides
 from ...core.numerics.arrays import FloatArray, IntArray
 from ..jobs.pose_reading import reference_refusal
 from ..objects.combining import moved, outward, require_thick, touching
@@ -214,8 +215,16 @@ class TransferTask:
 def _part(found: Match, start: int, end: int) -> Match:
     """Return the match of a range of vertices."""
     own = slice(start, end)
+    seams = found.seams
+    if seams is not None:
+        vertices, faces, weights = seams.sides
+        here = (vertices >= start) & (vertices < end)
+        joined = seams.joined[own] - start  # copies in other objects are not at hand
+        joined = np.where((joined >= 0) & (joined < end - start), joined, np.arange(end - start))
+        seams = seams._replace(joined=joined, sides=SeamSides(vertices[here] - start, faces[here], weights[here]))
     return replace(
         found,
+        seams=seams,
         vertices=found.vertices[own],
         faces=found.faces[own],
         weights=found.weights[own],
