@@ -14,7 +14,6 @@ from ..blender.files.outside_references import pictures_not_held
 from ..blender.files.reading_files import open_meshes, scripts_left_off
 from ..blender.files.writing_files import Shown, save_blend, save_forms
 from ..blender.jobs.form_item import FormItem
-from ..blender.jobs.form_result import FormResult
 from ..blender.jobs.form_task import FormTask
 from ..blender.jobs.likeness import Likeness
 from ..blender.jobs.pose_reading import read_likeness
@@ -26,7 +25,7 @@ from ..blender.results.frame_keys import keep_for_frame
 from ..blender.results.result_clearing import clear_from
 from ..blender.results.result_writing import FIELD_COLOURS, PATCH_COLOURS
 from ..core import CanonicalForm, CanonicalFormError
-from ..core.numerics.arrays import FloatArray, IntArray
+from ..core.numerics.arrays import FloatArray
 from ..core.run.monitor import Progress
 from .open_files import Body, MeshInFile, Reference
 from .wanted import Wanted
@@ -101,7 +100,13 @@ class BlenderFile:
         try:
             with bare_copies(objects, forms) as copies:
                 shown = [
-                    Shown(copy, _in_axes(form, obj, wanted), *_field(result, wanted))
+                    Shown(
+                        copy,
+                        _in_axes(form, obj, wanted),
+                        result.found.patches if wanted.colours == "patches" else None,
+                        result.colours.named(wanted.colours),
+                        FIELD_COLOURS if wanted.colours == "adf" else PATCH_COLOURS,
+                    )
                     for copy, form, obj, result in zip(copies, forms, objects, item.results, strict=True)
                 ]
                 pictures = None if wanted.trusted else self._path.parent
@@ -186,15 +191,6 @@ def _whole_report(item: FormItem) -> FormReport:
         ],
         patch_sizes=[sum(each) for each in zip(*(each.patch_sizes for each in reports), strict=True)],
     )
-
-
-def _field(result: FormResult, wanted: Wanted) -> tuple[IntArray | None, np.ndarray | None, str]:
-    """Return the patches, and the colours and name of the field that is wanted, if any."""
-    if wanted.colours == "none":
-        return None, None, ""
-    if wanted.colours == "adf":
-        return None, result.colours.field, FIELD_COLOURS
-    return result.found.patches, result.colours.patches, PATCH_COLOURS
 
 
 def _in_axes(form: FloatArray, obj: bpy.types.Object, wanted: Wanted) -> FloatArray:

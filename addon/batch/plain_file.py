@@ -58,12 +58,11 @@ class PlainFile:
         assert found is not None
         placed = found.vertices if axes is None else found.vertices @ axes
         mesh = self._mesh._replace(vertices=placed)
-        if self._wanted.colours != "none":
-            colours = colours_of(found.adf, found.patches, self._faces)
-            if self._wanted.colours == "adf":
-                mesh = mesh._replace(colours=colours.field)
-            else:
-                mesh = mesh._replace(patches=found.patches, colours=colours.patches)
+        field = self._wanted.colours
+        if field != "none":
+            mesh = mesh._replace(colours=colours_of(found.adf, found.patches, self._faces).named(field))
+        if field == "patches":
+            mesh = mesh._replace(patches=found.patches)
         write_plain(target, mesh, self._wanted.mark)
         return []
 

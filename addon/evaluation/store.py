@@ -328,6 +328,7 @@ def keys_of(path: Path, methods: Sequence[Method]) -> list[str]:
 
 
 _MATTER = (  # in addition to the core
+    "blender/files/misread_files.py",
     "blender/files/obj_format.py",
     "blender/files/off_format.py",
     "blender/files/plain_files.py",

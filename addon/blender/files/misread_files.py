@@ -10,7 +10,7 @@ import numpy as np
 
 from ...core import InvalidMeshError
 from .obj_format import read_obj
-from .ply_format import read_ply
+from .ply_format import has_cr_lines, read_ply
 from .polygon_mesh import PolygonMesh
 
 _HEAD, _TRIANGLE = 84, 50  # bytes of a binary .stl: before its triangles, and of each
@@ -40,11 +40,11 @@ def read_instead(path: Path) -> PolygonMesh | None:
     kind = path.suffix.lower()
     if kind == ".stl":
         return _read_long_stl(path)
-    if kind not in (".obj", ".ply"):
+    if kind == ".ply":
+        return read_ply(path) if has_cr_lines(path) else None
+    if kind != ".obj":
         return None
     data = path.read_bytes()
-    if kind == ".ply":
-        return read_ply(path) if data[:4] == b"ply\r" and data[4:5] != b"\n" else None  # lines end with CR alone
     reason = _misread(data)
     if not reason:
         return None

@@ -28,8 +28,7 @@ def read_ply(path: Path) -> PolygonMesh:
     end = _END.search(data)
     if end is None:
         raise ValueError("no end of the header")
-    alone = data[3:4] == b"\r" and data[4:5] != b"\n"  # then a line feed is the first byte of the body
-    body = data[end.start(1) + 1 if alone else end.end() :]
+    body = data[end.start(1) + 1 if has_cr_lines(path) else end.end() :]  # where a line feed is its first byte
     header = [line.split() for line in decoded_text(data[: end.start()].replace(b"\r", b"\n")).splitlines()]
     if header[0] != ["ply"]:
         raise ValueError("not a .ply file")
@@ -58,6 +57,13 @@ def read_ply(path: Path) -> PolygonMesh:
     polygons = [[int(each) for each in row or ()] for row in lists]
     polygons += [triangle for strip in strips for triangle in _triangles([int(each) for each in strip or ()])]
     return PolygonMesh(np.array(points, dtype=np.float64).reshape(-1, 3), polygons, colours=colours)
+
+
+def has_cr_lines(path: Path) -> bool:
+    """Return whether the lines of a .ply header end with CR alone."""
+    with path.open("rb") as file:
+        head = file.read(5)
+    return head[3:4] == b"\r" and head[4:5] != b"\n"
 
 
 def ply_lines(mesh: PolygonMesh) -> list[str]:

@@ -13,6 +13,7 @@ import numpy as np
 
 from ...core import InvalidMeshError
 from ...core.numerics.arrays import FloatArray, IntArray
+from ..mesh_items.colour_attributes import add_colours
 from .kinds_of_files import EXPORTERS
 from .obj_format import word
 from .outside_references import without_foreign_pictures
@@ -108,7 +109,7 @@ def save_forms(path: Path, shown: Sequence[Shown], mark: str = "", *, pictures: 
     mark : str
         As in `replaced`.
     pictures : Path, optional
-        Folder from which images may be included in a .glb file; all images if omitted.
+        Folder from which images may be included, in kinds that hold them; all images if omitted.
 
     Returns
     -------
@@ -156,7 +157,7 @@ def _starts_with(path: Path, text: str) -> bool:
 
 
 def _export(path: Path, kind: str, shown: Sequence[Shown]) -> None:
-    """Export copies of the objects, shaped as their forms, with Blender's exporter."""
+    """Export objects with Blender's exporter."""
     group, operator = EXPORTERS[kind].split(".")
     if operator not in dir(getattr(bpy.ops, group)):
         raise InvalidMeshError(f"This Blender ({bpy.app.version_string}) does not write .{kind}. Choose another kind.")
@@ -166,10 +167,12 @@ def _export(path: Path, kind: str, shown: Sequence[Shown]) -> None:
         each.obj.select_set(True)
         bpy.context.view_layer.objects.active = each.obj
         if each.colours is not None:
-            _add_colours(each.obj.data, each.colours, each.named, kind)
+            _show(each.obj, each.colours, each.named, kind)
     write = getattr(getattr(bpy.ops, group), operator)
     known = write.get_rna_type().properties
-    told = _TOLD[kind] | {name: value for name, value in _PICTURES_STAY.items() if name in known and kind == "usdc"}
+    told = dict(_TOLD[kind])
+    if kind == "usdc":
+        told |= {name: value for name, value in _PICTURES_STAY.items() if name in known}
     try:
         with quiet(), _textures_alone([each.obj for each in shown] if kind == "fbx" else []):
             write(filepath=str(path), **told)
@@ -210,14 +213,15 @@ def _image_behind(node: bpy.types.Node) -> bpy.types.Node | None:
     return None
 
 
-def _add_colours(mesh: bpy.types.Mesh, colours: np.ndarray, named: str, kind: str) -> None:
-    """Add colours to a mesh."""
+def _show(obj: bpy.types.Object, colours: np.ndarray, named: str, kind: str) -> None:
+    """Add colours to an object."""
+    mesh = obj.data
     if kind == "glb":  # as COLOR_0, a viewer would multiply them into the texture
         name = f"_{named.upper().replace(' ', '_')}"
         attribute = mesh.attributes.new(name=name, type="FLOAT_VECTOR", domain="POINT")
         attribute.data.foreach_set("vector", colours[:, :3].astype(np.float32).ravel())
     else:
-        attribute = mesh.color_attributes.new(name=named, type="FLOAT_COLOR", domain="POINT")
+        attribute = add_colours(obj, named)
         attribute.data.foreach_set("color", colours.astype(np.float32).ravel())
         mesh.color_attributes.active_color = attribute
 

@@ -8,6 +8,7 @@ import bpy
 import numpy as np
 
 from ...core import CanonicalFormError, Settings
+from ..mesh_items.key_points import key_points
 from ..objects.combining import combined
 from ..objects.mesh_reading import read_object, refusal
 from ..objects.object_states import object_mode
@@ -116,6 +117,4 @@ def _form_of(obj: bpy.types.Object) -> FloatArray:
     key, whole = require_form_key(obj.data), whole_form_of(obj.data)
     if whole is not None and not all(require_record(obj.data).straightened):
         return whole
-    form = np.empty(3 * len(obj.data.vertices), dtype=np.float32)
-    key.points.foreach_get("co", form)
-    return form.reshape(-1, 3).astype(np.float64)
+    return key_points(key).astype(np.float64)

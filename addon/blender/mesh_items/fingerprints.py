@@ -8,6 +8,7 @@ from collections.abc import Mapping
 import bpy
 import numpy as np
 
+from .key_points import key_points
 from .weight_reading import weights_of
 
 
@@ -43,9 +44,7 @@ def key_fingerprint(key: bpy.types.ShapeKey) -> str:
     str
         The fingerprint.
     """
-    points = np.empty(3 * len(key.data), dtype=np.float32)
-    key.points.foreach_get("co", points)
-    return fingerprint(points)
+    return fingerprint(key_points(key))
 
 
 def colour_fingerprint(attribute: bpy.types.Attribute) -> str:

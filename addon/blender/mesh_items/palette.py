@@ -59,6 +59,21 @@ class Colours:
     patches: np.ndarray
     palette: list[list[float]]
 
+    def named(self, name: str) -> np.ndarray | None:
+        """Return the colours of a field, 'adf' or 'patches'; None for 'none'.
+
+        Parameters
+        ----------
+        name : {'none', 'patches', 'adf'}
+            The field.
+
+        Returns
+        -------
+        (n, 4) ndarray of float32 or None
+            Its colours, by vertex.
+        """
+        return {"adf": self.field, "patches": self.patches}.get(name)
+
 
 def colours_of(adf: FloatArray, patches: IntArray, faces: IntArray) -> Colours:
     """Colour the Auto Diffusion Function and the patches.

@@ -10,6 +10,7 @@ import numpy as np
 from ...core.measures.alignment import rigid_fit
 from ...core.numerics.arrays import FloatArray
 from ...core.run.messages import Message
+from ..mesh_items.key_points import key_points
 from ..records.record import read_record
 from ..words.advice import advised
 from ..words.wording import listed, told
@@ -153,14 +154,11 @@ def bending_keys(obj: bpy.types.Object) -> list[str]:
     keys = obj.data.shape_keys
     if keys is None or not keys.use_relative or obj.show_only_shape_key:
         return []
-    record = read_record(obj.data)
-    ours = () if record is None else (*record.keys, *record.in_between_keys)
-    found = []
-    for key in keys.key_blocks:
-        shown = key.name not in ours and not key.mute and abs(key.value) > _LEAST_VALUE
-        if shown and key != keys.reference_key and (_positions(key) != _positions(key.relative_key)).any():
-            found.append(key.name)
-    return found
+    return [
+        key.name
+        for key in _users_keys(obj.data)
+        if not key.mute and abs(key.value) > _LEAST_VALUE and (key_points(key) != key_points(key.relative_key)).any()
+    ]
 
 
 def turned_key_warnings(objects: Sequence[bpy.types.Object], forms: Sequence[FloatArray]) -> list[str]:
@@ -197,15 +195,11 @@ def _turned_keys(obj: bpy.types.Object, form: FloatArray) -> list[str]:
     keys = obj.data.shape_keys
     if keys is None:
         return []
-    record = read_record(obj.data)
-    ours = () if record is None else (*record.keys, *record.in_between_keys)
-    basis = _positions(keys.reference_key)
+    basis = key_points(keys.reference_key).astype(np.float64)
     found = []
-    for key in keys.key_blocks:
-        if key == keys.reference_key or key.name in ours:
-            continue
-        moved = np.linalg.norm(_positions(key) - _positions(key.relative_key), axis=1)
-        part = np.flatnonzero(moved > _PUSHED * moved.max(initial=0.0)) if moved.any() else moved[:0].astype(int)
+    for key in _users_keys(obj.data):
+        moved = np.linalg.norm(key_points(key) - key_points(key.relative_key), axis=1)
+        part = np.flatnonzero(moved > _PUSHED * moved.max(initial=0.0))
         if len(part) < 3 or np.linalg.matrix_rank(basis[part] - basis[part].mean(axis=0), tol=1e-9) < 2:
             continue
         rotation = rigid_fit(basis[part], form[part])[0]
@@ -214,11 +208,11 @@ def _turned_keys(obj: bpy.types.Object, form: FloatArray) -> list[str]:
     return found
 
 
-def _positions(key: bpy.types.ShapeKey) -> FloatArray:
-    """Read the positions of a key."""
-    places = np.empty(3 * len(key.data), dtype=np.float32)
-    key.points.foreach_get("co", places)
-    return places.reshape(-1, 3).astype(np.float64)
+def _users_keys(mesh: bpy.types.Mesh) -> list[bpy.types.ShapeKey]:
+    """List the shape keys of a mesh but the Basis and ours."""
+    keys, record = mesh.shape_keys, read_record(mesh)
+    ours = () if record is None else (*record.keys, *record.in_between_keys)
+    return [key for key in keys.key_blocks if key != keys.reference_key and key.name not in ours]
 
 
 def _those_with(objects: Sequence[bpy.types.Object], what: Callable[[bpy.types.Object], list[str]]) -> tuple[str, str]:

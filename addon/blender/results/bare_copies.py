@@ -60,13 +60,12 @@ def _bare_copy(obj: bpy.types.Object, shape: FloatArray, name: str, mesh_name: s
     if mesh.shape_keys is not None:
         remove_all_keys(copy)
     clear_results(copy, unconfirmed=True)
-    for owner, source in ((copy, obj), (mesh, obj.data)):
-        for key in list(owner.keys()):
-            if key.startswith(_OURS):
-                del owner[key]
-        for key, value in source.items():
-            if not key.startswith(_OURS) and owner.get(key) is None:
-                owner[key] = value
+    for key in list(mesh.keys()):
+        if key.startswith(_OURS):
+            del mesh[key]
+    for key, value in obj.items():
+        if not key.startswith(_OURS):
+            copy[key] = value
     mesh.vertices.foreach_set("co", shape.astype(np.float32).ravel())
     mesh.update()
     copy.matrix_world = obj.matrix_world

@@ -14,6 +14,7 @@ from ...core.numerics.arrays import FloatArray, IntArray
 from ..mesh_items.active_items import active_items, existing_items, restore_active_items
 from ..mesh_items.fingerprints import colour_fingerprint, key_fingerprint, uv_fingerprint
 from ..mesh_items.group_weights import fill_group
+from ..mesh_items.key_points import key_points
 from ..objects.mesh_reading import find_object, read_object, require_unchanged
 from ..objects.object_states import object_mode
 from ..records.form_key import form_key
@@ -287,10 +288,9 @@ class TransferItem:
             if shape is carried.rest:
                 key.value = 1.0
             written["keys"][name] = key_fingerprint(key)
-        if names:
-            _set_relative(obj.data.shape_keys, {name: shapes[name].relative for name in names}, new)
-        for name in names:
-            written["keys"][name] = key_fingerprint(obj.data.shape_keys.key_blocks[name])
+        relative = {name: shapes[name].relative for name in names}
+        for key in _made_relative(obj.data.shape_keys, relative, new) if names else ():
+            written["keys"][key.name] = key_fingerprint(key)
         form = form_key(obj.data)
         if carried.rest is not None and form is not None:  # with both, the object would be moved twice
             form.value = 0.0
@@ -322,10 +322,14 @@ class TransferItem:
             self.told.append(told("materials"))
 
 
-def _set_relative(keys: bpy.types.Key, relative: dict[str, str], new: Set[str]) -> None:
-    """Let keys, whose shapes change the Basis, change the keys that they are relative to; new ones as in the source."""
-    basis = _points(keys.reference_key)
+def _made_relative(keys: bpy.types.Key, relative: dict[str, str], new: Set[str]) -> list[bpy.types.ShapeKey]:
+    """Let keys, whose shapes change the Basis, change the keys that they are relative to; new ones as in the source.
+
+    Return those that are relative to others.
+    """
+    basis = key_points(keys.reference_key)
     done: set[str] = set()
+    found = []
 
     def follow(name: str) -> None:
         key = keys.key_blocks[name]
@@ -337,18 +341,13 @@ def _set_relative(keys: bpy.types.Key, relative: dict[str, str], new: Set[str]) 
             return
         if other.name in relative and other.name not in done:
             follow(other.name)
-        key.points.foreach_set("co", _points(key) + _points(other) - basis)
+        key.points.foreach_set("co", (key_points(key) + key_points(other) - basis).ravel())
+        found.append(key)
 
     for name in relative:
         if name not in done:
             follow(name)
-
-
-def _points(key: bpy.types.ShapeKey) -> np.ndarray:
-    """Read the positions of a key, flat."""
-    points = np.empty(3 * len(key.points), dtype=np.float32)
-    key.points.foreach_get("co", points)
-    return points
+    return found
 
 
 @contextmanager

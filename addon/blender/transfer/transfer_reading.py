@@ -9,6 +9,7 @@ import numpy as np
 
 from ...core.numerics.arrays import FloatArray, IntArray
 from ..mesh_items.active_items import ItemNames
+from ..mesh_items.key_points import key_points
 from ..mesh_items.weight_reading import weights_of
 from ..records.record import read_record
 from ..results.match_colours import source_colours
@@ -132,24 +133,21 @@ def read_source(obj: bpy.types.Object) -> Source:
         if each.domain in ("POINT", "CORNER") and each.name not in own.colours and each.name != shown
     ]
     keys = _keys(mesh, own)
-    values = [
-        *uvs.items(),
-        *((each.name, each.values) for each in colours),
-        *((each.name, each.shape) for each in keys),
-    ]
-    damaged = [name for name, each in values if not np.isfinite(each).all()]
+    bad_uvs = [name for name, each in uvs.items() if not np.isfinite(each).all()]
+    bad_colours = [each.name for each in colours if not np.isfinite(each.values).all()]
+    bad_keys = [each.name for each in keys if not np.isfinite(each.shape).all()]
     return Source(
         obj.name,
         corners.reshape(-1, 3).astype(np.int64),
         vertex_of.astype(np.int64),
         weights_of(obj, [group.name for group in obj.vertex_groups if group.name not in own.groups]),
-        {name: each for name, each in uvs.items() if name not in damaged},
-        [each for each in colours if each.name not in damaged],
-        [each for each in keys if each.name not in damaged],
+        {name: each for name, each in uvs.items() if name not in bad_uvs},
+        [each for each in colours if each.name not in bad_colours],
+        [each for each in keys if each.name not in bad_keys],
         ["" if each.material is None else each.material.name for each in obj.material_slots],
         slot.astype(np.int64),
         next((each.object.name for each in obj.modifiers if each.type == "ARMATURE" and each.object is not None), ""),
-        damaged,
+        [*bad_uvs, *bad_colours, *bad_keys],
     )
 
 
@@ -158,11 +156,11 @@ def _keys(mesh: bpy.types.Mesh, own: ItemNames) -> list[SourceKey]:
     keys = mesh.shape_keys
     if keys is None:
         return []
-    basis = _values(keys.reference_key.data, "co", 3)
+    basis = key_points(keys.reference_key).astype(np.float64)
     return [
         SourceKey(
             key.name,
-            basis + _values(key.data, "co", 3) - _values(key.relative_key.data, "co", 3),
+            basis + key_points(key) - key_points(key.relative_key),
             (key.slider_min, key.slider_max),
             key.vertex_group,
             "" if key.relative_key in (keys.reference_key, key) else key.relative_key.name,

@@ -58,8 +58,8 @@ class RepairedMesh(NamedTuple):
 def repaired(vertices: ArrayLike, faces: ArrayLike, monitor: Monitor | None = None) -> RepairedMesh:
     """Repair a mesh: find the surface in it.
 
-    Faces that use a vertex twice and duplicate faces are left out. Where borders coincide exactly, as along the seams
-    that many file formats cut, their vertices are treated as one. Faces oriented opposite to their neighbours are
+    Faces that use a vertex twice and duplicate faces are left out. Where borders coincide, as along the seams that
+    many file formats cut, their vertices are treated as one. Faces oriented opposite to their neighbours are
     flipped.
 
     `vertices` (n, 3); `faces` (m, 3).

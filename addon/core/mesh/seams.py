@@ -48,22 +48,22 @@ def joined_at_seams(points: FloatArray, faces: IntArray, edges: EdgeTable) -> In
     site[:, swap], ends[:, swap] = site[::-1, swap], ends[::-1, swap]
     third = points[faces.ravel()[alone // 3 * 3 + (alone + 2) % 3]]
     order = np.lexsort((alone, site[1], site[0]))
-    site, ends, third, length, alone = site[:, order], ends[:, order], third[order], length[order], alone[order]
+    site, ends, third, length = site[:, order], ends[:, order], third[order], length[order]
     new = np.concatenate([[True], (site[:, 1:] != site[:, :-1]).any(axis=0)])
     group = np.cumsum(new) - 1  # of border edges at the same place
     first = np.flatnonzero(new)[group]
     differs = np.bincount(group, np.linalg.norm(third - third[first], axis=1) > near) > 0
-    shared = differs[group] & (site[0] != site[1])
-    kept = np.flatnonzero(shared & (np.bincount(group)[group] > 1))
-    if not len(kept):
+    shared = differs[group] & (site[0] != site[1]) & (np.bincount(group)[group] > 1)
+    if not shared.any():
         return np.arange(count)
     vertex_piece = component_labels(count, np.concatenate([faces[:, :2], faces[:, 1:]]))
     piece = vertex_piece[ends[0]]
-    lonely = np.bincount(piece, np.where(np.isin(np.arange(len(piece)), kept), 0.0, length)).astype(np.float64)
-    piece = _grown_together(piece[kept], lonely, group[kept], length[kept])
-    joined = _neighbours(piece, group[kept])
+    lonely = np.bincount(piece, np.where(shared, 0.0, length)).astype(np.float64)
+    ends, group = ends[:, shared], group[shared]
+    piece = _grown_together(piece[shared], lonely, group, length[shared])
+    joined = _neighbours(piece, group)
     joined = joined[:, piece[joined[0]] == piece[joined[1]]]
-    one, other = ends[:, kept[joined[0]]], ends[:, kept[joined[1]]]
+    one, other = ends[:, joined[0]], ends[:, joined[1]]
     label = component_labels(count, np.column_stack([one.ravel(), other.ravel()]))
     _, lowest, back = np.unique(label, return_index=True, return_inverse=True)
     return lowest[back.ravel()].astype(np.int64)

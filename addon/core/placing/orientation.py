@@ -41,7 +41,7 @@ def in_place(
             laying = laid_by_vertices(form, reference.points, areas, found.whole_features, reference.tips)
         else:
             tips = found.whole_features
-            upright = None if settings.orientation == "posed" else _upright(embedded, found, form, settings)[0]
+            upright = None if settings.orientation == "posed" else _upright(embedded, found, form, areas, settings)[0]
             laying = laid_by_limbs(
                 form, reference.points, tips, reference.tips, found.limbs, reference.limbs, upright=upright
             )
@@ -59,7 +59,7 @@ def in_place(
     if settings.orientation == "posed":
         rotation, shift = rigid_fit(form, found.whole_points, areas)
     else:
-        rotation, posed, by_file = _upright(embedded, found, form, settings)
+        rotation, posed, by_file = _upright(embedded, found, form, areas, settings)
         if by_file:
             monitor.warn("upright_by_file")
         elif rotation[:, 2] @ posed[:, 2] < _UPSIDE_DOWN:
@@ -70,10 +70,10 @@ def in_place(
 
 
 def _upright(
-    embedded: MethodResult, found: SurfaceFeatures, form: FloatArray, settings: Settings
+    embedded: MethodResult, found: SurfaceFeatures, form: FloatArray, areas: FloatArray, settings: Settings
 ) -> tuple[FloatArray, FloatArray, bool]:
     """Find the rotations of a form to upright and to its pose, and whether the file had a say."""
-    posed = rigid_fit(form, found.whole_points, vertex_areas(found.whole_points, found.whole_faces))[0]
+    posed = rigid_fit(form, found.whole_points, areas)[0]
     own, stance = form[found.surface.kept], settings.orientation
     rotation, by_file = upright_rotation(own, found.mass, found.limbs, embedded.partner, stance=stance, posed=posed)
     return rotation, posed, by_file
