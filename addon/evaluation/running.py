@@ -10,7 +10,8 @@ import numpy as np
 
 from ..core import CanonicalFormError
 from ..scheduling.attempts import Failure, give_memory_back
-from ..scheduling.crews import Crew, Work
+from ..scheduling.crews import Crew
+from ..scheduling.workers import Work
 from .dataset import Shape
 from .methods import INPUT, KNOWN, Method
 from .reading import Reader

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Generator, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
@@ -32,8 +32,39 @@ class Failure:
     died: bool = False
 
 
-def attempted(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
-    """Run a task and return its result or a `Failure`, which any process can read.
+def attempts(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Iterator[Any]:
+    """Run a task and yield its result, or each result if the function yields them, or a `Failure`.
+
+    Parameters
+    ----------
+    function : callable
+        The function to run.
+    arguments : tuple
+        Its arguments.
+
+    Yields
+    ------
+    object
+        A result, or a `Failure` with the error message: the exception itself may not be picklable.
+    """
+    try:
+        found = function(*arguments)
+        if isinstance(found, Generator):
+            yield from found
+        else:
+            yield found
+    except CanonicalFormError as error:
+        yield Failure(str(error))
+    except MemoryError:
+        yield Failure("Not enough memory.")
+    except Exception as error:  # any error, as the worker must survive
+        yield Failure(f"{type(error).__name__}: {error}")
+    finally:
+        give_memory_back()
+
+
+def attempted(function: Callable[..., Any], arguments: tuple[Any, ...]) -> list[Any]:
+    """Run a task and return the list of its results.
 
     Parameters
     ----------
@@ -44,19 +75,10 @@ def attempted(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
 
     Returns
     -------
-    object
-        Its result, or a `Failure` with the error message: the exception itself may not be picklable.
+    list of object
+        As `attempts` yields them.
     """
-    try:
-        return function(*arguments)
-    except CanonicalFormError as error:
-        return Failure(str(error))
-    except MemoryError:
-        return Failure("Not enough memory.")
-    except Exception as error:  # any error, as the worker must survive
-        return Failure(f"{type(error).__name__}: {error}")
-    finally:
-        give_memory_back()
+    return list(attempts(function, arguments))
 
 
 def give_memory_back() -> None:

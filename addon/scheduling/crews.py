@@ -6,23 +6,26 @@ import os
 import pickle
 import sys
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Protocol
 
 from ..core.run.errors import CanonicalFormError
-from .attempts import Failure, attempted, begin_work
+from .attempts import Failure, attempted, attempts
 from .shipping import packed_code, remote_runner, unpacked
+from .workers import Task, Work, Worker, ready
 
 _THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 _AHEAD = 2  # tasks queued for each worker
 _PATIENCE = "20s"  # timeout for a reply of the scheduler
-Work = tuple[Callable[..., Any], tuple[Any, ...]]
 
 
 class Crew(Protocol):
-    """Workers that take tasks in order and return results in any order."""
+    """Workers that take tasks in order and return results in any order.
+
+    A function that yields has several results, which come as soon as it yields them (from a cluster, at its end).
+    """
 
     def results(self, work: Iterator[tuple[object, Work]]) -> Iterator[tuple[object, Any]]:
         """Run all tasks.
@@ -35,7 +38,7 @@ class Crew(Protocol):
         Yields
         ------
         (object, object)
-            The name, and the result or a `Failure` in its place.
+            The name, and a result or a `Failure` in its place.
         """
 
     def close(self) -> None:
@@ -56,10 +59,11 @@ class InThisProcess:
         Yields
         ------
         (object, object)
-            The name, and the result or a `Failure` in its place.
+            The name, and a result or a `Failure` in its place.
         """
         for name, (function, arguments) in work:
-            yield name, attempted(function, arguments)
+            for result in attempts(function, arguments):
+                yield name, result
 
     def close(self) -> None:
         """Do nothing: there are no workers to release."""
@@ -76,24 +80,31 @@ class LocalCrew:
         Number of times that a task may kill its worker before it counts as failed.
     one_thread : bool
         Whether each process uses only one thread, so that they do not slow each other down.
+    timeout : float, optional
+        Seconds after which a task is ended, with its process.
     """
 
-    def __init__(self, count: int, attempts: int = 3, *, one_thread: bool = True) -> None:
+    def __init__(
+        self, count: int, attempts: int = 3, *, one_thread: bool = True, timeout: float | None = None
+    ) -> None:
         self._one_thread = one_thread
         self._count = count
         self._attempts = attempts
-        self._pool: Any = None
+        self._timeout = timeout
+        self._workers: list[Worker] = []
 
-    def _started(self) -> Any:
-        from concurrent.futures import ProcessPoolExecutor
-        from multiprocessing import get_context
-
+    def _idle(self) -> Worker:
+        """Return a worker that waits for a task, or start one."""
+        for worker in self._workers:
+            if worker.task is None and worker.process.is_alive():
+                return worker
         for name in _THREADS if self._one_thread else ():
             os.environ[name] = "1"  # inherited by the workers; the libraries of this process are loaded already
-        return ProcessPoolExecutor(self._count, get_context("spawn"), begin_work)
+        self._workers.append(Worker())
+        return self._workers[-1]
 
     def results(self, work: Iterator[tuple[object, Work]]) -> Iterator[tuple[object, Any]]:
-        """Run all tasks.
+        """Run all tasks; one that kills its worker is tried again while nothing else runs.
 
         Parameters
         ----------
@@ -103,76 +114,53 @@ class LocalCrew:
         Yields
         ------
         (object, object)
-            The name, and the result or a `Failure` in its place.
+            The name, and a result or a `Failure` in its place.
         """
-        from concurrent.futures import FIRST_COMPLETED, wait
-        from concurrent.futures.process import BrokenProcessPool
-
-        under_way: dict[Any, tuple[object, Work]] = {}
-        again: list[tuple[object, Work]] = []
-        died: dict[object, int] = {}
-        suspects: list[tuple[object, Work]] = []  # one of these tasks may kill its worker, so each runs alone
-        self._pool = self._pool or self._started()
+        suspects: list[Task] = []
         more = True
         while True:
-            room = 1 if suspects else self._count * _AHEAD
-            while len(under_way) < room and (suspects or again or more):
-                if suspects:
-                    piece = suspects.pop()
-                elif again:
-                    piece = again.pop()
-                else:
-                    drawn = next(work, None)
-                    if drawn is None:
-                        more = False
-                        break
-                    piece = drawn
-                try:
-                    under_way[self._pool.submit(attempted, *piece[1])] = piece
-                except BrokenProcessPool:
-                    again.append(piece)
+            busy = [worker for worker in self._workers if worker.task is not None]
+            while more and not suspects and len(busy) < self._count:
+                drawn = next(work, None)
+                if drawn is None:
+                    more = False
                     break
-            if not under_way and not again and not suspects and not more:
+                busy.append(self._idle().begin(Task(*drawn), self._timeout))
+            if suspects and not busy:
+                busy.append(self._idle().begin(suspects.pop(0), self._timeout))
+            if not busy:
                 return
-            broken = False
-            ready = wait(under_way, return_when=FIRST_COMPLETED).done if under_way else ()
-            for future in [each for each in under_way if each in ready]:  # in the order of the tasks
-                try:
-                    result = future.result()
-                except BrokenProcessPool:
-                    broken = True
+            for worker in ready(busy):
+                task = worker.task
+                assert task is not None
+                for result in worker.replies():
+                    yield task.name, result
+                if worker.process.is_alive() and worker.in_time:
                     continue
-                except Exception as error:  # a result that cannot be pickled
-                    result = Failure(f"{type(error).__name__}: {error}")
-                yield under_way.pop(future)[0], result
-            if broken or (not under_way and again):
-                self._pool.shutdown(wait=True)
-                self._pool = self._started()
-                lost = list(under_way.values())
-                again += lost[: self._count - 1 : -1]  # these were queued
-                for piece in lost[: self._count][::-1]:  # the first is tried first
-                    died[piece[0]] = died.get(piece[0], 0) + 1
-                    if died[piece[0]] >= self._attempts:
-                        reason = f"The worker process died {self._attempts} times (out of memory?)."
-                        yield piece[0], Failure(reason, died=True)
-                    else:
-                        suspects.append(piece)
-                under_way.clear()
+                self._workers.remove(worker)
+                worker.end()
+                task.deaths += 1
+                if worker.task is None:  # it died after its work
+                    continue
+                if not worker.in_time:
+                    yield task.name, Failure(f"It took longer than {self._timeout:g} s.")
+                elif task.deaths < self._attempts:
+                    suspects.append(task)
+                else:
+                    reason = f"The worker process died {self._attempts} times (out of memory?)."
+                    yield task.name, Failure(reason, died=True)
 
     def close(self) -> None:
         """End the processes, even while they are working."""
-        if self._pool is not None:
-            working = list((self._pool._processes or {}).values())
-            self._pool.shutdown(wait=False, cancel_futures=True)
-            for process in working:
-                process.terminate()
-            try:
-                for process in working:
-                    process.join()
-            except KeyboardInterrupt:  # a second one, from a user who does not want to wait
-                for process in working:
-                    process.kill()
-            self._pool = None
+        workers, self._workers = self._workers, []
+        for worker in workers:
+            worker.process.terminate()
+        try:
+            for worker in workers:
+                worker.process.join()
+        except KeyboardInterrupt:  # a second one, from a user who does not want to wait
+            for worker in workers:
+                worker.process.kill()
 
 
 class DaskCrew:
@@ -242,9 +230,10 @@ class DaskCrew:
         try:
             for future in running:
                 name = names.pop(future.key)
-                result = self._fetched(future)
+                found = self._fetched(future)
                 future.release()
-                yield name, result
+                for result in found if isinstance(found, list) else [found]:
+                    yield name, result
                 submit_some()
         except OSError as error:
             raise CanonicalFormError("The Dask scheduler is lost. Start again to go on.") from error

@@ -21,6 +21,7 @@ from addon.evaluation.work import hausdorff_row, measured
 from addon.scheduling import crews
 from addon.scheduling.attempts import Failure
 from addon.scheduling.crews import LocalCrew
+from addon.scheduling.workers import Task
 from tests.meshes import shapes
 from tests.meshes.shapes import write_off
 
@@ -254,11 +255,36 @@ def test_work_that_only_waited_is_not_held_to_blame():
     assert results == {"fine": 1, "last": 0}
 
 
+def counted(file, last):
+    """Yield numbers; die once before the last."""
+    for number in range(last):
+        yield number
+    if not file.exists():
+        file.touch()
+        os._exit(9)
+    yield last
+
+
+def test_results_come_as_they_are_made_and_once_although_the_worker_dies_among_them(tmp_path):
+    crew = LocalCrew(2)
+    pieces = [(name, (counted, (tmp_path / name, last))) for name, last in (("one", 3), ("other", 0), ("third", 5))]
+    results = list(crew.results(iter(pieces)))
+    crew.close()
+    for name, last in (("one", 3), ("other", 0), ("third", 5)):
+        assert [number for each, number in results if each == name] == list(range(last + 1))
+
+
+def test_work_that_takes_too_long_is_ended_and_harms_no_other():
+    crew = LocalCrew(2, timeout=20.0)
+    results = dict(crew.results(iter([("long", (time.sleep, (600,))), ("fine", (len, ([1],))), ("last", (len, ([],)))])))
+    crew.close()
+    assert results.pop("long").reason == "It took longer than 20 s."
+    assert results == {"fine": 1, "last": 0}
+
+
 def test_a_second_interrupt_kills_the_workers_without_a_traceback(monkeypatch):
     crew = LocalCrew(1)
-    crew._pool = crew._started()
-    crew._pool.submit(time.sleep, 60)
-    (worker,) = crew._pool._processes.values()
+    worker = crew._idle().begin(Task("long", (time.sleep, (60,))), None).process
     process = psutil.Process(worker.pid)
 
     def interrupted():
@@ -268,9 +294,8 @@ def test_a_second_interrupt_kills_the_workers_without_a_traceback(monkeypatch):
     monkeypatch.setattr(worker, "join", interrupted)
     crew.close()
     monkeypatch.undo()
-    gone, _ = psutil.wait_procs([process], timeout=30)  # a thread of the pool may take the exit code of the worker
+    gone, _ = psutil.wait_procs([process], timeout=30)
     assert gone  # it did not end by itself, which takes a minute
-    assert crew._pool is None
 
 
 def test_forms_measured_by_a_worker_are_on_one_thread_and_named():

@@ -10,7 +10,8 @@ from typing import TextIO
 
 from ...core import CanonicalFormError
 from ...scheduling.attempts import Failure, give_memory_back
-from ...scheduling.crews import Work, crew
+from ...scheduling.crews import crew
+from ...scheduling.workers import Work
 from ..arguments import (
     add_dataset,
     add_workers,
