@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import tomllib
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -85,6 +87,7 @@ def _parser() -> argparse.ArgumentParser:
         description="Take the pose out of meshes, or change it.",
         epilog="evaluate and evaluate-matches compare methods on a dataset; each has a --help of its own.",
     )
+    parser.add_argument("--version", action="version", version=f"canonical-form {_version()}")
     commands = parser.add_subparsers(dest="command", required=True)
     compute = commands.add_parser(
         "compute", help="compute the canonical form of meshes", epilog=_EPILOGUE, formatter_class=_Help
@@ -130,9 +133,17 @@ def _parser() -> argparse.ArgumentParser:
     _add_method(matching, None)
     matching.set_defaults(
         format="npz", mesh="base", frame=None, frames=None, frames_as="files", together=False, axes=None, value=1.0,
-        colours="none", measure=None, dry_run=False, skip_existing=False, pose=None, jobs=1, scheduler=None,
+        colours="none", measure=None, dry_run=False, log=None, timeout=None, skip_existing=False, pose=None, jobs=1, scheduler=None,
     )  # fmt: skip
     return parser
+
+
+def _version() -> str:
+    """Return the version: that of the manifest beside this package, or of the installed package."""
+    manifest = Path(__file__).parents[2] / "blender_manifest.toml"
+    if manifest.is_file():
+        return str(tomllib.loads(manifest.read_text(encoding="utf-8"))["version"])
+    return version("canonical-form")
 
 
 def _add_files(parser: argparse.ArgumentParser) -> None:
@@ -155,7 +166,15 @@ def _add_files(parser: argparse.ArgumentParser) -> None:
     files.add_argument(
         "--dry-run", action="store_true", help="only list the files and the results that they would have"
     )
-    files.add_argument("--skip-existing", action="store_true", help="skip files that already have their result")
+    files.add_argument(
+        "--skip-existing", action="store_true", help="skip files that already have their result, or that another run "
+        "is working on",
+    )  # fmt: skip
+    files.add_argument(
+        "--log", type=Path, metavar="FILE", help="a file for the lines, too; with --skip-existing it is continued, "
+        "and has each result once",
+    )  # fmt: skip
+    files.add_argument("--timeout", type=float, metavar="SECONDS", help="give a file up that takes longer")
     files.add_argument(
         "--colours", choices=("none", "patches", "adf"), default="none", help="what colours show in other kinds than "
         ".blend: only what the mesh has, its patches (in .obj also groups), or the Auto Diffusion Function",

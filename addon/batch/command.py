@@ -7,7 +7,7 @@ import os
 import sys
 import time
 from argparse import Namespace
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import redirect_stdout, suppress
 from pathlib import Path
 from secrets import token_hex
@@ -22,9 +22,10 @@ from ..scheduling.crews import Crew, DaskCrew, InThisProcess, LocalCrew
 from .arguments import parsed, wanted_of
 from .computing import compute_file, compute_reference, read_pose
 from .inputs import found_files, listed_files, output_stems, separators
-from .lines import SCHEMA, FileCount, Line, complain
+from .lines import DONE, SCHEMA, FileCount, Line, complain
 from .matching import match_files
 from .open_files import Reference
+from .report_log import ReportLog
 from .targets import Targets
 
 _ATTEMPTS = 2  # of a file that may have killed its worker: another file may be the cause
@@ -69,6 +70,10 @@ def main(words: Sequence[str], output: TextIO, *, alone: bool = False) -> int:
     except BrokenPipeError:  # whoever read the lines has ended, as `head` does
         os.dup2(os.open(os.devnull, os.O_WRONLY), output.fileno())  # what Python still writes at its end
         return 141
+    except OSError as error:  # of the result lines: errors of files are told in them
+        complain(f"The result lines cannot be written, so the run ends. {sentence(error)}")
+        os.dup2(os.open(os.devnull, os.O_WRONLY), output.fileno())
+        return 1
     except CanonicalFormError as error:
         complain(str(error))
         return 1
@@ -77,10 +82,13 @@ def main(words: Sequence[str], output: TextIO, *, alone: bool = False) -> int:
 
 
 class _Task(NamedTuple):
-    """Work for a worker, and the files that its line names if the worker dies."""
+    """Work for a worker, and the files that its line names if the worker dies.
+
+    The function yields the lines of a result as soon as it is written, and `DONE` at its end.
+    """
 
     head: Line
-    function: Callable[..., list[Line]]
+    function: Callable[..., Iterator[list[Line]]]
     arguments: tuple[Any, ...]
 
 
@@ -95,6 +103,8 @@ class _Run:
                 "Inside Blender there is one job only. For --jobs and --scheduler use Blender as a module "
                 "(pip install bpy, python -m addon)."
             )
+        if options.timeout is not None and (alone or options.scheduler or not options.timeout > 0):
+            raise CanonicalFormError("--timeout is a number of seconds, for workers of this machine (python -m addon).")
         if options.scheduler:  # the workers have their own working directories
             options.output = options.output.resolve()
             options.meshes = [path.resolve() for path in options.meshes]
@@ -105,10 +115,16 @@ class _Run:
         )
         self._output, self._dry = output, options.dry_run
         self._targets: list[Targets] = []
+        self._log: ReportLog | None = None
         self._told = {"done": 0, "failed": 0, "skipped": 0}
         self._plan(options)
         for folder in () if self._dry else dict.fromkeys([options.output, *(each.output for each in self._targets)]):
             require_folder(folder)
+        if options.log is not None and not self._dry:
+            self._log = ReportLog(options.log, options.skip_existing)
+            if self._log.outputs is not None:
+                known = self._log.outputs
+                self._targets = [each._replace(reported=tuple(known.get(str(each.path), ()))) for each in self._targets]
         self._crew = _hired(options, alone)
 
     def _plan(self, options: Namespace) -> None:
@@ -152,9 +168,11 @@ class _Run:
         for number, result in self._crew.results(work):
             progress.clear()
             if isinstance(result, Failure):
-                result = [{**tasks[int(str(number))].head, "error": _reason(result)}]
-            self._tell(result)
-            progress.done()
+                self._tell([{**tasks[int(str(number))].head, "error": _reason(result)}])
+            elif result != DONE:
+                self._tell(result)
+            if isinstance(result, Failure) or result == DONE:
+                progress.done()
         if len(self._targets) > 1 and sys.stderr.isatty():
             counts = ", ".join(f"{count} {name}" for name, count in self._told.items() if count)
             complain(f"{counts}, {time.monotonic() - began:.0f} s.")
@@ -164,7 +182,7 @@ class _Run:
         """Return the work that is not done yet, after the reference is known."""
         pending = []
         for each in self._targets:
-            if self._wanted.skip_existing and not self._wanted.frames and each.of_file().exists():
+            if self._wanted.skip_existing and not self._wanted.frames and each.is_done(each.of_file()):
                 self._tell([each.skipped(each.of_file(), None)])  # several results are checked when the file is open
             else:
                 pending.append(each)
@@ -186,18 +204,31 @@ class _Run:
     def close(self) -> None:
         """Release the workers, and remove their partial files."""
         self._crew.close()
+        if self._log is not None:
+            self._log.close()
         for folder in {self._wanted.output, *(each.output for each in self._targets)}:
             for partial in folder.glob(f".*.{self._wanted.mark}.partial*"):
                 partial.unlink(missing_ok=True)
 
     def _tell(self, lines: list[Line]) -> None:
-        """Print lines, and report errors."""
+        """Print lines, those of a result at once, and report errors."""
+        texts = []
         for line in lines:
             if "error" in line:
                 files = " and ".join(line[name] for name in ("input", "other") if name in line)
                 complain(f"{files}: {line['error']}")
             self._told["failed" if "error" in line else "skipped" if line.get("skipped") else "done"] += 1
-            print(json.dumps({"schema": SCHEMA, **line}), file=self._output, flush=True)
+            texts.append((line, json.dumps({"schema": SCHEMA, **line})))
+        if self._log is not None:
+            new = [text for line, text in texts if not (line.get("skipped") and line["output"] in self._logged(line))]
+            self._log.add(new)
+        self._output.write("".join(f"{text}\n" for _, text in texts))
+        self._output.flush()
+
+    def _logged(self, line: Line) -> Sequence[str]:
+        """Return the results of the same file that the log has."""
+        known = None if self._log is None else self._log.outputs
+        return [] if known is None else known.get(line["input"], [])
 
 
 class _MatchRun(_Run):
@@ -232,4 +263,4 @@ def _hired(options: Namespace, alone: bool) -> Crew:
             cluster.close()
             raise CanonicalFormError("Blender works on one file at a time. Start the Dask workers with --nthreads 1.")
         return cluster
-    return LocalCrew(options.jobs, _ATTEMPTS, one_thread=options.jobs > 1)
+    return LocalCrew(options.jobs, _ATTEMPTS, one_thread=options.jobs > 1, timeout=options.timeout)

@@ -3,43 +3,47 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import nullcontext
 from pathlib import Path
 
 from ..blender.files.kinds_of_files import PLAIN
 from ..blender.jobs.likeness import Likeness
 from ..core import CanonicalForm, CanonicalFormError
 from ..core.method_api.costs import memory_estimate
-from .lines import Line, complain, failure, stage_line
+from .claims import claimed
+from .lines import DONE, Line, complain, failure, stage_line
 from .open_files import Body, MeshInFile, OpenFile, Reference
 from .opening import explained, open_file
 from .targets import Targets
 from .wanted import Wanted
 
 
-def compute_file(targets: Targets, wanted: Wanted, reference: Reference) -> list[Line]:
-    """Compute every mesh of a file, write the results, and report each."""
-    lines: list[Line] = []
+def compute_file(targets: Targets, wanted: Wanted, reference: Reference) -> Iterator[list[Line]]:
+    """Compute every mesh of a file, write the results, and yield the lines of each as soon as it is written."""
     try:
         for frames in wanted.frames_of_files:
             opened = open_file(targets.path, wanted, wanted.objects)  # again: without results of earlier frames
             for target, bodies in _planned(opened, targets, wanted, frames[0]):
-                if wanted.skip_existing and target.exists():
-                    lines += [targets.skipped(target, frame) for frame in frames]
-                    continue
                 too_long = targets.too_long(target)
                 if too_long:
                     error = CanonicalFormError(too_long)
-                    lines += [failure(_head(targets.path, body, frames[0]), error, too_long) for body in bodies]
+                    yield [failure(_head(targets.path, body, frames[0]), error, too_long) for body in bodies]
                     continue
-                found = [
-                    _computed(_head(targets.path, body, frame), opened, body, wanted, reference)
-                    for frame in frames
-                    for body in bodies
-                ]
-                lines += _written(found, opened, targets, target)
+                with claimed(target) if wanted.skip_existing else nullcontext(True) as ours:
+                    if wanted.skip_existing and targets.is_done(target):
+                        yield [targets.skipped(target, frame) for frame in frames]
+                    elif not ours:
+                        yield [targets.left_to_another(target, frame) for frame in frames]
+                    else:
+                        found = [
+                            _computed(_head(targets.path, body, frame), opened, body, wanted, reference)
+                            for frame in frames
+                            for body in bodies
+                        ]
+                        yield _written(found, opened, targets, target)
     except Exception as error:  # any error, as other files follow
-        lines.append(failure({"input": str(targets.path)}, error, explained(error)))
-    return lines
+        yield [failure({"input": str(targets.path)}, error, explained(error))]
+    yield DONE
 
 
 def compute_reference(path: Path, wanted: Wanted) -> CanonicalForm:

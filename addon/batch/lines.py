@@ -11,6 +11,7 @@ from ..core.run.errors import CanonicalFormError
 
 SCHEMA = 1  # version of the fields, increased when a field changes its meaning
 Line = dict[str, Any]
+DONE: list[Line] = []  # comes after the last lines of a file
 
 
 def failure(line: Line, error: Exception, told: str) -> Line:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -9,12 +10,18 @@ import numpy as np
 from ..blender.files.replacing_files import replaced
 from ..core import CanonicalFormError, Match, match
 from .computing import read_pose
-from .lines import Line, failure, stage_line
+from .lines import DONE, Line, failure, stage_line
 from .opening import explained
 from .wanted import Wanted
 
 
-def match_files(one: Path, other: Path, target: Path, wanted: Wanted) -> list[Line]:
+def match_files(one: Path, other: Path, target: Path, wanted: Wanted) -> Iterator[list[Line]]:
+    """Match the meshes of two files, write the match, and yield its line."""
+    yield [_matched(one, other, target, wanted)]
+    yield DONE
+
+
+def _matched(one: Path, other: Path, target: Path, wanted: Wanted) -> Line:
     """Match the meshes of two files and write the match."""
     line: Line = {"input": str(one), "other": str(other)}
     try:
@@ -36,7 +43,7 @@ def match_files(one: Path, other: Path, target: Path, wanted: Wanted) -> list[Li
             )
         replaced(target, lambda partial: _write(partial, found), wanted.mark)
     except Exception as error:  # any error is reported in the line
-        return [failure(line, error, explained(error))]
+        return failure(line, error, explained(error))
     figures = {
         "output": str(target),
         "vertices": len(found.vertices),
@@ -46,7 +53,7 @@ def match_files(one: Path, other: Path, target: Path, wanted: Wanted) -> list[Li
         "warnings": [str(each) for each in found.warnings],
         "other_warnings": [str(each) for each in found.other_warnings],
     }
-    return [{**line, **figures}]
+    return {**line, **figures}
 
 
 def _write(path: Path, found: Match) -> None:

@@ -29,6 +29,8 @@ class Targets(NamedTuple):
         Kind of file to write.
     inputs : tuple of Path
         All files of the run.
+    reported : tuple of str or None
+        Results that the log of an earlier run has; None without such a log.
     """
 
     path: Path
@@ -37,6 +39,7 @@ class Targets(NamedTuple):
     dash: str
     format: str
     inputs: tuple[Path, ...]
+    reported: tuple[str, ...] | None = None
 
     def of_file(self, frame: int | None = None) -> Path:
         """Return the file for the only result of the input file."""
@@ -63,10 +66,18 @@ class Targets(NamedTuple):
             found.append(self.output / f"{self.stem}{self.dash}{own}{_numbered(frame)}.{self.format}")
         return found
 
+    def is_done(self, target: Path) -> bool:
+        """Return whether a result exists; if a log is continued, it must be in it: a run may be killed in between."""
+        return target.exists() and (self.reported is None or str(target) in self.reported)
+
     def skipped(self, target: Path, frame: int | None) -> dict[str, Any]:
         """Return the line for an existing result that was skipped."""
         line: dict[str, Any] = {"input": str(self.path), "output": str(target), "skipped": True}
         return line if frame is None else {**line, "frame": frame}
+
+    def left_to_another(self, target: Path, frame: int | None) -> dict[str, Any]:
+        """Return the line for a result that another run is making."""
+        return {**self.skipped(target, frame), "warnings": ["Another run is making this result."]}
 
     def too_long(self, target: Path) -> str:
         """Say so if a name is longer than file systems allow; empty otherwise."""

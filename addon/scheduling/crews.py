@@ -84,9 +84,7 @@ class LocalCrew:
         Seconds after which a task is ended, with its process.
     """
 
-    def __init__(
-        self, count: int, attempts: int = 3, *, one_thread: bool = True, timeout: float | None = None
-    ) -> None:
+    def __init__(self, count: int, attempts: int = 3, *, one_thread: bool = True, timeout: float | None = None) -> None:
         self._one_thread = one_thread
         self._count = count
         self._attempts = attempts

@@ -257,8 +257,7 @@ def test_work_that_only_waited_is_not_held_to_blame():
 
 def counted(file, last):
     """Yield numbers; die once before the last."""
-    for number in range(last):
-        yield number
+    yield from range(last)
     if not file.exists():
         file.touch()
         os._exit(9)
@@ -276,7 +275,9 @@ def test_results_come_as_they_are_made_and_once_although_the_worker_dies_among_t
 
 def test_work_that_takes_too_long_is_ended_and_harms_no_other():
     crew = LocalCrew(2, timeout=20.0)
-    results = dict(crew.results(iter([("long", (time.sleep, (600,))), ("fine", (len, ([1],))), ("last", (len, ([],)))])))
+    results = dict(
+        crew.results(iter([("long", (time.sleep, (600,))), ("fine", (len, ([1],))), ("last", (len, ([],)))]))
+    )
     crew.close()
     assert results.pop("long").reason == "It took longer than 20 s."
     assert results == {"fine": 1, "last": 0}
