@@ -11,11 +11,13 @@ from numpy.typing import ArrayLike
 from .assembly.body import Body
 from .assembly.gathering import gathered_features, shaped
 from .assembly.opening import OPENING, opened
+from .measures.form_measures import is_unchanged
 from .method_api.catalogue import DETECTION, Method, method_named
 from .method_api.settings import Settings
 from .numerics.arrays import FloatArray, IntArray
 from .results import CanonicalForm
 from .run.kept_stages import KeptStages
+from .run.messages import doubts_first
 from .run.monitor import Cancelled, Monitor, Progress
 
 if TYPE_CHECKING:
@@ -98,6 +100,8 @@ def canonical_form(
     )
     form = shaped(bodies, [each.points for each in forms], monitor, area_kept=True)
     features = gathered_features(bodies, [each.features for each in forms])
+    if is_unchanged(bodies.vertices, form, bodies.faces):
+        monitor.warn("hardly_unbent")
     histories = [each.embedded.history for each in forms]
     pair_count = sum(each.embedded.pair_count for each in forms)
     return CanonicalForm(
@@ -110,7 +114,7 @@ def canonical_form(
         pair_count,
         1 - pair_count / len(form) ** 2 if pair_count else 0.0,
         monitor.timings,
-        monitor.warnings,
+        doubts_first(monitor.warnings),
         float(np.fmax.reduce([each.embedded.asymmetry for each in forms])),
         features.bodies,
     )

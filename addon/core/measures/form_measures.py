@@ -7,7 +7,9 @@ import numpy as np
 from ..mesh.edges import is_closed, vertex_pairs
 from ..mesh.geometry import signed_volume, surface_area
 from ..numerics.arrays import FloatArray, IntArray
-from .alignment import closest_point_fit
+from .alignment import closest_point_fit, rigid_fit
+
+_UNBENT = 0.01  # of the root of the area: forms of forms differ from these by .014 and more
 
 
 def compactness(vertices: FloatArray, faces: IntArray) -> float:
@@ -59,6 +61,23 @@ def hausdorff(first: FloatArray, second: FloatArray, mirror: bool = False) -> fl
     rotation, shift = closest_point_fit(first, second, mirror=mirror)
     moved = first @ rotation + shift
     return float(max(KDTree(second).query(moved)[0].max(), KDTree(moved).query(second)[0].max()))
+
+
+def is_unchanged(before: FloatArray, after: FloatArray, faces: IntArray) -> bool:
+    """Check whether a form is the mesh itself but for a rigid motion.
+
+    `before, after` (n, 3); `faces` (m, 3).
+
+    Examples
+    --------
+    >>> points, faces = np.eye(3), np.array([[0, 1, 2]])
+    >>> is_unchanged(points, points[:, [1, 2, 0]] + 3, faces), is_unchanged(points, points**2 * [[1], [2], [3]], faces)
+    (True, False)
+    """
+    used = np.unique(faces)
+    rotation, shift = rigid_fit(before[used], after[used])
+    apart = float(np.sqrt(((before[used] @ rotation + shift - after[used]) ** 2).sum(axis=1).mean()))
+    return apart < _UNBENT * float(np.sqrt(surface_area(before, faces)))
 
 
 def summary(before: FloatArray, after: FloatArray, faces: IntArray, with_hausdorff: bool = True) -> dict[str, float]:

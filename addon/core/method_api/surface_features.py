@@ -28,6 +28,9 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
 
 _MERGED = 0.05  # share of the geodesic diameter within which two feature points are one
+_DOUBTED = 1.25  # times the prominence that is asked for, either way: poses of one body differ by as much
+_LIMBLESS = 2  # feature points of a tube or a snake; three or four are a body that lacks an end, or a table
+_ENDS = 5  # of a body with head, hands and feet, or with four legs and a head
 _SPARE = 4  # candidates per feature point requested, since some lie too close to others
 _MORE_SLACK = (0.01, 0.1)  # slack of every triangle inequality, in mean edges, tried in turn where the spectrum fails
 
@@ -220,7 +223,13 @@ def _feature_points(
     if chosen is not None:
         features = surface.numbers_of(chosen)
         return features, heat.distances(features), None
-    features, prominence = prominent_maxima(adf, surface.faces, 0.0 if settings.feature_count else settings.prominence)
+    asked = 0.0 if settings.feature_count else settings.prominence
+    features, prominence = prominent_maxima(adf, surface.faces, asked / _DOUBTED)
+    doubted = np.flatnonzero((prominence <= asked * _DOUBTED) & (np.arange(len(features)) > 0))
+    found = np.append(True, prominence[1:] >= asked)
+    features, prominence = features[found], prominence[found]
+    if len(doubted):
+        monitor.warn("doubtful_ends", count=len(doubted))
     if settings.feature_count:
         features = features[: _SPARE * settings.feature_count]
     monitor.check()
@@ -229,6 +238,8 @@ def _feature_points(
     kept = kept[: settings.feature_count or None]
     if len(kept) < settings.feature_count:
         monitor.warn("few_features", count=len(kept))
+    if not settings.feature_count and _LIMBLESS < len(kept) < _ENDS:
+        monitor.warn("few_ends", count=len(kept))
     return features[kept], to_features[:, kept], prominence[kept]
 
 

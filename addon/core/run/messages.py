@@ -47,6 +47,16 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
     "points and form and stays in place.",
     "small_pieces_ride": "Small loose parts ({count:,}) follow the larger part that lies nearest.",
     "rider_stretched": "Some loose parts lie on others that move apart. They were moved rigidly.",
+    # what makes a form doubtful
+    "few_ends": "Only {count} ends were found, and a body with head, hands and feet has five. If a limb has no feature "
+    "point, lower the prominence, or choose the points by hand.",
+    "doubtful_ends": (
+        "1 end is hardly a limb or hardly a fold: another pose may have it, or not. Choose the feature points by hand "
+        "to be sure.",
+        "{count} ends are hardly limbs or hardly folds: another pose may have them, or not. Choose the feature points "
+        "by hand to be sure.",
+    ),
+    "hardly_unbent": "The form is nearly the mesh itself: nothing was unbent.",
     "loose_vertices": (
         "1 vertex that belongs to no face stays where it is.",
         "{count:,} vertices that belong to no face stay where they are.",
@@ -144,6 +154,8 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
     "cancelled": "Cancelled; nothing was changed.",
 }
 
+_DOUBTS = ("several_bodies", "several_pieces", "few_ends", "doubtful_ends", "hardly_unbent", "rider_stretched")
+
 _PHRASES = {  # parts of these sentences
     "about": "{what}: {error}",
     "other_mesh": "The other mesh",
@@ -203,6 +215,17 @@ def message(kind: str, **numbers: Any) -> Message:
     if isinstance(sentence, tuple):
         sentence = sentence[0 if numbers["count"] == 1 else 1]
     return Message(sentence.format(**numbers), kind, numbers, sentence)
+
+
+def doubts_first(warnings: list[Message]) -> list[Message]:
+    """Sort warnings: first those that make a whole form doubtful.
+
+    Examples
+    --------
+    >>> [told.kind for told in doubts_first([message("duplicate_faces", count=1), message("few_ends", count=3)])]
+    ['few_ends', 'duplicate_faces']
+    """
+    return sorted(warnings, key=lambda told: _DOUBTS.index(told.kind) if told.kind in _DOUBTS else len(_DOUBTS))
 
 
 def sentences() -> tuple[str, ...]:
