@@ -10,13 +10,14 @@ from typing import Any
 
 import numpy as np
 
-from ..blender.files.kinds_of_files import PLAIN, READ, WRITTEN
+from ..blender.files.kinds_of_files import EXPORTERS, PLAIN, READ, WRITTEN
 from ..blender.files.plain_files import has_blender
 from ..core.method_api.catalogue import methods
 from ..core.method_api.options import Option, options_of
 from ..core.method_api.settings import Settings
 from ..core.numerics.arrays import FloatArray
 from ..core.run.errors import CanonicalFormError
+from .file_space import UNITS
 from .wanted import Wanted
 
 _POSING = """\
@@ -57,6 +58,12 @@ def wanted_of(options: argparse.Namespace, mark: str, *, stages: bool) -> Wanted
     frame_keys = options.frames_as == "keys"
     if frame_keys and (not options.frames or options.format != "blend"):
         raise CanonicalFormError("--frames-as keys needs --frames, and --format blend.")
+    if options.axes is not None and options.space == "object":
+        raise CanonicalFormError("--axes turns the scene: it goes with --space world.")
+    if options.units is not None and f".{options.format}" not in PLAIN:
+        raise CanonicalFormError(f"--units is for .obj, .ply and .off; .{options.format} has a unit of its own.")
+    if options.keep_rig and options.format not in EXPORTERS:
+        raise CanonicalFormError(f"--keep-rig is for {', '.join(EXPORTERS)}; a .blend keeps the rig anyway.")
     if not 0.0 <= options.value <= 1.0:
         raise CanonicalFormError(f"--value must lie between 0 and 1; got {options.value:g}.")
     return Wanted(
@@ -69,6 +76,9 @@ def wanted_of(options: argparse.Namespace, mark: str, *, stages: bool) -> Wanted
         objects=tuple(options.objects or ()),
         together=options.together,
         axes=None if options.axes is None else _axes(options.axes, options.format),
+        space=options.space,
+        units=options.units,
+        keep_rig=options.keep_rig,
         colours=options.colours,
         measures=tuple(options.measure or ()),
         value=options.value,
@@ -133,7 +143,8 @@ def _parser() -> argparse.ArgumentParser:
     _add_method(matching, None)
     matching.set_defaults(
         format="npz", mesh="base", frame=None, frames=None, frames_as="files", together=False, axes=None, value=1.0,
-        colours="none", measure=None, dry_run=False, log=None, timeout=None, skip_existing=False, pose=None, jobs=1, scheduler=None,
+        space="world", units=None, keep_rig=False, colours="none", measure=None, dry_run=False, log=None, timeout=None,
+        skip_existing=False, pose=None, jobs=1, scheduler=None,
     )  # fmt: skip
     return parser
 
@@ -176,6 +187,10 @@ def _add_files(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     files.add_argument("--timeout", type=float, metavar="SECONDS", help="give a file up that takes longer")
     files.add_argument(
+        "--keep-rig", action="store_true", help="in .glb, .fbx and .usd: armature, weights and shape keys, the result "
+        "as one of these",
+    )  # fmt: skip
+    files.add_argument(
         "--colours", choices=("none", "patches", "adf"), default="none", help="what colours show in other kinds than "
         ".blend: only what the mesh has, its patches (in .obj also groups), or the Auto Diffusion Function",
     )  # fmt: skip
@@ -214,8 +229,15 @@ def _add_axes(group: argparse._ArgumentGroup) -> None:
     """Add the options for the placement of results in files."""
     group.add_argument(
         "--axes", metavar="UP,FACING", help="axes of .obj, .ply and .off files: which way is up and which way upright "
-        "bodies face, as Z,-Y in Blender or Y,Z in most .obj files (default: the space of the mesh)",
+        "bodies face (default: Y,Z for .obj, as most programs have it, and Z,-Y, as in Blender, for .ply and .off)",
     )  # fmt: skip
+    group.add_argument(
+        "--space", choices=("world", "object"), default="world", help="whether .obj, .ply and .off files hold the mesh "
+        "as it lies in the scene, or in its own space",
+    )  # fmt: skip
+    group.add_argument(
+        "--units", choices=tuple(UNITS), help="unit of length of .obj, .ply and .off files (default: that of the scene)"
+    )
     group.add_argument("--value", type=float, default=1.0, help="value of the shape key in a .blend, 0 to 1")
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,6 +15,7 @@ from ..blender.files.outside_references import pictures_not_held
 from ..blender.files.reading_files import open_meshes, scripts_left_off
 from ..blender.files.writing_files import Shown, save_blend, save_forms
 from ..blender.jobs.form_item import FormItem
+from ..blender.jobs.form_result import FormResult
 from ..blender.jobs.form_task import FormTask
 from ..blender.jobs.likeness import Likeness
 from ..blender.jobs.pose_reading import read_likeness
@@ -22,11 +24,13 @@ from ..blender.objects.mesh_reading import refusal
 from ..blender.records.form_report import FormReport
 from ..blender.results.bare_copies import bare_copies
 from ..blender.results.frame_keys import keep_for_frame
+from ..blender.results.kept_rigs import with_rigs
 from ..blender.results.result_clearing import clear_from
 from ..blender.results.result_writing import FIELD_COLOURS, PATCH_COLOURS
 from ..core import CanonicalForm, CanonicalFormError
 from ..core.numerics.arrays import FloatArray
 from ..core.run.monitor import Progress
+from .file_space import in_file_space, is_mirrored
 from .open_files import Body, MeshInFile, Reference
 from .wanted import Wanted
 
@@ -72,10 +76,11 @@ class BlenderFile:
         for obj in objects if wanted.frame_keys and frame == wanted.frames[0] else ():
             clear_from(obj)  # a key per frame is not an update of one form
         task = FormTask(objects, self._request(reference))
-        if wanted.frame_keys and task.resized:
+        if (wanted.frame_keys or wanted.keep_rig) and task.resized:
+            remedy = "choose --frames-as files" if wanted.frame_keys else "leave --keep-rig out"
             raise CanonicalFormError(
                 f"Modifiers change the number of vertices of {', '.join(task.resized)}, so that no shape key can hold "
-                "the forms. Apply or remove them, or choose --frames-as files."
+                f"the form. Apply or remove them, or {remedy}."
             )
         task.compute(progress)
         task.write()
@@ -98,19 +103,19 @@ class BlenderFile:
         forms = [result.found.vertices for result in item.results]  # type: ignore[union-attr]
         read = [each.source for each in self.meshes]
         try:
-            with bare_copies(objects, forms) as copies:
+            with ExitStack() as ready:
+                rigs: list[bpy.types.Object] = []
+                copies = objects
+                if wanted.keep_rig:
+                    rigs = ready.enter_context(with_rigs(objects, wanted.value, posed=wanted.shown))
+                else:
+                    copies = ready.enter_context(bare_copies(objects, forms))
                 shown = [
-                    Shown(
-                        copy,
-                        _in_axes(form, obj, wanted),
-                        result.found.patches if wanted.colours == "patches" else None,
-                        result.colours.named(wanted.colours),
-                        FIELD_COLOURS if wanted.colours == "adf" else PATCH_COLOURS,
-                    )
-                    for copy, form, obj, result in zip(copies, forms, objects, item.results, strict=True)
+                    _shown(copy, np.array(obj.matrix_world), result, wanted)
+                    for copy, obj, result in zip(copies, objects, item.results, strict=True)
                 ]
                 pictures = None if wanted.trusted else self._path.parent
-                left_out = save_forms(target, shown, wanted.mark, pictures=pictures)
+                left_out = save_forms(target, shown, wanted.mark, pictures=pictures, rigs=rigs)
                 absent = [] if wanted.format in ("ply", "off") else pictures_not_held(copies, wanted.format)
         finally:
             bpy.data.batch_remove([each for each in objects if each not in read])
@@ -161,7 +166,7 @@ class BlenderFile:
             wanted.settings,
             value=wanted.value,
             deformed=wanted.shown,
-            new_object=wanted.shown and wanted.format != "blend",
+            new_object=wanted.shown and wanted.format != "blend" and not wanted.keep_rig,
             hausdorff="hausdorff" in wanted.measures,
             objects="TOGETHER" if wanted.together else "EACH",
             reference=None if form is None else lambda _cancelled: form,
@@ -193,9 +198,14 @@ def _whole_report(item: FormItem) -> FormReport:
     )
 
 
-def _in_axes(form: FloatArray, obj: bpy.types.Object, wanted: Wanted) -> FloatArray:
-    """Transform a form from local space to the axes of the file, if these are given."""
-    if wanted.axes is None:
-        return form
-    placed = np.array(obj.matrix_world)
-    return np.asarray((form @ placed[:3, :3].T + placed[:3, 3]) @ wanted.axes)
+def _shown(obj: bpy.types.Object, placement: FloatArray, result: FormResult, wanted: Wanted) -> Shown:
+    """Return what is written of an object."""
+    unit = bpy.context.scene.unit_settings
+    return Shown(
+        obj,
+        in_file_space(result.found.vertices, placement, wanted, unit.scale_length),  # type: ignore[union-attr]
+        result.found.patches if wanted.colours == "patches" else None,
+        result.colours.named(wanted.colours),
+        FIELD_COLOURS if wanted.colours == "adf" else PATCH_COLOURS,
+        is_mirrored(placement, wanted),
+    )

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
+
 from ..blender.files.file_access import require_named
 from ..blender.files.kinds_of_files import PLAIN
 from ..blender.files.plain_files import read_plain, write_plain
@@ -14,6 +16,7 @@ from ..blender.mesh_items.palette import colours_of
 from ..blender.records.form_report import FormReport
 from ..core import CanonicalForm, CanonicalFormError, PosedLike, canonical_form
 from ..core.run.monitor import Progress
+from .file_space import axes_of, in_file_space
 from .open_files import Body, MeshInFile, Reference
 from .wanted import Wanted
 
@@ -27,6 +30,7 @@ class PlainFile:
         if wanted.shown:
             raise CanonicalFormError(f"--mesh shown, --frame and --frames: this {_NEEDS_BLENDER}.")
         self._wanted = wanted
+        self._turn = axes_of(path.suffix.lower()[1:]).T  # to the axes of a scene, as Blender reads the file
         self._mesh = read_plain(path)
         self._faces = fans(self._mesh.polygons)
         self._result: CanonicalForm | PosedLike | None = None
@@ -40,7 +44,7 @@ class PlainFile:
         if f".{self._wanted.format}" not in PLAIN:
             kinds = ", ".join(kind[1:] for kind in PLAIN)
             raise CanonicalFormError(f"--format {self._wanted.format} {_NEEDS_BLENDER}. Without it, choose {kinds}.")
-        vertices, settings = self._mesh.vertices, self._wanted.settings
+        vertices, settings = self._mesh.vertices @ self._turn, self._wanted.settings
         hausdorff = "hausdorff" in self._wanted.measures
         if isinstance(reference, Likeness):
             posed, _ = reference.posed(vertices, self._faces, settings, progress)
@@ -54,10 +58,11 @@ class PlainFile:
 
     def write(self, target: Path) -> list[str]:
         """Write the result with what the file carried."""
-        found, axes = self._result, self._wanted.axes
+        found = self._result
         assert found is not None
-        placed = found.vertices if axes is None else found.vertices @ axes
-        mesh = self._mesh._replace(vertices=placed)
+        placement = np.eye(4)
+        placement[:3, :3] = self._turn.T
+        mesh = self._mesh._replace(vertices=in_file_space(found.vertices @ self._turn.T, placement, self._wanted))
         field = self._wanted.colours
         if field != "none":
             mesh = mesh._replace(colours=colours_of(found.adf, found.patches, self._faces).named(field))
@@ -68,11 +73,12 @@ class PlainFile:
 
     def form(self, body: Body) -> CanonicalForm:
         """Compute the form of the mesh."""
-        return canonical_form(self._mesh.vertices, self._faces, self._wanted.settings)
+        return canonical_form(self._mesh.vertices @ self._turn, self._faces, self._wanted.settings)
 
     def pose(self, mesh: MeshInFile) -> Likeness:
         """Return the pose of the mesh."""
-        arrays = PoseArrays(self._mesh.vertices, self._faces, self._mesh.vertices)
+        vertices = self._mesh.vertices @ self._turn
+        arrays = PoseArrays(vertices, self._faces, vertices)
         return Likeness("OBJECT", mesh.name, arrays, self._wanted.side)
 
     def warnings(self) -> list[str]:

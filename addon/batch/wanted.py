@@ -32,8 +32,14 @@ class Wanted:
     together : bool
         Whether all objects of a file form one body.
     axes : (3, 3) ndarray of float or None
-        Rotation from the axes of the scene to those of the file, for row vectors; None to write .obj and .ply in local
-        space.
+        Rotation from the axes of the scene to those of a text file, for row vectors; None for the usual ones of its
+        kind.
+    space : {'world', 'object'}
+        Whether text files are written as the mesh lies in the scene, or in its own space.
+    units : str or None
+        Unit of length of text files, of `UNITS`; None for that of the scene.
+    keep_rig : bool
+        Whether results of other kinds than .blend have armatures, weights and keys, the form as one of these.
     colours : {'none', 'patches', 'adf'}
         Colours that are added to the result, in other kinds than .blend.
     measures : tuple of str
@@ -63,6 +69,9 @@ class Wanted:
     objects: tuple[str, ...] = ()
     together: bool = False
     axes: FloatArray | None = None
+    space: str = "world"
+    units: str | None = None
+    keep_rig: bool = False
     colours: str = "none"
     measures: tuple[str, ...] = ()
     value: float = 1.0

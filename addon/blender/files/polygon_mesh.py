@@ -46,6 +46,21 @@ class PolygonMesh(NamedTuple):
     slots: Sequence[int] = ()
     library: str = ""
 
+    def turned_over(self) -> PolygonMesh:
+        """Return the mesh with the corners of every polygon in the other order.
+
+        Examples
+        --------
+        >>> PolygonMesh(np.eye(3), [[0, 1, 2]], corner_uv=np.array([[0, 0], [1, 0], [1, 1]])).turned_over()[1:]
+        ([[2, 1, 0]], None, None, array([[1, 1],
+               [1, 0],
+               [0, 0]]), (), (), '')
+        """
+        ends = np.cumsum([0, *map(len, self.polygons)]).tolist()
+        corners = [corner for start, end in pairwise(ends) for corner in range(end - 1, start - 1, -1)]
+        uv = None if self.corner_uv is None else self.corner_uv[corners]
+        return self._replace(polygons=[each[::-1] for each in self.polygons], corner_uv=uv)
+
 
 def decoded_text(data: bytes) -> str:
     r"""Decode the text of a mesh file: UTF-8 or UTF-16 as their byte-order marks say, otherwise UTF-8.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import sys
 from collections.abc import Callable, Iterator, Sequence
@@ -234,7 +235,10 @@ def _import(path: Path) -> None:
         mesh = bpy.data.meshes.new(path.stem)
         mesh.from_pydata(read.vertices.tolist(), [], read.polygons)
         obj = bpy.data.objects.new(path.stem, mesh)
+        if kind == ".obj":  # as Blender's importer lays it
+            obj.rotation_euler.x = math.pi / 2
         bpy.context.scene.collection.objects.link(obj)
+        bpy.context.view_layer.update()
         return
     operator = importer(kind)
     if operator is None:

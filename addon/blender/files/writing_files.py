@@ -45,6 +45,12 @@ _TOLD: dict[str, dict[str, Any]] = {  # options of the exporters: write only the
     "usdc": {"selected_objects_only": True, "export_animation": False},
     "usdz": {"selected_objects_only": True, "export_animation": False},
 }
+_WITH_RIG: dict[str, dict[str, Any]] = {  # the armature as it stands, its weights, and keys that no modifier has eaten
+    "glb": {"export_apply": False, "export_skins": True, "export_morph": True, "export_rest_position_armature": False},
+    "fbx": {"object_types": {"MESH", "ARMATURE", "EMPTY"}, "use_mesh_modifiers": False, "add_leaf_bones": False},
+    "usdc": {"export_armatures": True, "export_shapekeys": True},
+    "usdz": {"export_armatures": True, "export_shapekeys": True},
+}
 _HOLDS_PICTURES = ("glb", "fbx", "usdz")
 _OWN_MTL = "# By Canonical Form"  # first line of a .mtl that a later run may replace
 
@@ -64,6 +70,8 @@ class Shown(NamedTuple):
         Colours of its vertices to add, such as those of the patches; None to leave them as they are.
     named : str
         Name of these colours.
+    mirrored : bool
+        Whether the axes of a text file show faces from behind.
     """
 
     obj: bpy.types.Object
@@ -71,6 +79,7 @@ class Shown(NamedTuple):
     patches: IntArray | None = None
     colours: np.ndarray | None = None
     named: str = ""
+    mirrored: bool = False
 
 
 def save_blend(path: Path, mark: str = "") -> None:
@@ -92,10 +101,17 @@ def save_blend(path: Path, mark: str = "") -> None:
     replaced(path, write, mark)
 
 
-def save_forms(path: Path, shown: Sequence[Shown], mark: str = "", *, pictures: Path | None = None) -> list[str]:
+def save_forms(
+    path: Path,
+    shown: Sequence[Shown],
+    mark: str = "",
+    *,
+    pictures: Path | None = None,
+    rigs: Sequence[bpy.types.Object] = (),
+) -> list[str]:
     """Write objects that are shaped as their forms.
 
-    .obj, .ply and .off files hold one form, in local space and in the vertex order of the mesh: .obj with UV map,
+    .obj, .ply and .off files hold one form, in the vertex order of the mesh: .obj with UV map,
     materials and colours, .ply with colours, .off positions and polygons only. Blender writes the other kinds, in
     world space. Viewers multiply the colours of a .glb into its texture, so that those of a field are an attribute.
 
@@ -110,6 +126,8 @@ def save_forms(path: Path, shown: Sequence[Shown], mark: str = "", *, pictures: 
         As in `replaced`.
     pictures : Path, optional
         Folder from which images may be included, in kinds that hold them; all images if omitted.
+    rigs : sequence of bpy.types.Object
+        What is to be written besides: armatures and parents of the objects, which then keep their weights and keys.
 
     Returns
     -------
@@ -126,7 +144,7 @@ def save_forms(path: Path, shown: Sequence[Shown], mark: str = "", *, pictures: 
         with without_foreign_pictures(
             [each.obj for each in shown], pictures if kind in _HOLDS_PICTURES else None
         ) as left_out:
-            replaced(path, lambda partial: _export(partial, kind, shown), mark)
+            replaced(path, lambda partial: _export(partial, kind, shown, rigs), mark)
         return left_out
     (one,) = shown
     mesh = _polygon_mesh(one)
@@ -156,13 +174,13 @@ def _starts_with(path: Path, text: str) -> bool:
         return file.read(len(text)) == text.encode()
 
 
-def _export(path: Path, kind: str, shown: Sequence[Shown]) -> None:
+def _export(path: Path, kind: str, shown: Sequence[Shown], rigs: Sequence[bpy.types.Object]) -> None:
     """Export objects with Blender's exporter."""
     group, operator = EXPORTERS[kind].split(".")
     if operator not in dir(getattr(bpy.ops, group)):
         raise InvalidMeshError(f"This Blender ({bpy.app.version_string}) does not write .{kind}. Choose another kind.")
     for obj in bpy.context.view_layer.objects:
-        obj.select_set(False)
+        obj.select_set(obj in rigs)
     for each in shown:
         each.obj.select_set(True)
         bpy.context.view_layer.objects.active = each.obj
@@ -170,7 +188,9 @@ def _export(path: Path, kind: str, shown: Sequence[Shown]) -> None:
             _show(each.obj, each.colours, each.named, kind)
     write = getattr(getattr(bpy.ops, group), operator)
     known = write.get_rna_type().properties
-    told = dict(_TOLD[kind])
+    told = dict(_TOLD[kind]) | {
+        name: value for name, value in (_WITH_RIG[kind].items() if rigs else ()) if name in known
+    }
     if kind == "usdc":
         told |= {name: value for name, value in _PICTURES_STAY.items() if name in known}
     try:
@@ -250,7 +270,7 @@ def _polygon_mesh(shown: Shown) -> PolygonMesh:
         corner_uv = np.empty(2 * len(mesh.loops), dtype=np.float32)
         mesh.uv_layers.active.data.foreach_get("uv", corner_uv)
         corner_uv = corner_uv.reshape(-1, 2)
-    return PolygonMesh(
+    whole = PolygonMesh(
         shown.form,
         [list(polygon.vertices) for polygon in mesh.polygons],
         shown.patches,
@@ -259,6 +279,7 @@ def _polygon_mesh(shown: Shown) -> PolygonMesh:
         [slot.material.name if slot.material else "" for slot in shown.obj.material_slots],
         [polygon.material_index for polygon in mesh.polygons],
     )
+    return whole.turned_over() if shown.mirrored else whole
 
 
 def _own_colours(mesh: bpy.types.Mesh) -> np.ndarray | None:
