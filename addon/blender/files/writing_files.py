@@ -48,8 +48,8 @@ _TOLD: dict[str, dict[str, Any]] = {  # options of the exporters: write only the
 _WITH_RIG: dict[str, dict[str, Any]] = {  # the armature as it stands, its weights, and keys that no modifier has eaten
     "glb": {"export_apply": False, "export_skins": True, "export_morph": True, "export_rest_position_armature": False},
     "fbx": {"object_types": {"MESH", "ARMATURE", "EMPTY"}, "use_mesh_modifiers": False, "add_leaf_bones": False},
-    "usdc": {"export_armatures": True, "export_shapekeys": True},
-    "usdz": {"export_armatures": True, "export_shapekeys": True},
+    "usdc": {"export_armatures": True, "export_shapekeys": True, "export_animation": True},  # which has the values
+    "usdz": {"export_armatures": True, "export_shapekeys": True, "export_animation": True},
 }
 _HOLDS_PICTURES = ("glb", "fbx", "usdz")
 _OWN_MTL = "# By Canonical Form"  # first line of a .mtl that a later run may replace
@@ -186,6 +186,8 @@ def _export(path: Path, kind: str, shown: Sequence[Shown], rigs: Sequence[bpy.ty
         bpy.context.view_layer.objects.active = each.obj
         if each.colours is not None:
             _show(each.obj, each.colours, each.named, kind)
+        if rigs and kind.startswith("usd"):
+            _animate_keys(each.obj)
     write = getattr(getattr(bpy.ops, group), operator)
     known = write.get_rna_type().properties
     told = dict(_TOLD[kind]) | {
@@ -194,11 +196,32 @@ def _export(path: Path, kind: str, shown: Sequence[Shown], rigs: Sequence[bpy.ty
     if kind == "usdc":
         told |= {name: value for name, value in _PICTURES_STAY.items() if name in known}
     try:
-        with quiet(), _textures_alone([each.obj for each in shown] if kind == "fbx" else []):
+        with quiet(), _this_frame_only(), _textures_alone([each.obj for each in shown] if kind == "fbx" else []):
             write(filepath=str(path), **told)
     except RuntimeError as error:
         raise InvalidMeshError(f"Blender cannot write {path.suffix}: {last_line(error)}") from error
     _require_whole(path)
+
+
+def _animate_keys(obj: bpy.types.Object) -> None:
+    """Keyframe the values of shape keys, which .usd holds as an animation only."""
+    keys = obj.data.shape_keys
+    if keys is not None and keys.animation_data is None:
+        for key in keys.key_blocks:
+            if key != keys.reference_key:
+                key.keyframe_insert("value")
+
+
+@contextmanager
+def _this_frame_only() -> Iterator[None]:
+    """Make the animation of the scene its current frame, for a while."""
+    scene = bpy.context.scene
+    before = scene.frame_start, scene.frame_end
+    try:
+        scene.frame_start = scene.frame_end = scene.frame_current
+        yield
+    finally:
+        scene.frame_start, scene.frame_end = before
 
 
 @contextmanager

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 _MERGED = 0.05  # share of the geodesic diameter within which two feature points are one
 _DOUBTED = 1.25  # times the prominence that is asked for, either way: poses of one body differ by as much
-_LIMBLESS = 2  # feature points of a tube or a snake; three or four are a body that lacks an end, or a table
+_LIMBLESS = 2  # feature points of a tube or a snake, unless it is made of several pieces
 _ENDS = 5  # of a body with head, hands and feet, or with four legs and a head
 _SPARE = 4  # candidates per feature point requested, since some lie too close to others
 _MORE_SLACK = (0.01, 0.1)  # slack of every triangle inequality, in mean edges, tried in turn where the spectrum fails
@@ -238,7 +238,8 @@ def _feature_points(
     kept = kept[: settings.feature_count or None]
     if len(kept) < settings.feature_count:
         monitor.warn("few_features", count=len(kept))
-    if not settings.feature_count and _LIMBLESS < len(kept) < _ENDS:
+    limbs = len(kept) > _LIMBLESS or len(surface.bridges) > 0
+    if not settings.feature_count and limbs and len(kept) < _ENDS:
         monitor.warn("few_ends", count=len(kept))
     return features[kept], to_features[:, kept], prominence[kept]
 

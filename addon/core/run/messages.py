@@ -48,8 +48,11 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
     "small_pieces_ride": "Small loose parts ({count:,}) follow the larger part that lies nearest.",
     "rider_stretched": "Some loose parts lie on others that move apart. They were moved rigidly.",
     # what makes a form doubtful
-    "few_ends": "Only {count} ends were found, and a body with head, hands and feet has five. If a limb has no feature "
-    "point, lower the prominence, or choose the points by hand.",
+    "few_ends": (
+        "Only 1 end was found. If a limb has no feature point, lower the prominence, or choose the points by hand.",
+        "Only {count} ends were found. If a limb has no feature point, lower the prominence, or choose the points by "
+        "hand.",
+    ),
     "doubtful_ends": (
         "1 end is hardly a limb or hardly a fold: another pose may have it, or not. Choose the feature points by hand "
         "to be sure.",
