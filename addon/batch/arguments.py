@@ -28,6 +28,13 @@ examples:
   pose-like scan.glb --output posed --reference mannequin.glb --side 1
                                                       left and right, or front and back, the other way round
 """
+_TRANSFERRING = """\
+examples:
+  transfer scan.ply --output rigged --reference base.blend --format glb
+                                                      the rig of a base mesh on a scan
+  transfer lods --output done --reference hero.glb --kinds uvs materials keys
+"""
+KINDS = ("weights", "uvs", "colours", "keys", "materials")
 _MATCHING = """\
 examples:
   match scan.ply base.glb --output matches            for every vertex of the first the point on the second
@@ -58,6 +65,11 @@ def wanted_of(options: argparse.Namespace, mark: str, *, stages: bool) -> Wanted
     frame_keys = options.frames_as == "keys"
     if frame_keys and (not options.frames or options.format != "blend"):
         raise CanonicalFormError("--frames-as keys needs --frames, and --format blend.")
+    if options.command == "transfer" and (options.mesh == "shown" or frames or options.together or options.keep_rig):
+        raise CanonicalFormError(
+            "transfer works on the mesh itself and keeps the rig: leave out --mesh shown, --frame, --frames, "
+            "--together and --keep-rig."
+        )
     if options.axes is not None and options.space == "object":
         raise CanonicalFormError("--axes turns the scene: it goes with --space world.")
     if options.units is not None and f".{options.format}" not in PLAIN:
@@ -86,6 +98,7 @@ def wanted_of(options: argparse.Namespace, mark: str, *, stages: bool) -> Wanted
         trusted=options.trust_scripts,
         pose=(options.pose or "").upper(),
         side=options.side,
+        kinds=tuple(getattr(options, "kinds", ())),
         mark=mark,
         stages=stages,
     )
@@ -127,6 +140,20 @@ def _parser() -> argparse.ArgumentParser:
     _add_side(how)
     _add_axes(how)
     _add_method(posing, how)
+    transferring = commands.add_parser(
+        "transfer",
+        help="take weights, UV maps, colours, shape keys or materials over from another mesh",
+        epilog=_TRANSFERRING,
+        formatter_class=_Help,
+    )
+    _add_files(transferring)
+    how = transferring.add_argument_group("the transfer")
+    how.add_argument("--reference", metavar="FILE", required=True, help="take them from the largest mesh in this file")
+    how.add_argument("--kinds", nargs="+", choices=KINDS, default=KINDS[:1], help="what is taken over")
+    _add_side(how)
+    _add_axes(how)
+    _add_method(transferring, how)
+    transferring.set_defaults(pose=None)
     matching = commands.add_parser(
         "match", help="find the corresponding point on another mesh for every vertex", epilog=_MATCHING,
         formatter_class=_Help,

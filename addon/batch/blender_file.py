@@ -31,22 +31,13 @@ from ..core import CanonicalForm, CanonicalFormError
 from ..core.numerics.arrays import FloatArray
 from ..core.run.monitor import Progress
 from .file_space import in_file_space, is_mirrored
+from .lines import LEFT_OFF, PICTURES_ABSENT, PICTURES_LEFT_OUT
 from .open_files import Body, MeshInFile, Reference
 from .wanted import Wanted
 
-_LEFT_OFF = (
-    "Scripts or Python drivers in this file were left off; what they would move is not moved. "
-    "If you trust the file, add --trust-scripts."
-)
 _SHARED = (
     "Objects that share their mesh with another took no part, and show its form: {}. "
     "Make them single user, or write another kind than .blend."
-)
-_PICTURES_ABSENT = (
-    "Pictures that do not come along: {}. Their files are missing, or choose glb, fbx or usdz, which hold them."
-)
-_PICTURES_LEFT_OUT = (
-    "Pictures from outside the folder of this file were left out: {}. If you trust the file, add --trust-scripts."
 )
 
 
@@ -119,7 +110,7 @@ class BlenderFile:
                 absent = [] if wanted.format in ("ply", "off") else pictures_not_held(copies, wanted.format)
         finally:
             bpy.data.batch_remove([each for each in objects if each not in read])
-        told = [(_PICTURES_LEFT_OUT, left_out), (_PICTURES_ABSENT, [each for each in absent if each not in left_out])]
+        told = [(PICTURES_LEFT_OUT, left_out), (PICTURES_ABSENT, [each for each in absent if each not in left_out])]
         return [sentence.format(", ".join(names)) for sentence, names in told if names]
 
     def form(self, body: Body) -> CanonicalForm:
@@ -143,7 +134,7 @@ class BlenderFile:
         others = [obj.name for obj in bpy.data.objects if obj.users_scene and obj not in own
                   and any(obj.data == each.data for each in own)]  # fmt: skip
         told = [_SHARED.format(", ".join(others))] if self._wanted.together and others else []
-        return told + ([_LEFT_OFF] if scripts_left_off(self._path) else [])
+        return told + ([LEFT_OFF] if scripts_left_off(self._path) else [])
 
     def _objects(self, body: Body, frame: int | None) -> list[bpy.types.Object]:
         """Return the objects of a body at a frame, the first of them active, if all of them can be used."""

@@ -27,6 +27,7 @@ from .matching import match_files
 from .open_files import Reference
 from .report_log import ReportLog
 from .targets import Targets
+from .transferring import transfer_file
 
 _ATTEMPTS = 2  # of a file that may have killed its worker: another file may be the cause
 _CRASHED = "Blender crashed on this file; it may be damaged, or the memory was not enough."
@@ -53,7 +54,8 @@ def main(words: Sequence[str], output: TextIO, *, alone: bool = False) -> int:
     try:
         with redirect_stdout(output):  # for --help
             options = parsed(list(words))
-        run = (_MatchRun if options.command == "match" else _Run)(options, output, alone)
+        kind = {"match": _MatchRun, "transfer": _TransferRun}.get(options.command, _Run)
+        run = kind(options, output, alone)
     except SystemExit as stop:
         return int(stop.code or 0)
     except CanonicalFormError as error:
@@ -180,14 +182,19 @@ class _Run:
 
     def _tasks(self) -> list[_Task]:
         """Return the work that is not done yet, after the reference is known."""
+        pending = self._pending()
+        reference = self._reference() if pending else None
+        return [_Task({"input": str(each.path)}, compute_file, (each, self._wanted, reference)) for each in pending]
+
+    def _pending(self) -> list[Targets]:
+        """Return the files that have no result yet, and tell which have."""
         pending = []
         for each in self._targets:
             if self._wanted.skip_existing and not self._wanted.frames and each.is_done(each.of_file()):
                 self._tell([each.skipped(each.of_file(), None)])  # several results are checked when the file is open
             else:
                 pending.append(each)
-        reference = self._reference() if pending else None
-        return [_Task({"input": str(each.path)}, compute_file, (each, self._wanted, reference)) for each in pending]
+        return pending
 
     def _reference(self) -> Reference:
         """Compute the form of the reference, or read its pose, in a worker; return the pose of a mannequin."""
@@ -246,6 +253,17 @@ class _MatchRun(_Run):
         one, other = self._files
         head = {"input": str(one), "other": str(other)}
         return [_Task(head, match_files, (one, other, self._target, self._wanted))]
+
+
+class _TransferRun(_Run):
+    """Data from one file, transferred to others."""
+
+    def _tasks(self) -> list[_Task]:
+        """Return the work that is not done yet; each worker reads the file with the data itself."""
+        donor = self._reference_path
+        return [
+            _Task({"input": str(each.path)}, transfer_file, (each, self._wanted, donor)) for each in self._pending()
+        ]
 
 
 def _reason(failure: Failure) -> str:

@@ -10,6 +10,16 @@ from typing import Any
 from ..core.run.errors import CanonicalFormError
 
 SCHEMA = 1  # version of the fields, increased when a field changes its meaning
+LEFT_OFF = (
+    "Scripts or Python drivers in this file were left off; what they would move is not moved. "
+    "If you trust the file, add --trust-scripts."
+)
+PICTURES_ABSENT = (
+    "Pictures that do not come along: {}. Their files are missing, or choose glb, fbx or usdz, which hold them."
+)
+PICTURES_LEFT_OUT = (
+    "Pictures from outside the folder of this file were left out: {}. If you trust the file, add --trust-scripts."
+)
 Line = dict[str, Any]
 DONE: list[Line] = []  # comes after the last lines of a file
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from ..blender.files.plain_files import has_blender
 from ..blender.words.file_errors import sentence
+from ..core.run.errors import CanonicalFormError
 from .open_files import OpenFile
 from .wanted import Wanted
 
@@ -19,12 +20,19 @@ def open_file(path: Path, wanted: Wanted, names: Sequence[str] = ()) -> OpenFile
         from .plain_file import PlainFile
 
         return PlainFile(path, wanted, names)
-    if "bpy" not in sys.modules:  # what Blender prints must not come between the result lines
-        sys.stdout.flush()
-        os.dup2(2, 1)
+    with_blender("This")
     from .blender_file import BlenderFile
 
     return BlenderFile(path, wanted, names)
+
+
+def with_blender(what: str) -> None:
+    """Start Blender as a module, so that what it prints does not come between the result lines."""
+    if not has_blender():
+        raise CanonicalFormError(f"{what} needs Blender as a module (pip install bpy).")
+    if "bpy" not in sys.modules:
+        sys.stdout.flush()
+        os.dup2(2, 1)
 
 
 def explained(error: Exception) -> str:

@@ -54,6 +54,8 @@ class Wanted:
         The mannequin that provides the pose, 'T' or 'A'; empty to use the pose of a reference.
     side : int
         Which way to match: -1 for the most likely, or its index.
+    kinds : tuple of str
+        Kinds of data to transfer, of 'weights', 'uvs', 'colours', 'keys' and 'materials'.
     mark : str
         Distinguishes temporary files of this run from those of others.
     stages : bool
@@ -79,6 +81,7 @@ class Wanted:
     skip_existing: bool = False
     pose: str = ""
     side: int = -1
+    kinds: tuple[str, ...] = ()
     mark: str = ""
     stages: bool = False
 

@@ -120,6 +120,57 @@ def open_meshes(
     return list(found.values())
 
 
+def add_meshes(path: Path) -> list[bpy.types.Object]:
+    """Bring the objects of a file into the open one, and return its mesh objects.
+
+    Parameters
+    ----------
+    path : Path
+        A file of a kind in `kinds_of_files.READ`.
+
+    Returns
+    -------
+    list of bpy.types.Object
+        The objects, which may have other names than in their file.
+
+    Raises
+    ------
+    InvalidMeshError
+        As in `open_meshes`.
+    """
+    require_readable(path)
+    kind = path.suffix.lower()
+    if kind not in READ:
+        raise InvalidMeshError(f"{path.name} is not of a kind that can be read: {', '.join(READ)}.")
+    before = set(bpy.data.objects)
+    try:
+        with quiet():
+            if kind == ".blend":
+                with bpy.data.libraries.load(str(path)) as (there, here):
+                    here.objects = list(there.objects)
+                for obj in here.objects:
+                    if obj is not None:
+                        bpy.context.scene.collection.objects.link(obj)
+            else:
+                if kind in (".glb", ".gltf"):
+                    require_own_buffers(path)
+                _import(path)
+    except (OSError, RuntimeError) as error:
+        raise InvalidMeshError(f"Blender cannot read {path.name}: {last_line(error)}") from error
+    bpy.context.view_layer.update()
+    found = [
+        obj
+        for obj in sorted(bpy.data.objects, key=lambda each: each.name)
+        if obj not in before
+        and obj.type == "MESH"
+        and len(obj.data.polygons)
+        and not any(each.name == _BONE_SHAPES for each in obj.users_collection)
+    ]
+    if not found:
+        raise InvalidMeshError(f"{path.name} holds no mesh with faces.")
+    return found
+
+
 def scripts_left_off(path: Path) -> bool:
     """Return whether Blender blocked scripts or drivers of the open file because it is not trusted.
 

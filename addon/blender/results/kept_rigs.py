@@ -33,7 +33,7 @@ def with_rigs(objects: Sequence[bpy.types.Object], value: float, *, posed: bool)
     """
     for obj in objects:
         _keep_form_only(obj, value)
-    together = list(dict.fromkeys([*objects, *(each for obj in objects for each in _movers(obj))]))
+    together = list(dict.fromkeys([*objects, *(each for obj in objects for each in movers_of(obj))]))
     for each in together:
         _reveal(each)
     armatures = {each.data for each in together if each.type == "ARMATURE"}
@@ -46,6 +46,26 @@ def with_rigs(objects: Sequence[bpy.types.Object], value: float, *, posed: bool)
     finally:
         for armature, position in before.items():
             armature.pose_position = position
+
+
+def movers_of(obj: bpy.types.Object) -> Iterator[bpy.types.Object]:
+    """Yield the armatures of an object's modifiers, and all parents of them and of the object.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        The object.
+
+    Yields
+    ------
+    bpy.types.Object
+        What moves it; some of them more than once.
+    """
+    heads = [modifier.object for modifier in obj.modifiers if modifier.type == "ARMATURE"]
+    for head in [obj.parent, *heads]:
+        while head is not None:
+            yield head
+            head = head.parent
 
 
 def _keep_form_only(obj: bpy.types.Object, value: float) -> None:
@@ -62,15 +82,6 @@ def _keep_form_only(obj: bpy.types.Object, value: float) -> None:
         for name in list(owner.keys()) if owner is not None else ():
             if name.startswith(_OURS):
                 del owner[name]
-
-
-def _movers(obj: bpy.types.Object) -> Iterator[bpy.types.Object]:
-    """Yield the armatures of an object's modifiers, and all parents of them and of the object."""
-    heads = [modifier.object for modifier in obj.modifiers if modifier.type == "ARMATURE"]
-    for head in [obj.parent, *heads]:
-        while head is not None:
-            yield head
-            head = head.parent
 
 
 def _reveal(obj: bpy.types.Object) -> None:
