@@ -110,7 +110,7 @@ def _parser() -> argparse.ArgumentParser:
         description="Take the pose out of meshes, or change it.",
         epilog="evaluate and evaluate-matches compare methods on a dataset; each has a --help of its own.",
     )
-    parser.add_argument("--version", action="version", version=f"canonical-form {_version()}")
+    parser.add_argument("--version", action=_Version, nargs=0, help="print the version and end")
     commands = parser.add_subparsers(dest="command", required=True)
     compute = commands.add_parser(
         "compute", help="compute the canonical form of meshes", epilog=_EPILOGUE, formatter_class=_Help
@@ -176,12 +176,18 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _version() -> str:
-    """Return the version: that of the manifest beside this package, or of the installed package."""
-    manifest = Path(__file__).parents[2] / "blender_manifest.toml"
-    if manifest.is_file():
-        return str(tomllib.loads(manifest.read_text(encoding="utf-8"))["version"])
-    return version("canonical-form")
+class _Version(argparse.Action):
+    """Prints the version: that of the manifest beside this package, or of the installed package."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> None:
+        """Print it and end."""
+        manifest = Path(__file__).parents[2] / "blender_manifest.toml"
+        if manifest.is_file():
+            number = tomllib.loads(manifest.read_text(encoding="utf-8"))["version"]
+        else:
+            number = version("canonical-form")
+        print(f"canonical-form {number}")
+        parser.exit()
 
 
 def _add_files(parser: argparse.ArgumentParser) -> None:

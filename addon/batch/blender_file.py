@@ -52,7 +52,9 @@ class BlenderFile:
         self._frame: int | None = None
         self._item: FormItem | None = None  # the last one computed
         held = wanted.format == "blend" if wanted.together else not wanted.shown
-        objects = open_meshes(path, names, shared=held, trusted=wanted.trusted, kept=wanted.format == "blend")
+        objects = open_meshes(
+            path, names, shared=held, trusted=wanted.trusted, kept=wanted.format == "blend", shown=wanted.shown
+        )
         require_whole_faces(objects)
         for obj in objects if wanted.together and not held else ():  # two eyes: each has a form of its own
             if obj.data.users > 1:

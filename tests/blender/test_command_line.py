@@ -89,6 +89,7 @@ def test_the_bare_form_has_the_inputs_order_and_space(folder, tmp_path, kind):
     vertices, faces = shapes.figure(13)
     if kind == "obj":
         form, corners = shapes.read_obj(tmp_path / "off.obj")
+        form = form[:, [0, 2, 1]] * [1, -1, 1]  # Y is up in .obj
         np.testing.assert_array_equal(corners, faces)
     else:
         bpy.ops.wm.read_factory_settings(use_empty=True)

@@ -37,6 +37,9 @@ def forms():
     return form_of
 
 
+SIMPLE = ("few_ends", "doubtful_ends", "hardly_unbent")  # what is true of balls, planes and handles
+
+
 @pytest.mark.parametrize("name", [name for name, family in FAMILIES.items() if not family.refused])
 @pytest.mark.filterwarnings("error::RuntimeWarning")
 def test_it_has_a_form(name, forms):
@@ -46,7 +49,7 @@ def test_it_has_a_form(name, forms):
     assert np.isfinite(form.vertices).all()
     assert family.warns in " ".join(form.warnings)
     if not family.warns:
-        assert form.warnings == []
+        assert [told.kind for told in form.warnings if told.kind not in SIMPLE] == []
     count = len(form.feature_points)
     assert count
     assert set(np.unique(form.patches)) - {-1} == set(range(count))

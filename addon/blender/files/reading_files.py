@@ -55,7 +55,13 @@ _KINDS = [  # collections of bpy.data that an imported file may fill
 
 
 def open_meshes(
-    path: Path, names: Sequence[str] = (), *, shared: bool = True, trusted: bool = False, kept: bool = True
+    path: Path,
+    names: Sequence[str] = (),
+    *,
+    shared: bool = True,
+    trusted: bool = False,
+    kept: bool = True,
+    shown: bool = False,
 ) -> list[bpy.types.Object]:
     """Open a file in place of the current one and return its mesh objects.
 
@@ -73,6 +79,8 @@ def open_meshes(
     kept : bool
         Whether results are to be written into the file. If not, meshes that are linked, overridden or in collection
         instances are copied, since they cannot be written to.
+    shown : bool
+        Whether meshes count whose faces are made by modifiers.
 
     Returns
     -------
@@ -100,7 +108,7 @@ def open_meshes(
                 _import(path)
     except RuntimeError as error:
         raise InvalidMeshError(f"Blender cannot read {path.name}: {last_line(error)}") from error
-    if path.suffix.lower() == ".blend" and not kept:
+    if not kept:
         copy_foreign_meshes()
     found: dict[bpy.types.ID, bpy.types.Object] = {}
     there = set()
@@ -109,7 +117,7 @@ def open_meshes(
         visible = (
             not replaced and obj.users_scene and not any(each.name == _BONE_SHAPES for each in obj.users_collection)
         )
-        if obj.type == "MESH" and visible and len(obj.data.polygons) and (not names or obj.name in names):
+        if obj.type == "MESH" and visible and (not names or obj.name in names) and _has_faces(obj, shown):
             there.add(obj.name)
             found.setdefault(obj.data if shared else obj, obj)
     require_named(path, names, there)
@@ -118,6 +126,14 @@ def open_meshes(
         remedy = " but in collection instances. Choose another --format than blend" if instances else ""
         raise InvalidMeshError(f"{path.name} holds no mesh with faces{remedy}.")
     return list(found.values())
+
+
+def _has_faces(obj: bpy.types.Object, shown: bool) -> bool:
+    """Return whether a mesh has faces, or its modifiers make some."""
+    if len(obj.data.polygons) or not (shown and obj.modifiers):
+        return len(obj.data.polygons) > 0
+    evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    return evaluated.type == "MESH" and len(evaluated.data.polygons) > 0
 
 
 def add_meshes(path: Path) -> list[bpy.types.Object]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import bpy
 import numpy as np
 
-from ...core import CanonicalFormError
+from ...core import CanonicalFormError, InvalidMeshError
 from ..mesh_items.fingerprints import fingerprint
 from ..records.form_key import form_key
 from ..words.wording import told
@@ -98,7 +98,9 @@ def refusal(obj: bpy.types.Object | None) -> str | None:
         return told("{name} is not the active object. Make it active, or leave its mode, and run again.", name=obj.name)
     if obj.mode != "EDIT" and mesh.is_editmode:
         return told("{name} is being edited through another object. Leave Edit Mode there first.", name=mesh.name)
-    if obj.mode == "OBJECT" and not mesh.polygons:  # in Edit Mode the mesh may not have its faces yet
+    if (
+        obj.mode == "OBJECT" and not mesh.polygons and not obj.modifiers
+    ):  # in Edit Mode the faces may not be in the mesh
         return told("{name} has no faces. Choose a mesh with a surface.", name=mesh.name)
     return None
 
@@ -181,12 +183,28 @@ def read_evaluated(obj: bpy.types.Object) -> tuple[FloatArray, IntArray]:
             )
         )
     mesh = evaluated.to_mesh()
+    if not mesh.polygons:
+        evaluated.to_mesh_clear()
+        raise InvalidMeshError(_without_surface(obj, graph))
     try:
         vertices = np.empty(3 * len(mesh.vertices), dtype=np.float32)
         mesh.vertices.foreach_get("co", vertices)
         return vertices.reshape(-1, 3).astype(np.float64), _triangles(mesh)
     finally:
         evaluated.to_mesh_clear()
+
+
+def _without_surface(obj: bpy.types.Object, graph: bpy.types.Depsgraph) -> str:
+    """Say why an object shows no surface of its own."""
+    if any(each.is_instance and each.parent.original == obj for each in graph.object_instances):
+        return told(
+            "{name} shows instances only. Realize Instances (a geometry node) makes a mesh of them.", name=obj.name
+        )
+    return told(
+        "{name} shows no faces: its modifiers make points or curves, or remove all faces. Curve to Mesh, a geometry "
+        "node, makes a surface.",
+        name=obj.name,
+    )
 
 
 def selected_vertices(mesh: bpy.types.Mesh) -> IntArray:
@@ -319,7 +337,7 @@ def basis_positions(mesh: bpy.types.Mesh) -> np.ndarray:
 def _mesh_fingerprint(mesh: bpy.types.Mesh) -> str:
     """Hash positions, and the vertex and edge of every corner, which determine the polygons; triangles take longer."""
     corners = [np.empty(len(mesh.loops), dtype=np.int32) for _ in range(2)]
-    for name, values in zip((".corner_vert", ".corner_edge"), corners, strict=True):
+    for name, values in zip((".corner_vert", ".corner_edge"), corners, strict=True) if len(mesh.loops) else ():
         mesh.attributes[name].data.foreach_get("value", values)
     return fingerprint(basis_positions(mesh), *corners)
 
