@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import sys
+
+import bpy
+
 from . import (
     catalogues,
     commands,
@@ -37,13 +41,29 @@ _PARTS = (
 )
 
 
+_TWICE = (
+    "Canonical Form is enabled twice, in two repositories or versions: this copy stays off. "
+    "Remove one in Edit > Preferences > Get Extensions, and start Blender again."
+)
+
+
 def register() -> None:
-    """Register all modules, in order."""
+    """Register all modules, in order; nothing if another copy of this extension is registered."""
+    if _registered() is not None:
+        print(_TWICE, file=sys.stderr)
+        return
     for part in _PARTS:
         part.register()
 
 
 def unregister() -> None:
-    """Unregister all modules, in reverse order."""
+    """Unregister all modules, in reverse order; nothing if it is another copy that is registered."""
+    if _registered() != operators.OBJECT_OT_canonical_form:
+        return
     for part in reversed(_PARTS):
         part.unregister()
+
+
+def _registered() -> type | None:
+    """Return the class of the main operator that is registered: ours, that of another copy, or None."""
+    return getattr(bpy.types, operators.OBJECT_OT_canonical_form.__name__, None)
