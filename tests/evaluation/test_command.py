@@ -274,12 +274,12 @@ def test_results_come_as_they_are_made_and_once_although_the_worker_dies_among_t
 
 
 def test_work_that_takes_too_long_is_ended_and_harms_no_other():
-    crew = LocalCrew(2, timeout=20.0)
+    crew = LocalCrew(2, timeout=6.0)
     results = dict(
         crew.results(iter([("long", (time.sleep, (600,))), ("fine", (len, ([1],))), ("last", (len, ([],)))]))
     )
     crew.close()
-    assert results.pop("long").reason == "It took longer than 20 s."
+    assert results.pop("long").reason == "It took longer than 6 s."
     assert results == {"fine": 1, "last": 0}
 
 
