@@ -29,7 +29,8 @@ from .run.monitor import Cancelled, Monitor, Progress
 
 _UNFOLDED = 0.4  # of the work, one mesh
 _MATCHING = {"Ways to match": 55, "Match": 45}  # stages
-_UNLIKE = -3.5  # score above which two bodies count as dissimilar; poses of a body reach -3.9 to -6
+_STRAINED = 0.12  # strain above which two bodies count as dissimilar: poses reach .05 to .09, people in clothes .11
+_UNLIKE = -3.5  # the same for the score, where that alone has decided; poses of a body reach -3.9 to -6
 _CLOSE = 1.06  # factor on the strain of the likeliest side below which another is about as likely
 _UNSURE = 0.4  # mean confidence below which a match is doubtful
 
@@ -283,12 +284,18 @@ def _seams(bodies: Bodies, others: Bodies, faces: IntArray, weights: FloatArray)
 
 def _warn(surfaces: list[Unfolded], maps: list[PointMap], ways: list[Side], monitor: Monitor) -> None:
     """Warn if a match is doubtful."""
-    if max(found.score for found in maps) > _UNLIKE:
+    if _unlike(maps, ways):
         monitor.warn("match_unlike")
     elif min(_sure(*each) for each in zip(surfaces, maps, strict=True)) < _UNSURE:
         monitor.warn("match_unsure")
     if len(ways) > 1 and ways[1].strain < _CLOSE * ways[0].strain:  # not if one of them is nan
         monitor.warn("match_sides")
+
+
+def _unlike(maps: list[PointMap], ways: list[Side]) -> bool:
+    """Return whether two bodies differ too much: by how far the best way strains the form, or its score alone."""
+    strain = ways[0].strain if ways else float("nan")
+    return strain > _STRAINED if np.isfinite(strain) else max(found.score for found in maps) > _UNLIKE
 
 
 def _sure(surface: Unfolded, found: PointMap) -> float:
