@@ -59,6 +59,8 @@ class FormItem:
         Names of the objects that show the results; empty if nothing was written.
     error : str or None
         Why there is no result, or why it could not be written.
+    bodies : int
+        Number of bodies that the selected objects are, if they were to be joined.
     whole_form : CanonicalForm or None
         The form of all objects, oriented as in the scene, as a reference for other forms.
     """
@@ -71,6 +73,7 @@ class FormItem:
     results: list[FormResult] = field(default_factory=list)
     written_to: list[str] = field(default_factory=list)
     error: str | None = None
+    bodies: int = 1
     whole_form: CanonicalForm | None = None
 
     @classmethod
@@ -173,6 +176,8 @@ class FormItem:
             else:
                 found = feature_patches(whole.vertices, whole.faces, settings, progress=progress, cancelled=cancelled)
             shapes = self._shapes_between(whole, found, request.keep, cancelled)
+            if request.hausdorff and progress is not None:
+                progress(1.0, "Hausdorff distance")  # which takes longer than the form
             self.results = results_of(self.readings, whole, found, shapes, request, carried)
         except MemoryError as error:
             raise TooLargeError(
@@ -224,6 +229,15 @@ class FormItem:
     def _write_to(self, objects: list[bpy.types.Object], former: list[bpy.types.Object], request: Request) -> None:
         """Write the results; the objects are in Object Mode."""
         warnings = self.results[0].report.warnings  # shared by all
+        if self.bodies > 1:
+            warnings.insert(
+                0,
+                told(
+                    "The objects are {count} bodies that do not touch. Each has its own feature points and form and "
+                    "stays in place.",
+                    count=self.bodies,
+                ),
+            )
         new = request.new_object
         warnings += [
             told(

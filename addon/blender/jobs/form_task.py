@@ -166,6 +166,8 @@ class FormTask:
                 )
                 return
         self.items = [FormItem.joined([sound[index] for index in group], self.request) for group in groups] + broken
+        for item in self.items:
+            item.bodies = len(groups)
 
     @staticmethod
     def _try_each(items: list[FormItem], work: Callable[[FormItem], None], *, muted: bool = False) -> None:

@@ -238,7 +238,7 @@ def _feature_points(
     kept = kept[: settings.feature_count or None]
     if len(kept) < settings.feature_count:
         monitor.warn("few_features", count=len(kept))
-    limbs = len(kept) > _LIMBLESS or len(surface.bridges) > 0
+    limbs = len(kept) != _LIMBLESS or len(surface.bridges) > 0
     if not settings.feature_count and limbs and len(kept) < _ENDS:
         monitor.warn("few_ends", count=len(kept))
     return features[kept], to_features[:, kept], prominence[kept]
