@@ -182,10 +182,9 @@ def read_evaluated(obj: bpy.types.Object) -> tuple[FloatArray, IntArray]:
                 name=obj.name,
             )
         )
-    mesh = evaluated.to_mesh()
-    if not mesh.polygons:
-        evaluated.to_mesh_clear()
+    if not evaluated.data.polygons:
         raise InvalidMeshError(_without_surface(obj, graph))
+    mesh = evaluated.to_mesh()
     try:
         vertices = np.empty(3 * len(mesh.vertices), dtype=np.float32)
         mesh.vertices.foreach_get("co", vertices)
@@ -196,7 +195,8 @@ def read_evaluated(obj: bpy.types.Object) -> tuple[FloatArray, IntArray]:
 
 def _without_surface(obj: bpy.types.Object, graph: bpy.types.Depsgraph) -> str:
     """Say why an object shows no surface of its own."""
-    if any(each.is_instance and each.parent.original == obj for each in graph.object_instances):
+    made = [each.object.type for each in graph.object_instances if each.is_instance and each.parent.original == obj]
+    if "MESH" in made:  # curves and points are listed as instances, too
         return told(
             "{name} shows instances only. Realize Instances (a geometry node) makes a mesh of them.", name=obj.name
         )
