@@ -26,6 +26,8 @@ KINDS = {"weights": "GROUPS", "uvs": "UVS", "colours": "COLOURS", "keys": "KEYS"
 
 def transfer_between(path: Path, donor: Path, target: Path, wanted: Wanted, progress: Progress | None) -> Line:
     """Transfer data from the largest mesh of a file to those of another, write it, and return what was done."""
+    if path.samefile(donor):
+        raise CanonicalFormError("This file is the reference itself.")
     objects = open_meshes(path, wanted.objects, trusted=wanted.trusted, kept=wanted.format == "blend")
     warnings = [LEFT_OFF] if scripts_left_off(path) else []
     require_whole_faces(objects)

@@ -11,12 +11,15 @@ from pathlib import Path
 
 from ..blender.files.replacing_files import LONGEST
 
+_END = ".claim"
+
 
 @contextmanager
 def claimed(path: Path) -> Iterator[bool]:
     """Claim a file that is to be written, for a while; whether it exists is to be asked again within.
 
-    The claim is the lock of a hidden file beside it, which ends with the process, however that ends.
+    The claim is the lock of a hidden file beside it, which ends with the process, however that ends. Where a file
+    system has no locks, every claim is granted.
 
     Parameters
     ----------
@@ -28,18 +31,43 @@ def claimed(path: Path) -> Iterator[bool]:
     bool
         Whether no other run has claimed it.
     """
-    name = f".{path.name}.claim"
+    name = f".{path.name}{_END}"
     if len(os.fsencode(name)) > LONGEST:
-        name = f".{zlib.crc32(os.fsencode(path.name)):08x}.claim"
+        name = f".{zlib.crc32(os.fsencode(path.name)):08x}{_END}"
     beside = path.with_name(name)
-    handle = os.open(beside, os.O_RDWR | os.O_CREAT, 0o666)
-    ours = _locked(handle)
+    handle, ours = _opened(beside)
     try:
         yield ours
     finally:
-        if ours:
-            with suppress(OSError):  # Windows removes no file that another run looks at; that run removes it
-                beside.unlink()
+        _released(handle, beside if ours else None)
+
+
+def remove_left(folder: Path) -> None:
+    """Remove the claims that killed processes have left in a folder; those of other runs are locked and stay."""
+    for beside in folder.glob(f".*{_END}"):
+        handle, ours = _opened(beside)
+        _released(handle, beside if ours else None)
+
+
+def _opened(beside: Path) -> tuple[int, bool]:
+    """Open the file of a claim and lock it: the one that is there, which another run may have removed meanwhile."""
+    while True:
+        handle = os.open(beside, os.O_RDWR | os.O_CREAT, 0o666)
+        ours = _locked(handle)
+        with suppress(FileNotFoundError):
+            if not ours or os.path.samestat(os.fstat(handle), beside.stat()):
+                return handle, ours
+        os.close(handle)
+
+
+def _released(handle: int, beside: Path | None) -> None:
+    """End a claim, and remove its file."""
+    if sys.platform == "win32":  # removes no file that is open
+        os.close(handle)
+    with suppress(OSError):  # another run may look at it
+        if beside is not None:
+            beside.unlink()
+    if sys.platform != "win32":  # first removed, so that nobody locks it in between
         os.close(handle)
 
 
@@ -54,6 +82,8 @@ def _locked(handle: int) -> bool:
             import fcntl
 
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError:
+    except (BlockingIOError, PermissionError):
         return False
+    except OSError:  # no locks here: better twice than not at all
+        return True
     return True

@@ -20,6 +20,7 @@ from ..core import CanonicalFormError
 from ..scheduling.attempts import Failure
 from ..scheduling.crews import Crew, DaskCrew, InThisProcess, LocalCrew
 from .arguments import parsed, wanted_of
+from .claims import remove_left
 from .computing import compute_file, compute_reference, read_pose
 from .inputs import found_files, listed_files, output_stems, separators
 from .lines import DONE, SCHEMA, FileCount, Line, complain
@@ -118,16 +119,19 @@ class _Run:
         self._output, self._dry = output, options.dry_run
         self._targets: list[Targets] = []
         self._log: ReportLog | None = None
+        self._known: set[tuple[str, ...]] = set()
         self._told = {"done": 0, "failed": 0, "skipped": 0}
         self._plan(options)
         for folder in () if self._dry else dict.fromkeys([options.output, *(each.output for each in self._targets)]):
             require_folder(folder)
-        if options.log is not None and not self._dry:
-            self._log = ReportLog(options.log, options.skip_existing)
-            if self._log.outputs is not None:
-                known = self._log.outputs
-                self._targets = [each._replace(reported=tuple(known.get(str(each.path), ()))) for each in self._targets]
         self._crew = _hired(options, alone)
+        if options.log is not None and not self._dry:
+            whole = {str(each.of_file().resolve()) for each in self._targets}
+            try:
+                self._log = ReportLog(options.log, options.skip_existing, whole)
+            except BaseException:
+                self._crew.close()
+                raise
 
     def _plan(self, options: Namespace) -> None:
         """Find the files, and name their results."""
@@ -172,7 +176,7 @@ class _Run:
             if isinstance(result, Failure):
                 self._tell([{**tasks[int(str(number))].head, "error": _reason(result)}])
             elif result != DONE:
-                self._tell(result)
+                self._tell([line for line in result if self._is_new(line)])
             if isinstance(result, Failure) or result == DONE:
                 progress.done()
         if len(self._targets) > 1 and sys.stderr.isatty():
@@ -190,7 +194,7 @@ class _Run:
         """Return the files that have no result yet, and tell which have."""
         pending = []
         for each in self._targets:
-            if self._wanted.skip_existing and not self._wanted.frames and each.is_done(each.of_file()):
+            if self._wanted.skip_existing and not self._wanted.frames and each.of_file().exists():
                 self._tell([each.skipped(each.of_file(), None)])  # several results are checked when the file is open
             else:
                 pending.append(each)
@@ -216,26 +220,29 @@ class _Run:
         for folder in {self._wanted.output, *(each.output for each in self._targets)}:
             for partial in folder.glob(f".*.{self._wanted.mark}.partial*"):
                 partial.unlink(missing_ok=True)
+            remove_left(folder)
+
+    def _is_new(self, line: Line) -> bool:
+        """Return whether a line was not told yet: a file that killed its worker begins again with the same results."""
+        name = tuple(str(line.get(each)) for each in ("input", "object", "frame", "output"))
+        if "error" in line:
+            return True
+        known = name in self._known
+        self._known.add(name)
+        return not known
 
     def _tell(self, lines: list[Line]) -> None:
         """Print lines, those of a result at once, and report errors."""
-        texts = []
+        lines = [{"schema": SCHEMA, **line} for line in lines]
         for line in lines:
             if "error" in line:
                 files = " and ".join(line[name] for name in ("input", "other") if name in line)
                 complain(f"{files}: {line['error']}")
             self._told["failed" if "error" in line else "skipped" if line.get("skipped") else "done"] += 1
-            texts.append((line, json.dumps({"schema": SCHEMA, **line})))
         if self._log is not None:
-            new = [text for line, text in texts if not (line.get("skipped") and line["output"] in self._logged(line))]
-            self._log.add(new)
-        self._output.write("".join(f"{text}\n" for _, text in texts))
+            self._log.add(lines)
+        self._output.write("".join(f"{json.dumps(line)}\n" for line in lines))
         self._output.flush()
-
-    def _logged(self, line: Line) -> Sequence[str]:
-        """Return the results of the same file that the log has."""
-        known = None if self._log is None else self._log.outputs
-        return [] if known is None else known.get(line["input"], [])
 
 
 class _MatchRun(_Run):

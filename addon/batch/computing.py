@@ -30,7 +30,7 @@ def compute_file(targets: Targets, wanted: Wanted, reference: Reference) -> Iter
                     yield [failure(_head(targets.path, body, frames[0]), error, too_long) for body in bodies]
                     continue
                 with claimed(target) if wanted.skip_existing else nullcontext(True) as ours:
-                    if wanted.skip_existing and targets.is_done(target):
+                    if wanted.skip_existing and target.exists():
                         yield [targets.skipped(target, frame) for frame in frames]
                     elif not ours:
                         yield [targets.left_to_another(target, frame) for frame in frames]

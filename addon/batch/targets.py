@@ -29,8 +29,6 @@ class Targets(NamedTuple):
         Kind of file to write.
     inputs : tuple of Path
         All files of the run.
-    reported : tuple of str or None
-        Results that the log of an earlier run has; None without such a log.
     """
 
     path: Path
@@ -39,7 +37,6 @@ class Targets(NamedTuple):
     dash: str
     format: str
     inputs: tuple[Path, ...]
-    reported: tuple[str, ...] | None = None
 
     def of_file(self, frame: int | None = None) -> Path:
         """Return the file for the only result of the input file."""
@@ -65,10 +62,6 @@ class Targets(NamedTuple):
             taken.add(own.casefold())
             found.append(self.output / f"{self.stem}{self.dash}{own}{_numbered(frame)}.{self.format}")
         return found
-
-    def is_done(self, target: Path) -> bool:
-        """Return whether a result exists; if a log is continued, it must be in it: a run may be killed in between."""
-        return target.exists() and (self.reported is None or str(target) in self.reported)
 
     def skipped(self, target: Path, frame: int | None) -> dict[str, Any]:
         """Return the line for an existing result that was skipped."""

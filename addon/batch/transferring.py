@@ -23,7 +23,7 @@ def transfer_file(targets: Targets, wanted: Wanted, donor: Path) -> Iterator[lis
         if targets.too_long(target):
             raise CanonicalFormError(targets.too_long(target))
         with claimed(target) if wanted.skip_existing else nullcontext(True) as ours:
-            if wanted.skip_existing and targets.is_done(target):
+            if wanted.skip_existing and target.exists():
                 yield [targets.skipped(target, None)]
             elif not ours:
                 yield [targets.left_to_another(target, None)]

@@ -188,6 +188,7 @@ def matched_bodies(
         monitor.warn("match_bodies", count=len(order), others=len(other_order))
     maps: list[PointMap] = []
     ways: list[Side] = []
+    used: list[Side] = []
     pairs = list(zip(order, other_order, strict=False))
     for number, (here, there) in enumerate(pairs):
         start = 2 * _UNFOLDED * share
@@ -200,9 +201,10 @@ def matched_bodies(
             raise InvalidSettingsError("match_no_side", count=len(found), last=len(found) - 1)
         with own.stage("Match"):
             maps.append(point_map(surfaces[here], other_surfaces[there], found[chosen], own))
+        used.append(found[chosen])
         ways = ways or found
     result = _on_meshes(bodies, others, pairs, maps, [each.score for each in ways], monitor, two)
-    _warn([surfaces[here] for here, _ in pairs], maps, ways, monitor)
+    _warn([surfaces[here] for here, _ in pairs], maps, ways, used, monitor)
     return MatchedBodies(bodies, others, surfaces, other_surfaces, pairs, maps, result)
 
 
@@ -282,9 +284,9 @@ def _seams(bodies: Bodies, others: Bodies, faces: IntArray, weights: FloatArray)
     return MatchedSeams(here.joined, there.joined, seam_sides(here, there, faces, weights))
 
 
-def _warn(surfaces: list[Unfolded], maps: list[PointMap], ways: list[Side], monitor: Monitor) -> None:
+def _warn(surfaces: list[Unfolded], maps: list[PointMap], ways: list[Side], used: list[Side], monitor: Monitor) -> None:
     """Warn if a match is doubtful."""
-    if _unlike(maps, ways):
+    if any(map(_is_unlike, used)):
         monitor.warn("match_unlike")
     elif min(_sure(*each) for each in zip(surfaces, maps, strict=True)) < _UNSURE:
         monitor.warn("match_unsure")
@@ -292,10 +294,9 @@ def _warn(surfaces: list[Unfolded], maps: list[PointMap], ways: list[Side], moni
         monitor.warn("match_sides")
 
 
-def _unlike(maps: list[PointMap], ways: list[Side]) -> bool:
-    """Return whether two bodies differ too much: by how far the best way strains the form, or its score alone."""
-    strain = ways[0].strain if ways else float("nan")
-    return strain > _STRAINED if np.isfinite(strain) else max(found.score for found in maps) > _UNLIKE
+def _is_unlike(way: Side) -> bool:
+    """Return whether two bodies differ too much: by how far the match strains the form, or its score alone."""
+    return way.strain > _STRAINED if np.isfinite(way.strain) else way.score > _UNLIKE
 
 
 def _sure(surface: Unfolded, found: PointMap) -> float:

@@ -24,7 +24,8 @@ _PATIENCE = "20s"  # timeout for a reply of the scheduler
 class Crew(Protocol):
     """Workers that take tasks in order and return results in any order.
 
-    A function that yields has several results, which come as soon as it yields them (from a cluster, at its end).
+    A function that yields has several results, which come as soon as it yields them (from a cluster, at its end). If
+    its worker dies, another begins it again, and yields the first ones again.
     """
 
     def results(self, work: Iterator[tuple[object, Work]]) -> Iterator[tuple[object, Any]]:

@@ -13,6 +13,7 @@ from .attempts import Failure, attempts, begin_work
 if TYPE_CHECKING:
     from multiprocessing.connection import Connection
 
+_LONGEST_WAIT = 86_400.0  # seconds; the system takes less than 2^31 ms
 Work = tuple[Callable[..., Any], tuple[Any, ...]]
 
 
@@ -28,14 +29,11 @@ class Task:
         The function and its arguments.
     deaths : int
         Number of workers that died of it.
-    told : int
-        Number of results that it has had: another attempt begins with the same ones.
     """
 
     name: object
     work: Work
     deaths: int = 0
-    told: int = 0
 
 
 class Worker:
@@ -60,29 +58,24 @@ class Worker:
         self.process.start()
         theirs.close()  # so that the end of the process is the end of the pipe
         self.task: Task | None = None
-        self._repeated, self._until = 0, float("inf")
+        self._until = float("inf")
 
     def begin(self, task: Task, timeout: float | None) -> Worker:
         """Hand a task over; `timeout` in seconds."""
-        self.task, self._repeated = task, task.told
+        self.task = task
         self._until = float("inf") if timeout is None else time.monotonic() + timeout
         with suppress(OSError):  # it has died, which is found when its replies are read
             self.pipe.send(task.work)
         return self
 
     def replies(self) -> Iterator[Any]:
-        """Yield the results that have arrived, without those that an earlier attempt had; ends `task` with the last."""
-        task = self.task
-        assert task is not None
+        """Yield the results that have arrived; ends `task` with the last."""
         with suppress(EOFError, OSError):  # it has died
             while self.task is not None and self.pipe.poll():
                 last, result = self._reply()
                 if last:
                     self.task = None
-                elif self._repeated:
-                    self._repeated -= 1
                 else:
-                    task.told += 1
                     yield result
             return
         self.process.join()
@@ -119,7 +112,7 @@ def ready(workers: Sequence[Worker]) -> list[Worker]:
     from multiprocessing.connection import wait
 
     least = min(worker.left for worker in workers)
-    heard = wait([worker.pipe for worker in workers], None if least == float("inf") else least)
+    heard = wait([worker.pipe for worker in workers], None if least == float("inf") else min(least, _LONGEST_WAIT))
     return [worker for worker in workers if worker.pipe in heard or not worker.in_time]
 
 

@@ -126,6 +126,28 @@ def require_all(after, before, held, read_as):
     assert after["pictures"] == [(16, 16)]
 
 
+def test_what_is_hidden_by_its_collection_is_written_all_the_same(character, tmp_path):
+    bpy.ops.wm.open_mainfile(filepath=str(character))
+    put_away = bpy.data.collections.new("Put Away")
+    bpy.context.scene.collection.children.link(put_away)
+    for obj in bpy.data.objects[:]:
+        put_away.objects.link(obj)
+        bpy.context.scene.collection.objects.unlink(obj)
+    put_away.hide_viewport = put_away.hide_select = True
+    bpy.ops.wm.save_as_mainfile(filepath=str(character), copy=True)
+    code, [line], _ = run(character, "--output", tmp_path / "out", "--format", "glb", "--keep-rig")
+    assert code == 0, line
+    found = told(line["output"])
+    assert found["bones"] == ["Chest", "Hips"]
+    assert set(found["keys"]) == {"Basis", "Smile", "Canonical Form"}
+
+
+def test_a_file_does_not_take_over_from_itself(character, tmp_path):
+    code, [line], _ = run(character, "--output", tmp_path / "out", "--reference", character, about="transfer")
+    assert code == 1
+    assert "the reference itself" in line["error"]
+
+
 def test_a_rig_is_kept_where_a_key_can_hold_the_form(character, tmp_path):
     code, _, complaints = run(character, "--output", tmp_path / "out", "--keep-rig")
     assert code == 2

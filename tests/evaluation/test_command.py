@@ -264,13 +264,13 @@ def counted(file, last):
     yield last
 
 
-def test_results_come_as_they_are_made_and_once_although_the_worker_dies_among_them(tmp_path):
+def test_results_come_as_they_are_made_and_again_if_the_worker_dies_among_them(tmp_path):
     crew = LocalCrew(2)
     pieces = [(name, (counted, (tmp_path / name, last))) for name, last in (("one", 3), ("other", 0), ("third", 5))]
     results = list(crew.results(iter(pieces)))
     crew.close()
     for name, last in (("one", 3), ("other", 0), ("third", 5)):
-        assert [number for each, number in results if each == name] == list(range(last + 1))
+        assert [number for each, number in results if each == name] == [*range(last), *range(last + 1)]
 
 
 def test_work_that_takes_too_long_is_ended_and_harms_no_other():

@@ -188,6 +188,9 @@ def _export(path: Path, kind: str, shown: Sequence[Shown], rigs: Sequence[bpy.ty
             _show(each.obj, each.colours, each.named, kind)
         if rigs and kind.startswith("usd"):
             _animate_keys(each.obj)
+    hidden = [obj.name for obj in [*rigs, *(each.obj for each in shown)] if not obj.select_get()]
+    if hidden:
+        raise InvalidMeshError(f"{', '.join(hidden)} cannot be selected, so that .{kind} would lack it. Show it first.")
     write = getattr(getattr(bpy.ops, group), operator)
     known = write.get_rna_type().properties
     told = dict(_TOLD[kind]) | {

@@ -85,8 +85,9 @@ def _keep_form_only(obj: bpy.types.Object, value: float) -> None:
 
 
 def _reveal(obj: bpy.types.Object) -> None:
-    """Make an object selectable."""
-    if obj.name not in bpy.context.view_layer.objects:
-        bpy.context.scene.collection.objects.link(obj)
+    """Make an object selectable, whatever its collections are."""
+    there = bpy.context.scene.collection.objects
+    if not any(each == obj for each in there):  # one of its name may be
+        there.link(obj)
     obj.hide_viewport = obj.hide_select = False
     obj.hide_set(False)

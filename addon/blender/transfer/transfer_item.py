@@ -219,13 +219,14 @@ class TransferItem:
 
     def _write_groups(self, obj: bpy.types.Object, source: Source, carried: Carried, written: Written) -> None:
         """Write weights, and set up the armature for them."""
-        for name in self._room(obj, source, "groups", list(carried.groups), written):
+        room = self._room(obj, source, "groups", list(carried.groups), written)
+        for name in room:
             weights = carried.groups[name]
             group = obj.vertex_groups.new(name=name)
             written["groups"][group.name] = fill_group(group, np.where(weights > _LEAST, weights, np.nan))
         armature = bpy.data.objects.get(source.armature) if carried.rest is not None else None
-        if armature is None:
-            return
+        if armature is None or (not room and any(each.type == "ARMATURE" for each in obj.modifiers)):
+            return  # its own groups belong to a rig of its own
         for name, rig in list(written["rigs"].items()):  # two rigs would move the object twice
             now = getattr(obj.modifiers.get(name), "object", None)
             if now is not None and rig not in bpy.data.objects:  # renamed since
