@@ -15,6 +15,7 @@ _UNDERNEATH = 0.12  # least mean offset of the limbs' ends towards the front, in
 _TAIL = 0.25  # least distance from the middle to the tail's end, in sqrt(area): hair is no tail
 _UNTOLD = 1e-3  # vectors that are shorter give no direction
 _STANDS = 0.5  # cosine between an axis and that of the file, above which the body stands along it
+_ENDS = 5  # of a body with head and four limbs: with fewer, the one in the middle may be any
 _LEG = (0.1, 0.3)  # distance from the tip of a foot, in sqrt(area), where the leg is measured
 _FEWEST = 8  # vertices of it
 _POINT = 0.15  # cosine between slope and front, below which toes tell nothing
@@ -43,8 +44,8 @@ def upright_rotation(
     determine the signs of its axes.
 
     Where the distances hardly tell front from back, as in people, the toes do; what the surface does not tell at all,
-    head from feet without a limb in the middle, and front from back without toes, is taken from the file: a body that
-    stands upright there stays so.
+    head from feet without a limb in the middle or with fewer than five, and front from back without toes, is taken
+    from the file: a body that stands upright there stays so.
 
     `form` (n, 3); `weights` (n,); `limbs`: head, tail and sides among them; `partner` (n,); `stance`: the stance;
     'upright' lets the surface decide; `posed` (3, 3): the rotation to how the body lies in the file; gives (3, 3), and
@@ -65,7 +66,8 @@ def upright_rotation(
     left, headward, front = _axes(placed, limbs, partner)
     paired, by_file = limbs.side != 0, False
     up = np.zeros(3) if posed is None else posed[:, 2]
-    if paired.all() and abs(headward @ up) > _STANDS:  # no limb in the middle is a head
+    headless = paired.all() or (paired.any() and len(paired) < _ENDS)  # what lies in the middle may be a tail or a hem
+    if headless and abs(headward @ up) > _STANDS:
         by_file = True
         if headward @ up < 0:
             left, headward, ahead = -left, -headward, -ahead
