@@ -18,7 +18,7 @@ from ..core.method_api.settings import Settings
 from ..core.numerics.arrays import FloatArray
 from ..core.run.errors import CanonicalFormError
 from .file_space import UNITS
-from .wanted import Wanted
+from .wanted import KINDS, Wanted
 
 _POSING = """\
 examples:
@@ -34,7 +34,6 @@ examples:
                                                       the rig of a base mesh on a scan
   transfer lods --output done --reference hero.glb --kinds uvs materials keys
 """
-KINDS = ("weights", "uvs", "colours", "keys", "materials")
 _MATCHING = """\
 examples:
   match scan.ply base.glb --output matches            for every vertex of the first the point on the second
@@ -149,7 +148,7 @@ def _parser() -> argparse.ArgumentParser:
     _add_files(transferring)
     how = transferring.add_argument_group("the transfer")
     how.add_argument("--reference", metavar="FILE", required=True, help="take them from the largest mesh in this file")
-    how.add_argument("--kinds", nargs="+", choices=KINDS, default=KINDS[:1], help="what is taken over")
+    how.add_argument("--kinds", nargs="+", choices=tuple(KINDS), default=["weights"], help="what is taken over")
     _add_side(how)
     _add_axes(how)
     _add_method(transferring, how)

@@ -31,7 +31,7 @@ from ..core import CanonicalForm, CanonicalFormError
 from ..core.numerics.arrays import FloatArray
 from ..core.run.monitor import Progress
 from .file_space import in_file_space, is_mirrored
-from .lines import LEFT_OFF, PICTURES_ABSENT, PICTURES_LEFT_OUT
+from .lines import LEFT_OFF, pictures_told
 from .open_files import Body, MeshInFile, Reference
 from .wanted import Wanted
 
@@ -112,8 +112,7 @@ class BlenderFile:
                 absent = [] if wanted.format in ("ply", "off") else pictures_not_held(copies, wanted.format)
         finally:
             bpy.data.batch_remove([each for each in objects if each not in read])
-        told = [(PICTURES_LEFT_OUT, left_out), (PICTURES_ABSENT, [each for each in absent if each not in left_out])]
-        return [sentence.format(", ".join(names)) for sentence, names in told if names]
+        return pictures_told(left_out, absent)
 
     def form(self, body: Body) -> CanonicalForm:
         """Compute the form of the body without writing it."""

@@ -18,10 +18,8 @@ from ..blender.transfer.transfer_task import TransferTask
 from ..core import CanonicalFormError
 from ..core.run.monitor import Progress
 from .file_space import in_file_space, is_mirrored
-from .lines import LEFT_OFF, PICTURES_ABSENT, PICTURES_LEFT_OUT, Line
-from .wanted import Wanted
-
-KINDS = {"weights": "GROUPS", "uvs": "UVS", "colours": "COLOURS", "keys": "KEYS", "materials": "MATERIALS"}
+from .lines import LEFT_OFF, Line, pictures_told
+from .wanted import KINDS, Wanted
 
 
 def transfer_between(path: Path, donor: Path, target: Path, wanted: Wanted, progress: Progress | None) -> Line:
@@ -51,8 +49,7 @@ def transfer_between(path: Path, donor: Path, target: Path, wanted: Wanted, prog
     else:
         left_out = _exported(objects, target, wanted, path.parent)
         absent = [] if wanted.format in ("ply", "off") else pictures_not_held(objects, wanted.format)
-        told = [(PICTURES_LEFT_OUT, left_out), (PICTURES_ABSENT, [each for each in absent if each not in left_out])]
-        warnings += [sentence.format(", ".join(names)) for sentence, names in told if names]
+        warnings += pictures_told(left_out, absent)
     return {"object": objects[0].name, **figures, "from": name, "warnings": [*task.warnings, *warnings]}
 
 

@@ -5,11 +5,14 @@ from __future__ import annotations
 import os
 import sys
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from ..blender.files.replacing_files import LONGEST
+from .lines import Line
+from .targets import Targets
+from .wanted import Wanted
 
 _END = ".claim"
 
@@ -42,11 +45,32 @@ def claimed(path: Path) -> Iterator[bool]:
         _released(handle, beside if ours else None)
 
 
+@contextmanager
+def to_be_made(targets: Targets, target: Path, frames: Sequence[int | None], wanted: Wanted) -> Iterator[list[Line]]:
+    """Claim a result, for a while, if existing ones are skipped.
+
+    Yields
+    ------
+    list of dict
+        Lines that say why it is not to be made; none if it is.
+    """
+    if not wanted.skip_existing:
+        yield []
+        return
+    with claimed(target) as ours:
+        if target.exists():
+            yield [targets.skipped(target, frame) for frame in frames]
+        else:
+            yield [] if ours else [targets.left_to_another(target, frame) for frame in frames]
+
+
 def remove_left(folder: Path) -> None:
     """Remove the claims that killed processes have left in a folder; those of other runs are locked and stay."""
     for beside in folder.glob(f".*{_END}"):
-        handle, ours = _opened(beside)
-        _released(handle, beside if ours else None)
+        with suppress(OSError):  # gone meanwhile, or of another user
+            if beside.stat().st_size == 0:  # as all of ours are
+                handle, ours = _opened(beside)
+                _released(handle, beside if ours else None)
 
 
 def _opened(beside: Path) -> tuple[int, bool]:

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from contextlib import nullcontext
 from pathlib import Path
 
 from ..blender.files.kinds_of_files import PLAIN
 from ..blender.jobs.likeness import Likeness
 from ..core import CanonicalForm, CanonicalFormError
 from ..core.method_api.costs import memory_estimate
-from .claims import claimed
+from .claims import to_be_made
 from .lines import DONE, Line, complain, failure, stage_line
 from .open_files import Body, MeshInFile, OpenFile, Reference
 from .opening import explained, open_file
@@ -29,11 +28,9 @@ def compute_file(targets: Targets, wanted: Wanted, reference: Reference) -> Iter
                     error = CanonicalFormError(too_long)
                     yield [failure(_head(targets.path, body, frames[0]), error, too_long) for body in bodies]
                     continue
-                with claimed(target) if wanted.skip_existing else nullcontext(True) as ours:
-                    if wanted.skip_existing and target.exists():
-                        yield [targets.skipped(target, frame) for frame in frames]
-                    elif not ours:
-                        yield [targets.left_to_another(target, frame) for frame in frames]
+                with to_be_made(targets, target, frames, wanted) as skipped:
+                    if skipped:
+                        yield skipped
                     else:
                         found = [
                             _computed(_head(targets.path, body, frame), opened, body, wanted, reference)

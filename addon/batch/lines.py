@@ -14,10 +14,10 @@ LEFT_OFF = (
     "Scripts or Python drivers in this file were left off; what they would move is not moved. "
     "If you trust the file, add --trust-scripts."
 )
-PICTURES_ABSENT = (
+_PICTURES_ABSENT = (
     "Pictures that do not come along: {}. Their files are missing, or choose glb, fbx or usdz, which hold them."
 )
-PICTURES_LEFT_OUT = (
+_PICTURES_LEFT_OUT = (
     "Pictures from outside the folder of this file were left out: {}. If you trust the file, add --trust-scripts."
 )
 Line = dict[str, Any]
@@ -40,6 +40,18 @@ def failure(line: Line, error: Exception, told: str) -> Line:
     ):  # Blender's operators raise RuntimeError
         text = f"This is a bug in Canonical Form; please report it with the file. {type(error).__name__}: {text}"
     return {**line, "error": text}
+
+
+def pictures_told(left_out: list[str], absent: list[str]) -> list[str]:
+    """Say which pictures were left out for safety, and which others do not come along.
+
+    Examples
+    --------
+    >>> [told[:39] for told in pictures_told([], ["Skin"])]
+    ['Pictures that do not come along: Skin. ']
+    """
+    told = [(_PICTURES_LEFT_OUT, left_out), (_PICTURES_ABSENT, [each for each in absent if each not in left_out])]
+    return [sentence.format(", ".join(names)) for sentence, names in told if names]
 
 
 def complain(text: str) -> None:

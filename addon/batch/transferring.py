@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import nullcontext
 from pathlib import Path
 
 from ..core import CanonicalFormError
-from .claims import claimed
+from .claims import to_be_made
 from .lines import DONE, Line, failure, stage_line
 from .opening import explained, with_blender
 from .targets import Targets
@@ -22,11 +21,9 @@ def transfer_file(targets: Targets, wanted: Wanted, donor: Path) -> Iterator[lis
         with_blender("transfer")
         if targets.too_long(target):
             raise CanonicalFormError(targets.too_long(target))
-        with claimed(target) if wanted.skip_existing else nullcontext(True) as ours:
-            if wanted.skip_existing and target.exists():
-                yield [targets.skipped(target, None)]
-            elif not ours:
-                yield [targets.left_to_another(target, None)]
+        with to_be_made(targets, target, [None], wanted) as skipped:
+            if skipped:
+                yield skipped
             else:
                 from .blender_transfer import transfer_between
 

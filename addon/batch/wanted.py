@@ -8,6 +8,14 @@ from pathlib import Path
 from ..core import Settings
 from ..core.numerics.arrays import FloatArray
 
+KINDS = {
+    "weights": "GROUPS",
+    "uvs": "UVS",
+    "colours": "COLOURS",
+    "keys": "KEYS",
+    "materials": "MATERIALS",
+}  # transferred
+
 
 @dataclass(frozen=True, eq=False)
 class Wanted:
@@ -55,7 +63,7 @@ class Wanted:
     side : int
         Which way to match: -1 for the most likely, or its index.
     kinds : tuple of str
-        Kinds of data to transfer, of 'weights', 'uvs', 'colours', 'keys' and 'materials'.
+        Kinds of data to transfer, of `KINDS`.
     mark : str
         Distinguishes temporary files of this run from those of others.
     stages : bool

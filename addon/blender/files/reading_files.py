@@ -92,9 +92,7 @@ def open_meshes(
     InvalidMeshError
         If the file does not exist, is of a kind that this Blender does not import, cannot be read or has no mesh.
     """
-    require_readable(path)
-    if path.suffix.lower() not in READ:
-        raise InvalidMeshError(f"{path.name} is not of a kind that can be read: {', '.join(READ)}.")
+    _require_kind(path)
     try:
         with quiet():
             if path.suffix.lower() == ".blend":
@@ -114,9 +112,7 @@ def open_meshes(
     there = set()
     for obj in sorted(bpy.data.objects, key=lambda each: each.name):
         replaced = not kept and obj.library is not None  # by a copy
-        visible = (
-            not replaced and obj.users_scene and not any(each.name == _BONE_SHAPES for each in obj.users_collection)
-        )
+        visible = not replaced and obj.users_scene and not _is_bone_shape(obj)
         if obj.type == "MESH" and visible and (not names or obj.name in names) and _has_faces(obj, shown):
             there.add(obj.name)
             found.setdefault(obj.data if shared else obj, obj)
@@ -126,6 +122,18 @@ def open_meshes(
         remedy = " but in collection instances. Choose another --format than blend" if instances else ""
         raise InvalidMeshError(f"{path.name} holds no mesh with faces{remedy}.")
     return list(found.values())
+
+
+def _require_kind(path: Path) -> None:
+    """Require a file of a kind that can be read."""
+    require_readable(path)
+    if path.suffix.lower() not in READ:
+        raise InvalidMeshError(f"{path.name} is not of a kind that can be read: {', '.join(READ)}.")
+
+
+def _is_bone_shape(obj: bpy.types.Object) -> bool:
+    """Return whether an object shows a bone, as the .glb importer adds them."""
+    return any(each.name == _BONE_SHAPES for each in obj.users_collection)
 
 
 def _has_faces(obj: bpy.types.Object, shown: bool) -> bool:
@@ -154,10 +162,8 @@ def add_meshes(path: Path) -> list[bpy.types.Object]:
     InvalidMeshError
         As in `open_meshes`.
     """
-    require_readable(path)
+    _require_kind(path)
     kind = path.suffix.lower()
-    if kind not in READ:
-        raise InvalidMeshError(f"{path.name} is not of a kind that can be read: {', '.join(READ)}.")
     before = set(bpy.data.objects)
     try:
         with quiet():
@@ -177,10 +183,7 @@ def add_meshes(path: Path) -> list[bpy.types.Object]:
     found = [
         obj
         for obj in sorted(bpy.data.objects, key=lambda each: each.name)
-        if obj not in before
-        and obj.type == "MESH"
-        and len(obj.data.polygons)
-        and not any(each.name == _BONE_SHAPES for each in obj.users_collection)
+        if obj not in before and obj.type == "MESH" and _has_faces(obj, False) and not _is_bone_shape(obj)
     ]
     if not found:
         raise InvalidMeshError(f"{path.name} holds no mesh with faces.")

@@ -98,9 +98,8 @@ def refusal(obj: bpy.types.Object | None) -> str | None:
         return told("{name} is not the active object. Make it active, or leave its mode, and run again.", name=obj.name)
     if obj.mode != "EDIT" and mesh.is_editmode:
         return told("{name} is being edited through another object. Leave Edit Mode there first.", name=mesh.name)
-    if (
-        obj.mode == "OBJECT" and not mesh.polygons and not obj.modifiers
-    ):  # in Edit Mode the faces may not be in the mesh
+    made = bool(obj.modifiers) or obj.mode != "OBJECT"  # by modifiers, or in Edit Mode, not in the mesh yet
+    if not mesh.polygons and not made:
         return told("{name} has no faces. Choose a mesh with a surface.", name=mesh.name)
     return None
 

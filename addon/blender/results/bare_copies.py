@@ -18,6 +18,19 @@ if TYPE_CHECKING:
 _OURS = "canonical_form"  # begins the names of our custom properties
 
 
+def drop_own_properties(owner: bpy.types.ID) -> None:
+    """Remove our custom properties from a mesh or its keys.
+
+    Parameters
+    ----------
+    owner : bpy.types.ID
+        What has them.
+    """
+    for name in list(owner.keys()):
+        if name.startswith(_OURS):
+            del owner[name]
+
+
 @contextmanager
 def bare_copies(objects: Sequence[bpy.types.Object], shapes: Sequence[FloatArray]) -> Iterator[list[bpy.types.Object]]:
     """Copy objects, for a while, without their results, modifiers, shape keys, parents and animation.
@@ -60,9 +73,7 @@ def _bare_copy(obj: bpy.types.Object, shape: FloatArray, name: str, mesh_name: s
     if mesh.shape_keys is not None:
         remove_all_keys(copy)
     clear_results(copy, unconfirmed=True)
-    for key in list(mesh.keys()):
-        if key.startswith(_OURS):
-            del mesh[key]
+    drop_own_properties(mesh)
     for key, value in obj.items():
         if not key.startswith(_OURS):
             copy[key] = value

@@ -8,9 +8,8 @@ from contextlib import contextmanager
 import bpy
 
 from ..records.record import read_record
+from .bare_copies import drop_own_properties
 from .result_clearing import remove_results
-
-_OURS = "canonical_form"  # begins the names of our custom properties
 
 
 @contextmanager
@@ -79,9 +78,8 @@ def _keep_form_only(obj: bpy.types.Object, value: float) -> None:
                 keys.key_blocks[name].value = value
         obj.show_only_shape_key = False
     for owner in (obj.data, obj.data.shape_keys):
-        for name in list(owner.keys()) if owner is not None else ():
-            if name.startswith(_OURS):
-                del owner[name]
+        if owner is not None:
+            drop_own_properties(owner)
 
 
 def _reveal(obj: bpy.types.Object) -> None:
