@@ -1,4 +1,4 @@
-"""Random walks; CANONICAL_FORM_WALKS=20,500 makes twenty of 500 steps instead of two short ones."""
+"""Random walks; CANONICAL_FORM_WALKS=20,500 makes twenty of 500 steps instead of a short one."""
 
 import os
 
@@ -8,7 +8,7 @@ import pytest
 from tests.blender.walks import Walk
 from tests.meshes import shapes
 
-WALKS, STEPS = map(int, os.environ.get("CANONICAL_FORM_WALKS", "2,60").split(","))
+WALKS, STEPS = map(int, os.environ.get("CANONICAL_FORM_WALKS", "1,80").split(","))
 
 
 @pytest.mark.parametrize("seed", range(1, WALKS + 1))

@@ -14,7 +14,7 @@ from addon.core import CanonicalFormError, canonical_form, limb_shapes, match, p
 from tests.core.test_contract import QUICK, examples, form_or_reason, meshes, meshes_of_pieces
 
 
-@examples(0.1)
+@examples(0.06)
 @given(st.one_of(meshes(), meshes_of_pieces()), meshes())
 @pytest.mark.filterwarnings("error::RuntimeWarning")
 def test_any_form_lies_on_any_reference_or_says_why_not(mesh, other):
@@ -29,7 +29,7 @@ def test_any_form_lies_on_any_reference_or_says_why_not(mesh, other):
         assert len(set(form.feature_points.tolist())) == len(form.feature_points)
 
 
-@examples(0.1)
+@examples(0.06)
 @given(meshes(), meshes())
 @pytest.mark.filterwarnings("error::RuntimeWarning")
 def test_any_two_meshes_have_a_match_and_a_pose_or_a_reason(mesh, other):
@@ -46,7 +46,7 @@ def test_any_two_meshes_have_a_match_and_a_pose_or_a_reason(mesh, other):
         assert np.isfinite(posed.vertices).all()
 
 
-@examples(0.1)
+@examples(0.06)
 @given(meshes(), st.integers(0, 2**32 - 1))
 @pytest.mark.filterwarnings("error::RuntimeWarning")
 def test_any_limb_is_straightened_alone_or_says_why_not(mesh, seed):

@@ -10,7 +10,7 @@ def dataset(tmp_path_factory):
     """Three classes of three small shapes: figures, ellipsoids and dumb-bells, each in poses of one vertex order."""
     folder = tmp_path_factory.mktemp("dataset")
     rng = np.random.default_rng(0)
-    figure, faces = shapes.figure(11)
+    figure, faces = shapes.figure(9)
     ball, ball_faces = shapes.sphere(2)
     for number in range(3):
         turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]

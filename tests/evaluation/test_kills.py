@@ -20,8 +20,8 @@ from addon.scheduling.attempts import Failure
 from addon.scheduling.crews import crew
 from tests.meshes import shapes
 
-METHODS = "ours,fast"
-KILLS = 2
+METHODS = "fast,classical"
+KILLS = 2  # of the run; a worker dies once: the batch tests kill one twice
 PATIENCE = 120  # seconds
 
 
@@ -104,11 +104,9 @@ def test_a_local_worker_is_killed(dataset, undisturbed, tmp_path, tables_of):
     chance = random.Random(2)
     total = len(results(undisturbed))
     process = Evaluation(dataset, tmp_path, "--workers", "2")
-    for _ in range(KILLS):
-        wanted = len(results(tmp_path)) + chance.randrange(1, total // (KILLS + 2))
-        wait_for(lambda wanted=wanted: len(results(tmp_path)) >= wanted and workers_of(process), process)
-        time.sleep(chance.uniform(0, 0.2))
-        chance.choice(wait_for(lambda: workers_of(process), process)).kill()
+    wait_for(lambda: len(results(tmp_path)) >= total // 3 and workers_of(process), process)
+    time.sleep(chance.uniform(0, 0.2))
+    chance.choice(wait_for(lambda: workers_of(process), process)).kill()
     finished(process)
     assert tables_of(tmp_path) == tables_of(undisturbed)
 
@@ -201,7 +199,7 @@ def test_a_result_that_is_lost_with_its_worker_may_fail_when_computed_again(tmp_
     assert result.died
 
 
-@pytest.mark.parametrize("moment", [0.0, 0.1, 0.5, 2.0])
+@pytest.mark.parametrize("moment", [0.0, 0.5])
 def test_nothing_lives_on_when_the_run_is_killed(moment, tmp_path):
     vertices, faces = shapes.sphere(2)
     for name in ("a.obj", "b.obj"):

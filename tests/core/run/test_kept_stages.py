@@ -55,7 +55,7 @@ def assert_same(form, other):
 
 @pytest.mark.parametrize(
     ("mesh", "changes"),
-    [(shapes.figure(13), CHANGES), (character(), CHANGES[::6])],
+    [(shapes.figure(11), CHANGES), (character(), CHANGES[::6])],
     ids=["figure", "pieces"],
 )
 def test_whatever_changes_the_result_is_that_of_a_run_of_its_own(mesh, changes):
