@@ -11,7 +11,7 @@ import numpy as np
 
 from ..mesh.connectivity import border_labels, component_labels
 from ..mesh.edges import edge_table
-from ..numerics.arrays import FloatArray, IntArray
+from ..numerics.arrays import BoolArray, FloatArray, IntArray
 from .carriers import carriers
 from .contacts import Contact, Samples
 from .pieces import Piece
@@ -47,7 +47,8 @@ def roles_of(pieces: Sequence[Piece], samples: Sequence[Samples], contacts: Mapp
     """Separate the pieces of bodies from those that ride on them.
 
     The largest piece is part of a body. So is, by descending area, every piece that extends far from what it touches or
-    is held in an open end: a head on a neck, an arm in a sleeve. Pieces that are covered, small or only touch ride.
+    is held in an open end: a head on a neck, an arm in a sleeve. Pieces that are covered, small or only touch ride, but
+    for those that join parts which do not hold each other: the ball between two limbs of a doll.
 
     `pieces`: the pieces, largest area first, of unit area in total; `samples`: samples of each; `contacts`: the
     distances between them.
@@ -64,7 +65,9 @@ def roles_of(pieces: Sequence[Piece], samples: Sequence[Samples], contacts: Mapp
     """
     cast = _Cast(pieces, samples, contacts)
     hosts, others = _hosts(cast)
-    bodies, touching = _bodies(cast, hosts)
+    between = _balls(cast, hosts, others)
+    bodies, touching = _bodies(cast, hosts + between)
+    others = [piece for piece in others if piece not in between]
     others += touching
     return _with_riders(cast, bodies, sorted(others))
 
@@ -170,6 +173,33 @@ def _is_stick(points: FloatArray, touching: FloatArray, area: float) -> bool:
     return bool(min(along.max(), -along.min()) > _REACH and area < _STICK * np.ptp(along) ** 2)
 
 
+def _balls(cast: _Cast, hosts: list[int], others: list[int]) -> list[int]:
+    """Find the fewest pieces that join hosts which do not hold each other, as the ball of a joint does."""
+    pieces = list(hosts)
+    held = [(a, b) for a, i in enumerate(hosts) for b, j in enumerate(hosts) if i < j and _hold(cast, i, j)]
+
+    def groups(kept: BoolArray) -> IntArray:
+        """Give each host the number of its group: hosts that hold each other, also by some of the other pieces."""
+        pairs = np.array(held, dtype=np.int64).reshape(-1, 2)
+        return component_labels(len(pieces), pairs[kept[pairs].all(axis=1)])[: len(hosts)]
+
+    apart = groups(np.ones(len(hosts), dtype=bool))
+    if not apart.any():
+        return []
+    for piece in others:
+        beside = {group for group, host in zip(apart.tolist(), hosts, strict=True) if cast.gap([piece], [host]) < TOUCH}
+        if len(beside) > 1 or np.mean(cast.distance(piece, hosts) < TOUCH) < _COVERED:
+            near = [b for b, other in enumerate(pieces) if cast.gap([piece], [other]) <= WIDEST_GAP]
+            held += [(b, len(pieces)) for b in near if _hold(cast, min(piece, pieces[b]), max(piece, pieces[b]))]
+            pieces.append(piece)
+    kept = np.ones(len(pieces), dtype=bool)
+    together = groups(kept)
+    for one in range(len(pieces) - 1, len(hosts) - 1, -1):  # the smallest first
+        kept[one] = False
+        kept[one] = (groups(kept) != together).any()
+    return [piece for piece, needed in zip(pieces, kept, strict=True) if needed][len(hosts) :]
+
+
 def _bodies(cast: _Cast, hosts: list[int]) -> tuple[list[list[int]], list[int]]:
     """Group the hosts that hold each other into bodies; those that only touch a much larger one ride there."""
     hosts = sorted(hosts)
@@ -177,7 +207,7 @@ def _bodies(cast: _Cast, hosts: list[int]) -> tuple[list[list[int]], list[int]]:
         (a, b)
         for a, i in enumerate(hosts)
         for b, j in enumerate(hosts)
-        if i < j and (i, j) in cast.contacts and _hold(cast, i, j)
+        if i < j and _hold(cast, i, j)
     ]
     label = component_labels(len(hosts), np.array(held, dtype=np.int64).reshape(-1, 2))
     groups: dict[int, list[int]] = {}
@@ -197,7 +227,7 @@ def _bodies(cast: _Cast, hosts: list[int]) -> tuple[list[list[int]], list[int]]:
 
 def _hold(cast: _Cast, i: int, j: int) -> bool:
     """Check whether two pieces form a joint, held all around or in an open end, and do not only touch on one side."""
-    gap = cast.contacts[i, j].gap
+    gap = cast.gap([i], [j])
     if gap > WIDEST_GAP:
         return False
     limit = max(TOUCH, gap + TOUCH / 2)

@@ -175,3 +175,29 @@ def test_what_others_cover_to_three_quarters_rides(fewer, role):
     contacts[1, 0] = Contact(np.where(touching, 0.01, 0.5), contacts[1, 0].nearest[:count])
     found = roles_of(pieces, [first, second], contacts)
     assert found == (([[0]], [(1, 0)]) if role == "rides" else ([[0, 1]], []))
+
+
+def capsule(radius, start, length):
+    """A ball pulled apart along z."""
+    vertices, faces = shapes.sphere(4)
+    return radius * vertices + [0, 0, start + radius] + np.where(
+        vertices[:, 2:] > 0, [0, 0, length - 2 * radius], 0
+    ), faces
+
+
+@pytest.mark.parametrize("bend", [0, 60, 90])
+@pytest.mark.parametrize(("gap", "radius"), [(0.02, 0.13), (0.1, 0.13), (0.05, 0.17)])
+def test_limbs_that_only_a_ball_joins_are_one_body(bend, gap, radius):
+    """As in every ball-jointed figure: the ball rides on both limbs, which do not hold each other."""
+    upper, lower = capsule(0.15, gap / 2, 1.2), capsule(0.135, gap / 2, 1.2)
+    turn = np.radians(180 - bend)
+    about = np.array([[np.cos(turn), 0, np.sin(turn)], [0, 1, 0], [-np.sin(turn), 0, np.cos(turn)]])
+    found, _ = roles(upper, (lower[0] @ about.T, lower[1]), ball(radius))
+    assert found.bodies in ([[0, 1, 2]], [[0, 1]])
+
+
+def test_only_the_pieces_that_are_needed_join_hosts():
+    """Two balls in one joint."""
+    found, _ = roles(capsule(0.15, 0.05, 1.2), capsule(0.14, -1.25, 1.2), ball(0.14), ball(0.12))
+    assert found.bodies == [[0, 1, 2]]
+    assert [rider for rider, _ in found.riders] == [3]
