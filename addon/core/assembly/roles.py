@@ -20,12 +20,14 @@ TOUCH = 0.02  # distance below which pieces touch, in sqrt(area) of all pieces, 
 WIDEST_GAP = 0.04  # gap across which pieces still hold each other
 _COVERED = 0.75  # share of a piece on others above which it rides there, like a shirt on a body
 _REACH, _REACHING_AREA = 0.15, 0.02  # least values for a part of the body: extent beyond what it touches, and area
+_FROM_JOINT = 0.06  # least extent beyond a joint, which holds all around: a head on its neck
 _STICK = 0.09  # area over squared length of a stick; an arm has .2
 _HELD_AREA, _LOOP, _HELD_LOOP = 0.01, 6, 0.7  # of one in an open end: its area, edges of the end, share of them near
 AROUND = 0.2  # least 1 - |mean normal| of a joint, which holds all around; contact on one side has less
 _HOLDING = 0.02  # least share of the smaller of two pieces that touches at a joint: interlaced fingers have less
 _SEAM = 0.1  # width of a cut over the size of the piece that was cut off
-_SMALLER = 0.5  # area of a piece over that of a body, below which it rides there even if it only touches
+_HANGING = 0.5  # share of the length of a piece that is far from what it hangs on; what lies along it has less
+_SMALLER = 0.5  # area of a piece over that of a body, below which it belongs to that body
 
 
 class Roles(NamedTuple):
@@ -46,9 +48,9 @@ class Roles(NamedTuple):
 def roles_of(pieces: Sequence[Piece], samples: Sequence[Samples], contacts: Mapping[tuple[int, int], Contact]) -> Roles:
     """Separate the pieces of bodies from those that ride on them.
 
-    The largest piece is part of a body. So is, by descending area, every piece that extends far from what it touches or
-    is held in an open end: a head on a neck, an arm in a sleeve. Pieces that are covered, small or only touch ride, but
-    for those that join parts which do not hold each other: the ball between two limbs of a doll.
+    The largest piece is part of a body. So is, by descending area, every piece that extends far from what it touches,
+    some way from a joint, or is held in an open end: a leg, a head on a neck, an arm in a sleeve. Pieces that are
+    covered or small, or lie along others, ride, but for those that join parts: the ball between two limbs of a doll.
 
     `pieces`: the pieces, largest area first, of unit area in total; `samples`: samples of each; `contacts`: the
     distances between them.
@@ -67,9 +69,8 @@ def roles_of(pieces: Sequence[Piece], samples: Sequence[Samples], contacts: Mapp
     hosts, others = _hosts(cast)
     between = _balls(cast, hosts, others)
     bodies, touching = _bodies(cast, hosts + between)
-    others = [piece for piece in others if piece not in between]
-    others += touching
-    return _with_riders(cast, bodies, sorted(others))
+    inside = {piece for body in bodies for piece in body}
+    return _with_riders(cast, bodies, sorted([piece for piece in others if piece not in inside] + touching))
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,19 +128,19 @@ def _is_host(cast: _Cast, piece: int, hosts: list[int]) -> bool:
         return False
     if area > _REACHING_AREA:
         near = distance < max(TOUCH, gap + TOUCH / 2)
-        if _reaches(cast, piece, near) or any(
-            _reaches(cast, piece, each) for each in _joints(cast, piece, hosts, near)
+        if _reaches(cast, piece, near, _REACH) or any(
+            _reaches(cast, piece, each, _FROM_JOINT) for each in _joints(cast, piece, hosts, near)
         ):
             return True
     return area > _HELD_AREA and _is_held(cast, piece, hosts)
 
 
-def _reaches(cast: _Cast, piece: int, touching: np.ndarray) -> bool:
+def _reaches(cast: _Cast, piece: int, touching: np.ndarray, least: float) -> bool:
     """Check whether a piece extends far from the samples that touch others, and is no stick."""
     from scipy.spatial import KDTree
 
     points = cast.samples[piece].points
-    far = KDTree(points[touching]).query(points)[0].max() > _REACH
+    far = KDTree(points[touching]).query(points)[0].max() > least
     return bool(far) and not _is_stick(points, points[touching], cast.area(piece))
 
 
@@ -201,13 +202,13 @@ def _balls(cast: _Cast, hosts: list[int], others: list[int]) -> list[int]:
 
 
 def _bodies(cast: _Cast, hosts: list[int]) -> tuple[list[list[int]], list[int]]:
-    """Group the hosts that hold each other into bodies; those that only touch a much larger one ride there."""
+    """Group the hosts that hold each other; a small group joins a larger one that it hangs on, or rides."""
     hosts = sorted(hosts)
     held = [
         (a, b)
         for a, i in enumerate(hosts)
         for b, j in enumerate(hosts)
-        if i < j and _hold(cast, i, j)
+        if i < j and (i, j) in cast.contacts and _hold(cast, i, j)
     ]
     label = component_labels(len(hosts), np.array(held, dtype=np.int64).reshape(-1, 2))
     groups: dict[int, list[int]] = {}
@@ -217,12 +218,50 @@ def _bodies(cast: _Cast, hosts: list[int]) -> tuple[list[list[int]], list[int]]:
     bodies: list[list[int]] = []
     touching: list[int] = []
     for group in ordered:
-        near = [body for body in bodies if cast.gap(group, body) <= WIDEST_GAP]
-        if near and sum(map(cast.area, group)) < _SMALLER * max(sum(map(cast.area, body)) for body in near):
-            touching += group
-        else:
+        ways = [(_way(cast, group, body, hosts), body) for body in bodies]
+        near = [(way, body) for way, body in ways if way is not None]
+        if not near or sum(map(cast.area, group)) >= _SMALLER * max(sum(map(cast.area, body)) for _, body in near):
             bodies.append(group)
-    return bodies, touching
+            continue
+        way, body = min(near, key=lambda each: (len(each[0]), cast.gap(group, each[1])))
+        if way or _hangs(cast, group, body):
+            body += group + way
+        else:
+            touching += group
+    return [sorted(body) for body in bodies], touching
+
+
+def _hangs(cast: _Cast, group: list[int], body: list[int]) -> bool:
+    """Check whether a group hangs on a body by an end, like a leg under a skirt, and does not lie along it."""
+    from scipy.spatial import KDTree
+
+    points = np.concatenate([cast.samples[piece].points for piece in group])
+    distance = np.concatenate([cast.distance(piece, body) for piece in group])
+    near = points[distance < max(TOUCH, distance.min() + TOUCH / 2)]
+    axis = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2][0]
+    return bool(KDTree(near).query(points)[0].max() > _HANGING * np.ptp(points @ axis))
+
+
+def _way(cast: _Cast, group: list[int], body: list[int], hosts: list[int]) -> list[int] | None:
+    """Find the fewest pieces by which a group hangs on a body, without other hosts; None if it does not."""
+    before: dict[int, int] = dict.fromkeys(group, -1)
+    front = group
+    while front:
+        for piece in front:
+            if cast.gap([piece], body) <= WIDEST_GAP:
+                way = []
+                while before[piece] >= 0:
+                    way.append(piece)
+                    piece = before[piece]
+                return way
+        reached: dict[int, int] = {}
+        for piece in front:
+            for other in range(len(cast.pieces)):
+                if other not in before and other not in hosts and cast.gap([piece], [other]) <= WIDEST_GAP:
+                    reached.setdefault(other, piece)
+        before |= reached
+        front = sorted(reached)
+    return None
 
 
 def _hold(cast: _Cast, i: int, j: int) -> bool:

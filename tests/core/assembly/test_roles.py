@@ -201,3 +201,31 @@ def test_only_the_pieces_that_are_needed_join_hosts():
     found, _ = roles(capsule(0.15, 0.05, 1.2), capsule(0.14, -1.25, 1.2), ball(0.14), ball(0.12))
     assert found.bodies == [[0, 1, 2]]
     assert [rider for rider, _ in found.riders] == [3]
+
+
+@pytest.mark.parametrize(("neck", "height", "is_part"), [(0.5, 2.56, True), (1.0, 2.61, False)])
+def test_a_small_head_is_part_where_its_neck_is_a_joint(neck, height, is_part):
+    """It does not extend far; a neck holds all around, a ball that lies on top does not."""
+    vertices, faces = shapes.sphere(4)
+    head = 0.15 * vertices * np.where(vertices[:, 2:] < 0, [neck, neck, 1.2], 1.0)
+    found, unit = roles(capsule(0.4, 0, 2.4), (head + [0, 0, height], faces))
+    assert 0.3 / unit < 0.15
+    assert (found.bodies == [[0, 1]]) == is_part
+
+
+def test_what_hangs_by_an_end_is_part_and_what_lies_along_rides():
+    """Beside a leg: one hangs from the hip, one is strapped along it; neither is held all around."""
+    hip = ball(1.0)
+    hanging, lying = capsule(0.1, -2.2, 1.6), capsule(0.1, -0.8, 1.6)
+    found, _ = roles(hip, (hanging[0] + [0.75, 0, 0], hanging[1]))
+    assert found == ([[0, 1]], [])
+    found, _ = roles(hip, (lying[0] + [1.1, 0, 0], lying[1]))
+    assert found == ([[0]], [(1, 0)])
+
+
+def test_a_limb_hangs_on_a_body_by_small_pieces_between():
+    """Beads on a string: none is a joint, but they join what they touch."""
+    beads = [ball(0.08, z=1.08 + 0.17 * index) for index in range(3)]
+    limb = capsule(0.1, 1.53, 1.5)
+    found, _ = roles(ball(1.0), limb, *beads)
+    assert found.bodies == [[0, 1, 2, 3, 4]]
