@@ -208,7 +208,7 @@ def test_a_small_head_is_part_where_its_neck_is_a_joint(neck, height, is_part):
     """It does not extend far; a neck holds all around, a ball that lies on top does not."""
     vertices, faces = shapes.sphere(4)
     head = 0.15 * vertices * np.where(vertices[:, 2:] < 0, [neck, neck, 1.2], 1.0)
-    found, unit = roles(capsule(0.4, 0, 2.4), (head + [0, 0, height], faces))
+    found, unit = roles(capsule(0.4, 0, 2.4), (head + np.array([0, 0, height]), faces))
     assert 0.3 / unit < 0.15
     assert (found.bodies == [[0, 1]]) == is_part
 
