@@ -12,6 +12,7 @@ from ..mesh.geometry import of_unit_area
 from ..numerics.arrays import FloatArray, IntArray
 from ..run.monitor import Monitor
 from .bodies import Bodies
+from .strays import followed
 
 if TYPE_CHECKING:
     from ..method_api.surface_features import WholeFeatures
@@ -83,6 +84,9 @@ def shaped(bodies: Bodies, shapes: Sequence[FloatArray], monitor: Monitor, *, ar
             before, after = (of_unit_area(points[used], corners)[2] for points in (bodies.vertices, whole))
             centre = whole[used].mean(axis=0)
             whole[used] = centre + (whole[used] - centre) * (before / after)
+    strays = bodies.pieces.strays
+    if len(strays):
+        whole[strays] = followed(bodies.vertices, whole, bodies.faces, strays)
     return _with_copies(bodies, whole)
 
 

@@ -15,6 +15,7 @@ from ..numerics.arrays import FloatArray, IntArray
 from ..run.errors import InvalidMeshError
 from ..run.messages import Message, message
 from ..run.monitor import Monitor
+from .strays import drawn_in, stray_vertices
 
 MEASURED = 100  # largest pieces, whose distances from each other are all measured; the others ride on what is nearest
 MOST_PIECES = 500  # more are loose faces, unless one is large enough to carry the others, like a head cards of hair
@@ -69,6 +70,8 @@ class Pieces:
         Number of components left out because they have no area.
     loose : int
         Number of vertices that belong to no face.
+    strays : (s,) ndarray of int
+        Vertices far from their neighbours, which the surfaces have in the middle of those.
     """
 
     pieces: list[Piece]
@@ -79,11 +82,16 @@ class Pieces:
     repairs: list[Message]
     dropped: int
     loose: int
+    strays: IntArray
 
     @property
     def left_out(self) -> list[Message]:
-        """Messages on pieces without area and vertices without a face."""
-        counts = {"pieces_without_area": self.dropped, "loose_vertices": self.loose}
+        """Messages on pieces without area, vertices without a face and stray vertices."""
+        counts = {
+            "pieces_without_area": self.dropped,
+            "loose_vertices": self.loose,
+            "stray_vertices": len(self.strays),
+        }
         return [message(kind, count=count) for kind, count in counts.items() if count]
 
 
@@ -106,6 +114,10 @@ def connected_pieces(
     monitor = monitor or Monitor()
     mesh = repaired(vertices, faces, monitor)
     points, corners = mesh.vertices, mesh.faces
+    strays = stray_vertices(points, corners)
+    if len(strays):
+        points = drawn_in(points, corners, strays)
+    monitor.check()
     label = component_labels(len(points), np.concatenate([corners[:, :2], corners[:, 1:]]))[corners[:, 0]]
     monitor.check()
     start, first = np.zeros(min(len(corners), 1), dtype=np.int64), label[:1]
@@ -128,7 +140,15 @@ def connected_pieces(
     on_surface[corners] = True
     loose = int(np.count_nonzero(~on_surface[mesh.representative]))
     return Pieces(
-        pieces, points, mesh.faces[used], mesh.unjoined[used], mesh.representative, mesh.warnings, dropped, loose
+        pieces,
+        mesh.vertices,
+        mesh.faces[used],
+        mesh.unjoined[used],
+        mesh.representative,
+        mesh.warnings,
+        dropped,
+        loose,
+        strays,
     )
 
 

@@ -64,6 +64,10 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
         "1 vertex that belongs to no face stays where it is.",
         "{count:,} vertices that belong to no face stay where they are.",
     ),
+    "stray_vertices": (
+        "1 vertex lies far away from all its neighbours. It was left out and follows them.",
+        "{count:,} vertices lie far away from all their neighbours. They were left out and follow them.",
+    ),
     "more_warnings": "There are {count} more warnings like these about other parts.",
     # settings and choices
     "setting_range": "{name} must be {range}; got {value!r}.",
