@@ -114,10 +114,6 @@ def connected_pieces(
     monitor = monitor or Monitor()
     mesh = repaired(vertices, faces, monitor)
     points, corners = mesh.vertices, mesh.faces
-    strays = stray_vertices(points, corners)
-    if len(strays):
-        points = drawn_in(points, corners, strays)
-    monitor.check()
     label = component_labels(len(points), np.concatenate([corners[:, :2], corners[:, 1:]]))[corners[:, 0]]
     monitor.check()
     start, first = np.zeros(min(len(corners), 1), dtype=np.int64), label[:1]
@@ -132,6 +128,10 @@ def connected_pieces(
     order = _largest_first(area, size)
     if not len(order):
         raise InvalidMeshError("no_area")
+    strays = stray_vertices(points, mesh.faces)
+    if len(strays):
+        points = drawn_in(points, mesh.faces, strays)
+    monitor.check()
     groups = np.split(corners, start[1:])
     pieces = [_piece(points, groups[index]) for index in order]
     dropped = len(groups) - len(pieces)

@@ -8,6 +8,7 @@ from ..deformation.rotations import nearest_rotations
 from ..numerics.arrays import FloatArray, IntArray
 
 _LONGER = 4.0  # least length of the edges of a stray vertex, in those between its neighbours
+_FAN = 3  # least triangles around a stray vertex: fewer are a fin
 _FAR = 20.0  # its least distance, in the width of the ring of its neighbours; the tip of a horn or a hair has 10
 
 
@@ -32,8 +33,11 @@ def stray_vertices(points: FloatArray, faces: IntArray) -> IntArray:
     if not len(thin):
         return thin
     far = np.bincount(faces[thin, shortest], minlength=len(points))
-    apart = np.flatnonzero((far > 0) & (far == np.bincount(faces.ravel(), minlength=len(points))))
-    return np.array([each for each in apart.tolist() if _is_far(points, faces, each)], dtype=np.int64)
+    apart = np.flatnonzero((far >= _FAN) & (far == np.bincount(faces.ravel(), minlength=len(points))))
+    own = np.zeros(len(points), dtype=bool)
+    own[apart] = True
+    beside = faces[thin[own[faces[thin]].any(axis=1)]]
+    return np.array([each for each in apart.tolist() if _is_far(points, beside, each)], dtype=np.int64)
 
 
 def drawn_in(points: FloatArray, faces: IntArray, strays: IntArray) -> FloatArray:
