@@ -28,6 +28,7 @@ _UNDER = 0.03  # radius of the surface under a contact that determines its motio
 _SMALL_HALF, _SMALL_AREA = 0.06, 0.004  # half the diagonal and the area below which a rider is rigid
 _FEWEST = 24  # vertices of a rider that bends
 _STRETCHED = 0.3  # 95th percentile of the edge distortion above which a rider moves rigidly instead of bending
+_LARGE = 0.025  # area from which that is told: a belt that stays stiff is hardly seen
 _LOOSE = 0.3  # share of a rider on its carrier below which it is rigid
 _OFF, _ROUNDS = 0.005, 5  # deviation of ground of the same limb from its rigid motion; iterations of the robust fit
 _RIDERS_AT_ONCE = 256  # whose contacts are held in memory
@@ -124,7 +125,8 @@ def ridden(
     for piece, own in zip(pieces, samples, strict=True):
         shape = _draped(piece.points, piece.faces, ground, monitor)
         if np.quantile(np.abs(edge_stretch(piece.points, shape, piece.faces) - 1), 0.95) >= _STRETCHED:
-            monitor.warn("rider_stretched")
+            if own.area > _LARGE:
+                monitor.warn("rider_stretched")
             (shape,) = _moved_as_one([piece], [own], ground, monitor)
         moved.append(shape)
     return moved
