@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple
@@ -217,8 +217,9 @@ def _bodies(cast: _Cast, hosts: list[int]) -> tuple[list[list[int]], list[int]]:
     ordered = sorted(groups.values(), key=lambda group: -sum(map(cast.area, group)))
     bodies: list[list[int]] = []
     touching: list[int] = []
+    taken = set(hosts)
     for group in ordered:
-        ways = [(_way(cast, group, body, hosts), body) for body in bodies]
+        ways = [(_way(cast, group, body, taken), body) for body in bodies]
         near = [(way, body) for way, body in ways if way is not None]
         if not near or sum(map(cast.area, group)) >= _SMALLER * max(sum(map(cast.area, body)) for _, body in near):
             bodies.append(group)
@@ -226,6 +227,7 @@ def _bodies(cast: _Cast, hosts: list[int]) -> tuple[list[list[int]], list[int]]:
         way, body = min(near, key=lambda each: (len(each[0]), cast.gap(group, each[1])))
         if way or _hangs(cast, group, body):
             body += group + way
+            taken |= set(way)
         else:
             touching += group
     return [sorted(body) for body in bodies], touching
@@ -242,8 +244,8 @@ def _hangs(cast: _Cast, group: list[int], body: list[int]) -> bool:
     return bool(KDTree(near).query(points)[0].max() > _HANGING * np.ptp(points @ axis))
 
 
-def _way(cast: _Cast, group: list[int], body: list[int], hosts: list[int]) -> list[int] | None:
-    """Find the fewest pieces by which a group hangs on a body, without other hosts; None if it does not."""
+def _way(cast: _Cast, group: list[int], body: list[int], taken: Set[int]) -> list[int] | None:
+    """Find the fewest pieces by which a group hangs on a body, none of which is taken; None if there are none."""
     before: dict[int, int] = dict.fromkeys(group, -1)
     front = group
     while front:
@@ -257,7 +259,7 @@ def _way(cast: _Cast, group: list[int], body: list[int], hosts: list[int]) -> li
         reached: dict[int, int] = {}
         for piece in front:
             for other in range(len(cast.pieces)):
-                if other not in before and other not in hosts and cast.gap([piece], [other]) <= WIDEST_GAP:
+                if other not in before and other not in taken and cast.gap([piece], [other]) <= WIDEST_GAP:
                     reached.setdefault(other, piece)
         before |= reached
         front = sorted(reached)

@@ -229,3 +229,12 @@ def test_a_limb_hangs_on_a_body_by_small_pieces_between():
     limb = capsule(0.1, 1.53, 1.5)
     found, _ = roles(ball(1.0), limb, *beads)
     assert found.bodies == [[0, 1, 2, 3, 4]]
+
+
+def test_a_piece_between_two_bodies_is_in_one():
+    """Two balls of one size, and a limb that hangs on a bead between them."""
+    limb = capsule(0.12, -2.0, 1.6)
+    found, _ = roles(ball(1.0, x=-1.08), ball(1.0, x=1.08), limb, ball(0.1, z=-0.33), ball(0.08, z=0.0))
+    inside = [piece for body in found.bodies for piece in body]
+    assert len(inside) == len(set(inside))
+    assert sorted(inside + [rider for rider, _ in found.riders]) == [0, 1, 2, 3, 4]
