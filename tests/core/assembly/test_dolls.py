@@ -42,8 +42,8 @@ def capsule(radius, start, end, flat=1.0):
 def dolls(draw):
     """Draw pieces (vertices, faces), and the pairs of them that are joined."""
     pieces, joined = [capsule(0.3, [0, 0, 0.2], [0, 0, 1.25], draw(st.sampled_from([0.6, 1.0])))], []
-    for name, (place, way) in ANCHORS.items():
-        place, way, before = np.array(place, dtype=float), np.array(way), 0
+    for name, (anchor, direction) in ANCHORS.items():
+        place, way, before = np.array(anchor, dtype=float), np.array(direction), 0
         radius = draw(st.floats(0.08, 0.12))
         for _ in range(1 if name == "head" else draw(st.integers(1, 3))):
             kind = draw(st.sampled_from(["ball", "overlap", "plate"]))
