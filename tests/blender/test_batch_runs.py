@@ -19,7 +19,7 @@ BLENDERS_OWN = re.compile(r"color_management|system\.path +\| WARNING Could not 
 
 @pytest.mark.parametrize("times", [1, 2])
 def test_a_crash_costs_one_file_at_most(tmp_path, times):
-    shapes.write_off(tmp_path / "slow.off", *shapes.figure(36))
+    shapes.write_off(tmp_path / "slow.off", *shapes.figure(44))
     shapes.write_off(tmp_path / "quick.off", *shapes.figure(13))
     out = tmp_path / "out"
     process = started([tmp_path / "slow.off", tmp_path / "quick.off", "--output", out, "--quality", "full", *QUICK])

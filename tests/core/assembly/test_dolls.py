@@ -5,16 +5,15 @@
 
 import os
 
-import hypothesis.strategies as st
 import numpy as np
-from hypothesis import HealthCheck, Phase, given, settings
+import pytest
 from scipy.spatial import KDTree
 
 from addon.core import Settings, canonical_form
 from addon.core.mesh.geometry import of_unit_area
 from tests.meshes import shapes
 
-MANY = int(os.environ.get("CANONICAL_FORM_EXAMPLES", "0"))
+MANY = int(os.environ.get("CANONICAL_FORM_EXAMPLES", "12"))
 QUICK = Settings(quality="draft")
 BALL = shapes.sphere(3)
 ANCHORS = {  # on a trunk from 0 to 1.5: where a limb begins, and the way it goes
@@ -39,40 +38,38 @@ def capsule(radius, start, end, flat=1.0):
     return own + np.where((vertices[:, 2:] > 0), end, start), faces
 
 
-@st.composite
-def dolls(draw):
-    """Draw pieces (vertices, faces), and the pairs of them that are joined."""
-    pieces, joined = [capsule(0.3, [0, 0, 0.2], [0, 0, 1.25], draw(st.sampled_from([0.6, 1.0])))], []
+def doll_of(seed):
+    """Make pieces (vertices, faces), and the pairs of them that are joined."""
+    rng = np.random.default_rng(seed)
+    pieces, joined = [capsule(0.3, [0, 0, 0.2], [0, 0, 1.25], rng.choice([0.6, 1.0]))], []
     for name, (anchor, direction) in ANCHORS.items():
         place, way, before = np.array(anchor, dtype=float), np.array(direction), 0
-        radius = draw(st.floats(0.08, 0.12))
-        for _ in range(1 if name == "head" else draw(st.integers(1, 3))):
-            kind = draw(st.sampled_from(["ball", "overlap", "plate"]))
+        radius = rng.uniform(0.08, 0.12)
+        for _ in range(1 if name == "head" else rng.integers(1, 4)):
+            kind = rng.choice(["ball", "overlap", "plate"])
             if kind == "ball":
                 pieces.append((1.1 * radius * BALL[0] + place, BALL[1]))
                 joined.append((before, len(pieces) - 1))
                 before = len(pieces) - 1
-            turn = np.array([draw(st.floats(-BEND, BEND)) for _ in range(3)])
+            turn = rng.uniform(-BEND, BEND, 3)
             way = way / np.linalg.norm(way) + turn
             way /= np.linalg.norm(way)
-            length = 0.2 if name == "head" else draw(st.floats(0.35, 0.6))
+            length = 0.2 if name == "head" else rng.uniform(0.35, 0.6)
             end = place + length * way
             thick = 2.0 * radius if name == "head" else radius
             pieces.append(capsule(thick, place, end, 0.5 if kind == "plate" else 1.0))
             joined.append((before, len(pieces) - 1))
             before, place = len(pieces) - 1, end
-        if name != "head" and draw(st.booleans()):  # cloth around the last part
+        if name != "head" and rng.random() < 0.5:  # cloth around the last part
             vertices, faces = shapes.cylinder(16, 12, 1.3 * radius, 0.5 * length)
             across = np.linalg.svd(way[None])[2][1:]
             pieces.append((vertices @ np.vstack([across, way]) + place - 0.5 * length * way, faces))
     return pieces, joined
 
 
-@settings(max_examples=MANY or 12, deadline=None, derandomize=not MANY, database=None,
-          suppress_health_check=list(HealthCheck), phases=[Phase.generate])  # fmt: skip
-@given(dolls())
-def test_a_doll_is_one_body_and_its_joints_hold(doll):
-    pieces, joined = doll
+@pytest.mark.parametrize("seed", range(MANY))
+def test_a_doll_is_one_body_and_its_joints_hold(seed):
+    pieces, joined = doll_of(seed)
     starts = np.cumsum([0, *(len(vertices) for vertices, _ in pieces)])
     vertices = np.concatenate([each for each, _ in pieces])
     faces = np.concatenate([own + start for (_, own), start in zip(pieces, starts[:-1], strict=True)])
