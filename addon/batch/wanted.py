@@ -8,13 +8,13 @@ from pathlib import Path
 from ..core import Settings
 from ..core.numerics.arrays import FloatArray
 
-KINDS = {
+KINDS = {  # what can be transferred, as the operator names it
     "weights": "GROUPS",
     "uvs": "UVS",
     "colours": "COLOURS",
     "keys": "KEYS",
     "materials": "MATERIALS",
-}  # transferred
+}
 
 
 @dataclass(frozen=True, eq=False)

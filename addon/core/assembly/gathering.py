@@ -81,10 +81,8 @@ def shaped(bodies: Bodies, shapes: Sequence[FloatArray], monitor: Monitor, *, ar
         if area_kept and body.riders:
             used, corners = np.unique(body.all_faces, return_inverse=True)  # loose vertices may be far away
             corners = corners.reshape(-1, 3)
-            given = bodies.vertices.copy()
-            for piece in (body, *(rider.piece for rider in body.riders)):
-                given[piece.vertices] = piece.points  # without strays
-            before, after = (of_unit_area(points[used], corners)[2] for points in (given, whole))
+            surfaces = bodies.pieces.drawn_in, whole
+            before, after = (of_unit_area(points[used], corners)[2] for points in surfaces)
             centre = whole[used].mean(axis=0)
             whole[used] = centre + (whole[used] - centre) * (before / after)
     strays = bodies.pieces.strays

@@ -71,7 +71,9 @@ class Pieces:
     loose : int
         Number of vertices that belong to no face.
     strays : (s,) ndarray of int
-        Vertices far from their neighbours, which the surfaces have in the middle of those.
+        Vertices far from their neighbours.
+    drawn_in : (n, 3) ndarray of float
+        Positions that the surfaces have: strays in the middle of their neighbours, all others as given.
     """
 
     pieces: list[Piece]
@@ -83,6 +85,7 @@ class Pieces:
     dropped: int
     loose: int
     strays: IntArray
+    drawn_in: FloatArray
 
     @property
     def left_out(self) -> list[Message]:
@@ -149,6 +152,7 @@ def connected_pieces(
         dropped,
         loose,
         strays,
+        points,
     )
 
 

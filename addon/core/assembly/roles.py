@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence, Set
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple
@@ -81,12 +81,20 @@ class _Cast:
     samples: Sequence[Samples]
     contacts: Mapping[tuple[int, int], Contact]
     known_loops: dict[int, list[IntArray]] = field(default_factory=dict)
+    known_holds: dict[tuple[int, int], bool] = field(default_factory=dict)
 
     def loops(self, piece: int) -> list[IntArray]:
         """List the borders of a piece that are long enough."""
         if piece not in self.known_loops:
             self.known_loops[piece] = _border_loops(self.pieces[piece].faces)
         return self.known_loops[piece]
+
+    def hold(self, one: int, other: int) -> bool:
+        """Check whether two pieces hold each other."""
+        pair = min(one, other), max(one, other)
+        if pair not in self.known_holds:
+            self.known_holds[pair] = _hold(self, *pair)
+        return self.known_holds[pair]
 
     def area(self, piece: int) -> float:
         return self.samples[piece].area / self.whole_area
@@ -127,7 +135,7 @@ def _is_host(cast: _Cast, piece: int, hosts: list[int]) -> bool:
     if np.mean(distance < TOUCH) >= _COVERED:
         return False
     if area > _REACHING_AREA:
-        near = distance < max(TOUCH, gap + TOUCH / 2)
+        near = distance < _nearby(gap)
         if _reaches(cast, piece, near, _REACH) or any(
             _reaches(cast, piece, each, _FROM_JOINT) for each in _joints(cast, piece, hosts, near)
         ):
@@ -137,11 +145,27 @@ def _is_host(cast: _Cast, piece: int, hosts: list[int]) -> bool:
 
 def _reaches(cast: _Cast, piece: int, touching: np.ndarray, least: float) -> bool:
     """Check whether a piece extends far from the samples that touch others, and is no stick."""
+    points = cast.samples[piece].points
+    far = _extent(points, points[touching]) > least
+    return far and not _is_stick(points, points[touching], cast.area(piece))
+
+
+def _extent(points: FloatArray, touching: FloatArray) -> float:
+    """Measure how far points extend beyond those that touch others."""
     from scipy.spatial import KDTree
 
-    points = cast.samples[piece].points
-    far = KDTree(points[touching]).query(points)[0].max() > least
-    return bool(far) and not _is_stick(points, points[touching], cast.area(piece))
+    return float(KDTree(touching).query(points)[0].max())
+
+
+def _nearby(gap: float) -> float:
+    """Return the distance up to which samples belong to a contact with this gap."""
+    return max(TOUCH, gap + TOUCH / 2)
+
+
+def _long_axis(points: FloatArray) -> FloatArray:
+    """Find the direction along which points are spread most, (3,)."""
+    axis: FloatArray = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2][0]
+    return axis
 
 
 def _joints(cast: _Cast, piece: int, hosts: list[int], near: np.ndarray) -> list[np.ndarray]:
@@ -168,66 +192,62 @@ def _is_around(normals: FloatArray, towards: FloatArray) -> bool:
 
 def _is_stick(points: FloatArray, touching: FloatArray, area: float) -> bool:
     """Check whether a piece is thin and touched in the middle, like a spear in a hand: it does not bend there."""
-    middle = points.mean(axis=0)
-    axis = np.linalg.svd(points - middle, full_matrices=False)[2][0]
-    along = (points - touching.mean(axis=0)) @ axis
+    along = (points - touching.mean(axis=0)) @ _long_axis(points)
     return bool(min(along.max(), -along.min()) > _REACH and area < _STICK * np.ptp(along) ** 2)
+
+
+def _held(cast: _Cast, pieces: Sequence[int]) -> IntArray:
+    """List the pairs of pieces that hold each other, as positions in the list, (p, 2)."""
+    pairs = [(a, b) for b in range(len(pieces)) for a in range(b) if cast.hold(pieces[a], pieces[b])]
+    return np.array(pairs, dtype=np.int64).reshape(-1, 2)
 
 
 def _balls(cast: _Cast, hosts: list[int], others: list[int]) -> list[int]:
     """Find the fewest pieces that join hosts which do not hold each other, as the ball of a joint does."""
-    pieces = list(hosts)
-    held = [(a, b) for a, i in enumerate(hosts) for b, j in enumerate(hosts) if i < j and _hold(cast, i, j)]
-
-    def groups(kept: BoolArray) -> IntArray:
-        """Give each host the number of its group: hosts that hold each other, also by some of the other pieces."""
-        pairs = np.array(held, dtype=np.int64).reshape(-1, 2)
-        return component_labels(len(pieces), pairs[kept[pairs].all(axis=1)])[: len(hosts)]
-
-    apart = groups(np.ones(len(hosts), dtype=bool))
+    apart = component_labels(len(hosts), _held(cast, hosts))
     if not apart.any():
         return []
-    for piece in others:
+
+    def is_free(piece: int) -> bool:
+        """Check whether a piece is not covered, or lies between groups of hosts."""
         beside = {group for group, host in zip(apart.tolist(), hosts, strict=True) if cast.gap([piece], [host]) < TOUCH}
-        if len(beside) > 1 or np.mean(cast.distance(piece, hosts) < TOUCH) < _COVERED:
-            near = [b for b, other in enumerate(pieces) if cast.gap([piece], [other]) <= WIDEST_GAP]
-            held += [(b, len(pieces)) for b in near if _hold(cast, min(piece, pieces[b]), max(piece, pieces[b]))]
-            pieces.append(piece)
-    kept = np.ones(len(pieces), dtype=bool)
+        return len(beside) > 1 or bool(np.mean(cast.distance(piece, hosts) < TOUCH) < _COVERED)
+
+    free = [piece for piece in others if is_free(piece)]
+    held = _held(cast, hosts + free)
+
+    def groups(kept: BoolArray) -> IntArray:
+        """Give each host the number of its group, joined by the pieces that are kept."""
+        return component_labels(len(kept), held[kept[held].all(axis=1)])[: len(hosts)]
+
+    kept = np.ones(len(hosts) + len(free), dtype=bool)
     together = groups(kept)
-    for one in range(len(pieces) - 1, len(hosts) - 1, -1):  # the smallest first
+    for one in range(len(kept) - 1, len(hosts) - 1, -1):  # the smallest first
         kept[one] = False
         kept[one] = (groups(kept) != together).any()
-    return [piece for piece, needed in zip(pieces, kept, strict=True) if needed][len(hosts) :]
+    return [piece for piece, needed in zip(free, kept[len(hosts) :], strict=True) if needed]
 
 
 def _bodies(cast: _Cast, hosts: list[int]) -> tuple[list[list[int]], list[int]]:
     """Group the hosts that hold each other; a small group joins a larger one that it hangs on, or rides."""
     hosts = sorted(hosts)
-    held = [
-        (a, b)
-        for a, i in enumerate(hosts)
-        for b, j in enumerate(hosts)
-        if i < j and (i, j) in cast.contacts and _hold(cast, i, j)
-    ]
-    label = component_labels(len(hosts), np.array(held, dtype=np.int64).reshape(-1, 2))
+    label = component_labels(len(hosts), _held(cast, hosts))
     groups: dict[int, list[int]] = {}
     for host, each in zip(hosts, label.tolist(), strict=True):
         groups.setdefault(each, []).append(host)
     ordered = sorted(groups.values(), key=lambda group: -sum(map(cast.area, group)))
     bodies: list[list[int]] = []
     touching: list[int] = []
-    taken = set(hosts)
     for group in ordered:
-        ways = [(_way(cast, group, body, taken), body) for body in bodies]
+        ways = [(_way(cast, group, body, hosts), body) for body in bodies]
         near = [(way, body) for way, body in ways if way is not None]
         if not near or sum(map(cast.area, group)) >= _SMALLER * max(sum(map(cast.area, body)) for _, body in near):
             bodies.append(group)
             continue
+        # the shortest: one by a piece that another body has would be longer than that to this body, so none is in two
         way, body = min(near, key=lambda each: (len(each[0]), cast.gap(group, each[1])))
         if way or _hangs(cast, group, body):
             body += group + way
-            taken |= set(way)
         else:
             touching += group
     return [sorted(body) for body in bodies], touching
@@ -235,17 +255,14 @@ def _bodies(cast: _Cast, hosts: list[int]) -> tuple[list[list[int]], list[int]]:
 
 def _hangs(cast: _Cast, group: list[int], body: list[int]) -> bool:
     """Check whether a group hangs on a body by an end, like a leg under a skirt, and does not lie along it."""
-    from scipy.spatial import KDTree
-
     points = np.concatenate([cast.samples[piece].points for piece in group])
     distance = np.concatenate([cast.distance(piece, body) for piece in group])
-    near = points[distance < max(TOUCH, distance.min() + TOUCH / 2)]
-    axis = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2][0]
-    return bool(KDTree(near).query(points)[0].max() > _HANGING * np.ptp(points @ axis))
+    touching = points[distance < _nearby(float(distance.min()))]
+    return _extent(points, touching) > _HANGING * float(np.ptp(points @ _long_axis(points)))
 
 
-def _way(cast: _Cast, group: list[int], body: list[int], taken: Set[int]) -> list[int] | None:
-    """Find the fewest pieces by which a group hangs on a body, none of which is taken; None if there are none."""
+def _way(cast: _Cast, group: list[int], body: list[int], hosts: list[int]) -> list[int] | None:
+    """Find the fewest pieces by which a group hangs on a body, none of them a host; None if it does not."""
     before: dict[int, int] = dict.fromkeys(group, -1)
     front = group
     while front:
@@ -259,7 +276,7 @@ def _way(cast: _Cast, group: list[int], body: list[int], taken: Set[int]) -> lis
         reached: dict[int, int] = {}
         for piece in front:
             for other in range(len(cast.pieces)):
-                if other not in before and other not in taken and cast.gap([piece], [other]) <= WIDEST_GAP:
+                if other not in before and other not in hosts and cast.gap([piece], [other]) <= WIDEST_GAP:
                     reached.setdefault(other, piece)
         before |= reached
         front = sorted(reached)
@@ -271,7 +288,7 @@ def _hold(cast: _Cast, i: int, j: int) -> bool:
     gap = cast.gap([i], [j])
     if gap > WIDEST_GAP:
         return False
-    limit = max(TOUCH, gap + TOUCH / 2)
+    limit = _nearby(gap)
     if np.mean(cast.contacts[j, i].distances < limit) < _HOLDING:  # j is the smaller
         return _is_held(cast, i, [j]) or _is_held(cast, j, [i])
     for one, other in ((i, j), (j, i)):

@@ -29,22 +29,20 @@ def stray_vertices(points: FloatArray, faces: IntArray) -> IntArray:
         squared += (np.roll(corners, 1, axis=1) - np.roll(corners, -1, axis=1)) ** 2
     least = squared.min(axis=1, keepdims=True)
     thin = np.flatnonzero((squared > _LONGER**2 * least).sum(axis=1) == 2)
-    shortest = np.argmin(squared[thin], axis=1)
     if not len(thin):
         return thin
+    shortest = np.argmin(squared[thin], axis=1)
     far = np.bincount(faces[thin, shortest], minlength=len(points))
     apart = np.flatnonzero((far >= _FAN) & (far == np.bincount(faces.ravel(), minlength=len(points))))
-    own = np.zeros(len(points), dtype=bool)
-    own[apart] = True
-    beside = faces[thin[own[faces[thin]].any(axis=1)]]
-    return np.array([each for each in apart.tolist() if _is_far(points, beside, each)], dtype=np.int64)
+    fans = _fans(faces[thin], apart)
+    return np.array([each for each in apart.tolist() if _is_far(points, fans, each)], dtype=np.int64)
 
 
 def drawn_in(points: FloatArray, faces: IntArray, strays: IntArray) -> FloatArray:
     """Move stray vertices to the middle of their neighbours. `points` (n, 3); `faces` (m, 3); `strays` (s,)."""
-    moved = points.copy()
+    moved, fans = points.copy(), _fans(faces, strays)
     for each in strays.tolist():
-        moved[each] = points[_around(faces, each)].mean(axis=0)
+        moved[each] = points[_around(fans, each)].mean(axis=0)
     return moved
 
 
@@ -53,24 +51,29 @@ def followed(before: FloatArray, after: FloatArray, faces: IntArray, strays: Int
 
     `before` (n, 3); `after` (n, 3); `faces` (m, 3); `strays` (s,); gives their positions (s, 3).
     """
-    moved = np.empty((len(strays), 3))
+    moved, fans = np.empty((len(strays), 3)), _fans(faces, strays)
     for number, each in enumerate(strays.tolist()):
-        ring = _around(faces, each)
+        ring = _around(fans, each)
         old, new = before[ring].mean(axis=0), after[ring].mean(axis=0)
         turn = nearest_rotations(((before[ring] - old).T @ (after[ring] - new))[None])[0]
         moved[number] = new + (before[each] - old) @ turn
     return moved
 
 
-def _around(faces: IntArray, vertex: int) -> IntArray:
+def _fans(faces: IntArray, vertices: IntArray) -> IntArray:
+    """Find the triangles at some vertices, (f, 3): all that is searched for the neighbours of each."""
+    return faces[np.isin(faces, vertices).any(axis=1)]
+
+
+def _around(fans: IntArray, vertex: int) -> IntArray:
     """Find the neighbours of a vertex, (r,)."""
-    ring = np.unique(faces[(faces == vertex).any(axis=1)])
+    ring = np.unique(fans[(fans == vertex).any(axis=1)])
     return ring[ring != vertex]
 
 
-def _is_far(points: FloatArray, faces: IntArray, vertex: int) -> bool:
+def _is_far(points: FloatArray, fans: IntArray, vertex: int) -> bool:
     """Check whether a vertex lies far from the ring of its neighbours."""
-    ring = points[_around(faces, vertex)]
+    ring = points[_around(fans, vertex)]
     middle = ring.mean(axis=0)
     width = np.linalg.norm(ring - middle, axis=1).max()
     return bool(np.linalg.norm(points[vertex] - middle) > _FAR * width)

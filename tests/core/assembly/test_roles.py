@@ -214,7 +214,15 @@ def test_a_small_head_is_part_where_its_neck_is_a_joint(neck, height, is_part):
 
 
 def test_what_hangs_by_an_end_is_part_and_what_lies_along_rides():
-    """Beside a leg: one hangs from the hip, one is strapped along it; neither is held all around."""
+    """A leg under a skirt, whose wall is on one side of it, and one strapped along the same wall."""
+    skirt, leg = tube(0.5, 0, 1.6), capsule(0.1, -1.3, 1.6)
+    found, _ = roles(skirt, (leg[0] + [0.36, 0, 0], leg[1]))
+    assert found == ([[0, 1]], [])
+    found, _ = roles(skirt, (leg[0] + [0.36, 0, 1.3], leg[1]))
+    assert found == ([[0]], [(1, 0)])
+
+
+def test_beside_a_hip_one_leg_hangs_and_a_sheath_lies_along():
     hip = ball(1.0)
     hanging, lying = capsule(0.1, -2.2, 1.6), capsule(0.1, -0.8, 1.6)
     found, _ = roles(hip, (hanging[0] + [0.75, 0, 0], hanging[1]))
@@ -224,10 +232,13 @@ def test_what_hangs_by_an_end_is_part_and_what_lies_along_rides():
 
 
 def test_a_limb_hangs_on_a_body_by_small_pieces_between():
-    """Beads on a string: none is a joint, but they join what they touch."""
+    """Beads on a string: large ones hold nothing from around, but each touches the next; small ones are joints."""
+    beads = [ball(0.25, z=height) for height in (1.3, 1.85)]
+    found, unit = roles(ball(1.0), capsule(0.25, 2.15, 1.5), *beads)
+    assert 1.15 / unit > 0.1
+    assert found == ([[0, 1, 2, 3]], [])
     beads = [ball(0.08, z=1.08 + 0.17 * index) for index in range(3)]
-    limb = capsule(0.1, 1.53, 1.5)
-    found, _ = roles(ball(1.0), limb, *beads)
+    found, _ = roles(ball(1.0), capsule(0.1, 1.53, 1.5), *beads)
     assert found.bodies == [[0, 1, 2, 3, 4]]
 
 

@@ -5,6 +5,7 @@ import pytest
 
 from addon.core import canonical_form
 from addon.core.assembly.strays import stray_vertices
+from tests.meshes import shapes
 
 
 def with_stray(figure, to):
@@ -39,3 +40,18 @@ def test_the_tip_of_a_cone_is_none(height):
 
 def test_what_has_no_stray_vertex_stays_as_it_is(sphere):
     assert not len(stray_vertices(*sphere))
+
+
+def test_a_body_with_riders_keeps_its_size(figure):
+    """Their area is kept together, without that of the spike."""
+    eye, its = shapes.sphere(2)
+    whole = (
+        np.concatenate([figure[0], figure[0][0] + 0.05 * eye]),
+        np.concatenate([figure[1], its + len(figure[0])]),
+    )
+    sound = canonical_form(*whole)
+    vertices, faces, stray = with_stray(whole, [0, 0, 30.0])
+    form = canonical_form(vertices, faces)
+    others = np.arange(len(vertices)) != stray
+    size = np.ptp(sound.vertices, axis=0)
+    np.testing.assert_allclose(np.ptp(form.vertices[others], axis=0), size, atol=0.01 * size.max())
