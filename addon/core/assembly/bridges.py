@@ -31,7 +31,6 @@ class _Contact(NamedTuple):
     lengths: FloatArray
     around: float
     score: float
-    both_around: float
 
 
 def bridges_between(points: FloatArray, faces: IntArray, part: IntArray, surfaces: Sequence[FloatArray]) -> IntArray:
@@ -93,23 +92,10 @@ def _contacts(
         count = [len(end) + _BORDER * np.count_nonzero(loop[end] >= 0) for end in ends]
         held = any((_shares(loop[end], whole) >= _HELD).any() for end in ends)
         factor = (_HELD_FACTOR if held else 1.0) / (1 + (length.min() / TOUCH) ** 2)
-        both = float(min(count) / (min(count) + _FEW) * np.prod(around) * factor)
-        found.append(_Contact(own, length, max(around), sum(count) * max(around) ** 2 * factor, both))
-    return _best_first(found, part)
-
-
-def _best_first(contacts: list[_Contact], part: IntArray) -> list[_Contact]:
-    """Sort contacts by their scores, those of the same two parts by how far both sides are around.
-
-    A shoulder comes before a hand on a hip: the hand is thin and has normals all around, but the hip has not.
-    """
-    ordered = sorted(contacts, key=lambda contact: -contact.score)
-    of_pair: dict[tuple[int, ...], list[_Contact]] = {}
-    pairs = [tuple(sorted(part[contact.links[0]].tolist())) for contact in ordered]
-    for pair, contact in zip(pairs, ordered, strict=True):
-        of_pair.setdefault(pair, []).append(contact)
-    queues = {pair: iter(sorted(each, key=lambda one: -one.both_around)) for pair, each in of_pair.items()}
-    return [next(queues[pair]) for pair in pairs]
+        # both sides count: a hand on a hip is thin and has normals all around, but the hip has not
+        score = float(min(count) / (min(count) + _FEW) * np.prod(around) * factor)
+        found.append(_Contact(own, length, max(around), score))
+    return sorted(found, key=lambda contact: -contact.score)
 
 
 def _links(

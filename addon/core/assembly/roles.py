@@ -26,6 +26,7 @@ _HELD_AREA, _LOOP, _HELD_LOOP = 0.01, 6, 0.7  # of one in an open end: its area,
 AROUND = 0.2  # least 1 - |mean normal| of a joint, which holds all around; contact on one side has less
 _HOLDING = 0.02  # least share of the smaller of two pieces that touches at a joint: interlaced fingers have less
 _SEAM = 0.1  # width of a cut over the size of the piece that was cut off
+_TIGHT = 0.01  # gap up to which pieces that follow each other touch
 _HANGING = 0.5  # share of the length of a piece that is far from what it hangs on; what lies along it has less
 _SMALLER = 0.5  # area of a piece over that of a body, below which it belongs to that body
 
@@ -49,8 +50,9 @@ def roles_of(pieces: Sequence[Piece], samples: Sequence[Samples], contacts: Mapp
     """Separate the pieces of bodies from those that ride on them.
 
     The largest piece is part of a body. So is, by descending area, every piece that extends far from what it touches,
-    some way from a joint, or is held in an open end: a leg, a head on a neck, an arm in a sleeve. Pieces that are
-    covered or small, or lie along others, ride, but for those that join parts: the ball between two limbs of a doll.
+    some way from a joint, or is held in an open end: a leg, a head on a neck, an arm in a sleeve; and so are pieces
+    that reach far in a row: an arm in segments. Pieces that are covered or small, or lie along others, ride, but for
+    those that join parts: the ball between two limbs of a doll.
 
     `pieces`: the pieces, largest area first, of unit area in total; `samples`: samples of each; `contacts`: the
     distances between them.
@@ -118,12 +120,41 @@ class _Cast:
 def _hosts(cast: _Cast) -> tuple[list[int], list[int]]:
     """Find the parts of bodies by descending area, starting over after each: a distant piece may touch the new one."""
     hosts, others = [0], list(range(1, len(cast.pieces)))
-    while True:
-        new = next((piece for piece in others if _is_host(cast, piece, hosts)), None)
-        if new is None:
-            return hosts, others
-        hosts.append(new)
-        others.remove(new)
+    while new := _next_hosts(cast, hosts, others):
+        hosts += new
+        others = [piece for piece in others if piece not in new]
+    return hosts, others
+
+
+def _next_hosts(cast: _Cast, hosts: list[int], others: list[int]) -> list[int]:
+    """Find the next parts: a piece that touches, or small ones in a row, before a piece that is only near.
+
+    A hand beside a thigh is a part by its arm, if that is in segments, not by the thigh.
+    """
+
+    def first(pieces: Iterable[int]) -> list[int]:
+        return next(([piece] for piece in pieces if _is_host(cast, piece, hosts)), [])
+
+    return (
+        first(piece for piece in others if cast.gap([piece], hosts) <= _TIGHT)
+        or _row(cast, hosts, others)
+        or first(others)
+    )
+
+
+def _row(cast: _Cast, hosts: list[int], others: list[int]) -> list[int]:
+    """Find pieces that touch in a row and reach far together, as the segments of an arm do."""
+    free = [piece for piece in others if np.mean(cast.distance(piece, hosts) < TOUCH) < _COVERED]
+    touching = [(i, j) for j in range(len(free)) for i in range(j) if cast.gap([free[i]], [free[j]]) <= _TIGHT]
+    label = component_labels(len(free), np.array(touching, dtype=np.int64).reshape(-1, 2))
+    for each in range(int(label.max(initial=-1)) + 1):
+        row = [piece for piece, own in zip(free, label.tolist(), strict=True) if own == each]
+        area = sum(map(cast.area, row))
+        if len(row) > 1 and area > _REACHING_AREA and cast.gap(row, hosts) <= _TIGHT:
+            points, near = _touching(cast, row, hosts)
+            if _extent(points, near) > _REACH and not _is_stick(points, near, area):
+                return row
+    return []
 
 
 def _is_host(cast: _Cast, piece: int, hosts: list[int]) -> bool:
@@ -255,10 +286,15 @@ def _bodies(cast: _Cast, hosts: list[int]) -> tuple[list[list[int]], list[int]]:
 
 def _hangs(cast: _Cast, group: list[int], body: list[int]) -> bool:
     """Check whether a group hangs on a body by an end, like a leg under a skirt, and does not lie along it."""
+    points, near = _touching(cast, group, body)
+    return _extent(points, near) > _HANGING * float(np.ptp(points @ _long_axis(points)))
+
+
+def _touching(cast: _Cast, group: list[int], body: list[int]) -> tuple[FloatArray, FloatArray]:
+    """Return the samples of a group of pieces, and those of them that touch a body."""
     points = np.concatenate([cast.samples[piece].points for piece in group])
     distance = np.concatenate([cast.distance(piece, body) for piece in group])
-    touching = points[distance < _nearby(float(distance.min()))]
-    return _extent(points, touching) > _HANGING * float(np.ptp(points @ _long_axis(points)))
+    return points, points[distance < _nearby(float(distance.min()))]
 
 
 def _way(cast: _Cast, group: list[int], body: list[int], hosts: list[int]) -> list[int] | None:

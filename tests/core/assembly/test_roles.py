@@ -249,3 +249,25 @@ def test_a_piece_between_two_bodies_is_in_one():
     inside = [piece for body in found.bodies for piece in body]
     assert len(inside) == len(set(inside))
     assert sorted(inside + [rider for rider, _ in found.riders]) == [0, 1, 2, 3, 4]
+
+
+def arm_in_segments(x):
+    """A row of beads that touch, each too small to be a part: they follow each other outwards from x."""
+    return [ball(0.11, x=x + 0.2 * index) for index in range(6)]
+
+
+def test_pieces_in_a_row_that_reach_far_together_are_part():
+    found, unit = roles(ball(1.0), *arm_in_segments(1.1))
+    assert 0.22 / unit < 0.15
+    assert found == ([list(range(7))], [])
+    found, _ = roles(ball(1.0), *arm_in_segments(1.1)[:2])
+    assert found.bodies == [[0]]
+
+
+def test_a_hand_near_a_thigh_is_part_by_its_arm():
+    """The hand is large enough to be a part by itself, and near the body, but it touches the last segment."""
+    vertices, faces = capsule(0.3, -1.6, 1.65)
+    arm = [ball(0.11, x=x, z=z) for x, z in ((1.0, 0.45), (1.2, 0.45), (1.38, 0.36), (1.45, 0.16))]
+    found, unit = roles(ball(1.0), (vertices + np.array([1.45, 0, 0]), faces), *arm)
+    assert 0.01 < 0.15 / unit < 0.04
+    assert found == ([list(range(6))], [])

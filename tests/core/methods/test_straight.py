@@ -9,7 +9,9 @@ import pytest
 from addon.core import Settings, canonical_form
 from addon.core.measures.alignment import rigid_fit
 from addon.core.measures.form_measures import edge_stretch
+from addon.core.methods import straight
 from tests.meshes import shapes, tubes
+from tests.meshes.animals import giraffe
 from tests.meshes.shapes import Mesh
 
 AROUND = 24
@@ -70,3 +72,41 @@ def test_more_detail_keeps_more_of_the_edges_and_none_gives_the_arrangement_alon
     assert stretched == sorted(stretched, reverse=True)
     assert stretched[-1] < 0.5 * stretched[1]
     assert stretched[0] < 0.2  # even without detail no limb is crumpled
+
+
+def twist(form, limbs):
+    """How far left to right of a pair of limbs is turned against that of another, about the line between: degrees."""
+    left = np.flatnonzero(limbs.side > 0)
+    one, other = (form[limbs.features[ends]] for ends in (left, limbs.partner[left]))
+    middle, across, found = (one + other) / 2, one - other, [0.0]
+    for i, j in combinations(range(len(left)), 2):
+        axis = (middle[i] - middle[j]) / np.linalg.norm(middle[i] - middle[j])
+        flat = [across[k] - across[k] @ axis * axis for k in (i, j)]
+        lengths = np.prod([np.linalg.norm(each) for each in flat])
+        found.append(float(np.degrees(np.arccos(np.clip(flat[0] @ flat[1] / lengths, -1, 1)))))
+    return max(found)
+
+
+def twisted(points):
+    """Turn the front half of a shape half round its longest axis, against the other."""
+    centred = points - points.mean(axis=0)
+    along, y, z = (centred @ np.linalg.svd(centred, full_matrices=False)[2].T).T
+    turn = np.pi * np.clip(along / (0.2 * along.std()) + 0.5, 0, 1)
+    return np.column_stack([along, np.cos(turn) * y - np.sin(turn) * z, np.sin(turn) * y + np.cos(turn) * z])
+
+
+@pytest.mark.parametrize("start", ["found", "twisted"])
+def test_fore_and_hind_limbs_have_left_and_right_on_the_same_sides(start, monkeypatch):
+    """From a layout whose trunk is twisted they would not: nothing turns it back."""
+    if start == "twisted":
+        found = straight.laid_out
+
+        def laid_out(*given):
+            layout = found(*given)
+            return layout._replace(points=twisted(layout.points))
+
+        monkeypatch.setattr(straight, "laid_out", laid_out)
+    form = canonical_form(*giraffe(0.6, 40))
+    limbs = form.bodies[0].limbs._replace(features=form.feature_points)
+    assert np.count_nonzero(limbs.side > 0) >= 2
+    assert (twist(form.vertices, limbs) < 15) == (start == "found")
