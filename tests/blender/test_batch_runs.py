@@ -19,7 +19,7 @@ BLENDERS_OWN = re.compile(r"color_management|system\.path +\| WARNING Could not 
 
 @pytest.mark.parametrize("times", [1, 2])
 def test_a_crash_costs_one_file_at_most(tmp_path, times):
-    shapes.write_off(tmp_path / "slow.off", *shapes.figure(44))
+    shapes.write_off(tmp_path / "slow.off", *shapes.figure(72))
     shapes.write_off(tmp_path / "quick.off", *shapes.figure(13))
     out = tmp_path / "out"
     process = started([tmp_path / "slow.off", tmp_path / "quick.off", "--output", out, "--quality", "full", *QUICK])
@@ -42,7 +42,7 @@ def test_a_crash_costs_one_file_at_most(tmp_path, times):
 def test_the_keyboard_stops_all_processes(tmp_path):
     import signal
 
-    shapes.write_off(tmp_path / "mesh.off", *shapes.figure(44))
+    shapes.write_off(tmp_path / "mesh.off", *shapes.figure(72))
     # a job in the background of a shell starts deaf to the keyboard
     process = started([tmp_path / "mesh.off", "--output", tmp_path, "--quality", "full"],
                       preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))  # fmt: skip
