@@ -135,26 +135,28 @@ def _next_hosts(cast: _Cast, hosts: list[int], others: list[int]) -> list[int]:
     def first(pieces: Iterable[int]) -> list[int]:
         return next(([piece] for piece in pieces if _is_host(cast, piece, hosts)), [])
 
-    return (
-        first(piece for piece in others if cast.gap([piece], hosts) <= _TIGHT)
-        or _row(cast, hosts, others)
-        or first(others)
-    )
+    touching = [piece for piece in others if cast.gap([piece], hosts) <= _TIGHT]
+    return first(touching) or _row(cast, hosts, others) or first(piece for piece in others if piece not in touching)
 
 
 def _row(cast: _Cast, hosts: list[int], others: list[int]) -> list[int]:
     """Find pieces that touch in a row and reach far together, as the segments of an arm do."""
-    free = [piece for piece in others if np.mean(cast.distance(piece, hosts) < TOUCH) < _COVERED]
+    free = [piece for piece in others if not _is_covered(cast.distance(piece, hosts))]
     touching = [(i, j) for j in range(len(free)) for i in range(j) if cast.gap([free[i]], [free[j]]) <= _TIGHT]
-    label = component_labels(len(free), np.array(touching, dtype=np.int64).reshape(-1, 2))
-    for each in range(int(label.max(initial=-1)) + 1):
-        row = [piece for piece, own in zip(free, label.tolist(), strict=True) if own == each]
+    for row in _grouped(free, np.array(touching, dtype=np.int64).reshape(-1, 2)):
         area = sum(map(cast.area, row))
-        if len(row) > 1 and area > _REACHING_AREA and cast.gap(row, hosts) <= _TIGHT:
-            points, near = _touching(cast, row, hosts)
-            if _extent(points, near) > _REACH and not _is_stick(points, near, area):
-                return row
+        at_hosts = len(row) > 1 and area > _REACHING_AREA and cast.gap(row, hosts) <= _TIGHT
+        if at_hosts and _reaches(*_touching(cast, row, hosts), area, _REACH):
+            return row
     return []
+
+
+def _grouped(pieces: Sequence[int], pairs: IntArray) -> list[list[int]]:
+    """Group pieces that are connected by pairs (p, 2) of positions in the list."""
+    groups: dict[int, list[int]] = {}
+    for piece, each in zip(pieces, component_labels(len(pieces), pairs).tolist(), strict=True):
+        groups.setdefault(each, []).append(piece)
+    return list(groups.values())
 
 
 def _is_host(cast: _Cast, piece: int, hosts: list[int]) -> bool:
@@ -163,22 +165,25 @@ def _is_host(cast: _Cast, piece: int, hosts: list[int]) -> bool:
     if gap > WIDEST_GAP:  # nothing near: a body of its own, unless it is small, or hangs on something that rides
         far = not np.isfinite(gap) and cast.gap([piece], range(piece)) > WIDEST_GAP
         return far or area > _SMALLER * max(cast.area(host) for host in hosts)
-    if np.mean(distance < TOUCH) >= _COVERED:
+    if _is_covered(distance):
         return False
     if area > _REACHING_AREA:
-        near = distance < _nearby(gap)
-        if _reaches(cast, piece, near, _REACH) or any(
-            _reaches(cast, piece, each, _FROM_JOINT) for each in _joints(cast, piece, hosts, near)
+        points, near = cast.samples[piece].points, distance < _nearby(gap)
+        if _reaches(points, points[near], area, _REACH) or any(
+            _reaches(points, points[each], area, _FROM_JOINT) for each in _joints(cast, piece, hosts, near)
         ):
             return True
     return area > _HELD_AREA and _is_held(cast, piece, hosts)
 
 
-def _reaches(cast: _Cast, piece: int, touching: np.ndarray, least: float) -> bool:
-    """Check whether a piece extends far from the samples that touch others, and is no stick."""
-    points = cast.samples[piece].points
-    far = _extent(points, points[touching]) > least
-    return far and not _is_stick(points, points[touching], cast.area(piece))
+def _is_covered(distance: FloatArray) -> bool:
+    """Check whether most samples of a piece, at these distances from others, touch them."""
+    return bool(np.mean(distance < TOUCH) >= _COVERED)
+
+
+def _reaches(points: FloatArray, touching: FloatArray, area: float, least: float) -> bool:
+    """Check whether points of a surface extend far from those that touch others, and are no stick."""
+    return _extent(points, touching) > least and not _is_stick(points, touching, area)
 
 
 def _extent(points: FloatArray, touching: FloatArray) -> float:
@@ -242,7 +247,7 @@ def _balls(cast: _Cast, hosts: list[int], others: list[int]) -> list[int]:
     def is_free(piece: int) -> bool:
         """Check whether a piece is not covered, or lies between groups of hosts."""
         beside = {group for group, host in zip(apart.tolist(), hosts, strict=True) if cast.gap([piece], [host]) < TOUCH}
-        return len(beside) > 1 or bool(np.mean(cast.distance(piece, hosts) < TOUCH) < _COVERED)
+        return len(beside) > 1 or not _is_covered(cast.distance(piece, hosts))
 
     free = [piece for piece in others if is_free(piece)]
     held = _held(cast, hosts + free)
@@ -262,11 +267,7 @@ def _balls(cast: _Cast, hosts: list[int], others: list[int]) -> list[int]:
 def _bodies(cast: _Cast, hosts: list[int]) -> tuple[list[list[int]], list[int]]:
     """Group the hosts that hold each other; a small group joins a larger one that it hangs on, or rides."""
     hosts = sorted(hosts)
-    label = component_labels(len(hosts), _held(cast, hosts))
-    groups: dict[int, list[int]] = {}
-    for host, each in zip(hosts, label.tolist(), strict=True):
-        groups.setdefault(each, []).append(host)
-    ordered = sorted(groups.values(), key=lambda group: -sum(map(cast.area, group)))
+    ordered = sorted(_grouped(hosts, _held(cast, hosts)), key=lambda group: -sum(map(cast.area, group)))
     bodies: list[list[int]] = []
     touching: list[int] = []
     for group in ordered:

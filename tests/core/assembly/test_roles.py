@@ -251,16 +251,13 @@ def test_a_piece_between_two_bodies_is_in_one():
     assert sorted(inside + [rider for rider, _ in found.riders]) == [0, 1, 2, 3, 4]
 
 
-def arm_in_segments(x):
-    """A row of beads that touch, each too small to be a part: they follow each other outwards from x."""
-    return [ball(0.11, x=x + 0.2 * index) for index in range(6)]
-
-
 def test_pieces_in_a_row_that_reach_far_together_are_part():
-    found, unit = roles(ball(1.0), *arm_in_segments(1.1))
+    """Beads that touch, each too small to be a part."""
+    beads = [ball(0.11, x=1.1 + 0.2 * index) for index in range(6)]
+    found, unit = roles(ball(1.0), *beads)
     assert 0.22 / unit < 0.15
     assert found == ([list(range(7))], [])
-    found, _ = roles(ball(1.0), *arm_in_segments(1.1)[:2])
+    found, _ = roles(ball(1.0), *beads[:2])
     assert found.bodies == [[0]]
 
 
@@ -271,3 +268,14 @@ def test_a_hand_near_a_thigh_is_part_by_its_arm():
     found, unit = roles(ball(1.0), (vertices + np.array([1.45, 0, 0]), faces), *arm)
     assert 0.01 < 0.15 / unit < 0.04
     assert found == ([list(range(6))], [])
+
+
+def test_a_row_comes_before_a_piece_that_is_only_near():
+    """By itself the hand is a part, held by nothing, and what is left of the arm is too short."""
+    vertices, faces = capsule(0.3, -1.6, 1.9)
+    hand = vertices + np.array([1.45, 0, 0]), faces
+    arm = [ball(0.25, x=x, z=z) for x, z in ((0.898, 0.898), (1.2856, 0.545))]
+    for segments, bodies in ((arm, [[0, 1, 2, 3]]), ([], [[0, 1]])):
+        found, unit = roles(ball(1.0), hand, *segments)
+        assert found.bodies == bodies
+        assert 0.01 < 0.15 / unit < 0.04
