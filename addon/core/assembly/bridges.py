@@ -11,6 +11,7 @@ from ..mesh.connectivity import border_labels, component_labels
 from ..mesh.edges import edge_table, vertex_pairs
 from ..mesh.geometry import vertex_normals
 from ..numerics.arrays import FloatArray, IntArray
+from .contacts import box_gaps
 from .roles import AROUND, TOUCH, WIDEST_GAP
 
 if TYPE_CHECKING:
@@ -20,6 +21,7 @@ _SHORT_WAY = 0.25  # path on the surface, in sqrt(area), beyond twice the link, 
 _BORDER = 4.0  # weight of a border vertex, relative to an inner one: joints are where surfaces end
 _HELD, _HELD_FACTOR = 0.7, 10.0  # share of an open end in a contact above which it is held, and the factor for that
 _FEW = 8  # vertices of a contact below which its normals say little about how far around it is
+_GAP = 0.01  # of a contact, at which its score is halved
 _LINKED = 3  # vertices of the other part that a vertex is linked to: a single one would let a part twist
 _FALLBACK = 3  # links between parts that no contact joins
 
@@ -91,7 +93,7 @@ def _contacts(
         around = [1 - float(np.linalg.norm(normals[end].mean(axis=0))) for end in ends]
         count = [len(end) + _BORDER * np.count_nonzero(loop[end] >= 0) for end in ends]
         held = any((_shares(loop[end], whole) >= _HELD).any() for end in ends)
-        factor = (_HELD_FACTOR if held else 1.0) / (1 + (length.min() / TOUCH) ** 2)
+        factor = (_HELD_FACTOR if held else 1.0) / (1 + (length.min() / _GAP) ** 2)
         # both sides count: a hand on a hip is thin and has normals all around, but the hip has not
         score = float(min(count) / (min(count) + _FEW) * np.prod(around) * factor)
         found.append(_Contact(own, length, max(around), score))
@@ -107,11 +109,14 @@ def _links(
     members = [np.flatnonzero(part == index) for index in range(len(surfaces))]
     dense = [KDTree(surface) for surface in surfaces]
     coarse = [KDTree(points[own]) for own in members]
+    boxes = np.array([[surface.min(axis=0), surface.max(axis=0)] for surface in surfaces])
     found = []
     for i, own in enumerate(members):
-        for j, others in enumerate(members):
+        apart = box_gaps(boxes, np.array([points[own].min(axis=0), points[own].max(axis=0)]))
+        for j in np.flatnonzero(apart <= WIDEST_GAP).tolist():
             if i == j:
                 continue
+            others = members[j]
             distance, at = dense[j].query(points[own], distance_upper_bound=WIDEST_GAP + TOUCH)
             if not np.isfinite(distance).any() or distance.min() > WIDEST_GAP:
                 continue
@@ -181,14 +186,21 @@ def _chosen(points: FloatArray, pairs: IntArray, part: IntArray, contacts: list[
     """Choose the contacts that join the parts, and those near them."""
     joined = np.arange(int(part.max()) + 1)  # which parts are connected so far
     chosen: list[IntArray] = []
+    graph = None  # of the surfaces and the links chosen so far
     for contact in contacts:
         start, end = contact.links[np.argmin(contact.lengths)]
         one, other = joined[part[start]], joined[part[end]]
         if one != other:
             joined[joined == other] = one
-        elif contact.around < AROUND or not _way_is_short(points, pairs, chosen, start, end):
-            continue
+        else:
+            if contact.around < AROUND:
+                continue
+            if graph is None:
+                graph = _graph(points, np.concatenate([pairs, *chosen]))
+            if not _way_is_short(points, graph, start, end):
+                continue
         chosen.append(contact.links)
+        graph = None
     while (joined != joined[0]).any():
         chosen.append(_shortest_links(points, joined[part]))
         ends = part[chosen[-1][0]]
@@ -196,13 +208,18 @@ def _chosen(points: FloatArray, pairs: IntArray, part: IntArray, contacts: list[
     return np.concatenate(chosen) if chosen else np.empty((0, 2), dtype=np.int64)
 
 
-def _way_is_short(points: FloatArray, pairs: IntArray, chosen: list[IntArray], start: int, end: int) -> bool:
+def _graph(points: FloatArray, edges: IntArray) -> csr_matrix:
+    """Make a graph of edges with their lengths."""
     from scipy.sparse import coo_matrix
+
+    lengths = np.maximum(np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1), 1e-9)
+    return coo_matrix((lengths, (edges[:, 0], edges[:, 1])), shape=(len(points), len(points))).tocsr()
+
+
+def _way_is_short(points: FloatArray, graph: csr_matrix, start: int, end: int) -> bool:
+    """Check whether two points that are near each other are near along the surface too."""
     from scipy.sparse.csgraph import dijkstra
 
-    edges = np.concatenate([pairs, *chosen])
-    lengths = np.maximum(np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1), 1e-9)
-    graph = coo_matrix((lengths, (edges[:, 0], edges[:, 1])), shape=(len(points), len(points))).tocsr()
     limit = _SHORT_WAY + 2 * float(np.linalg.norm(points[start] - points[end]))
     return bool(np.isfinite(dijkstra(graph, directed=False, indices=start, limit=limit)[end]))
 

@@ -124,14 +124,12 @@ def contacts_between(
     """
     from scipy.spatial import KDTree
 
-    low = np.array([piece.points.min(axis=0) for piece in pieces])
-    high = np.array([piece.points.max(axis=0) for piece in pieces])
+    boxes = _boxes(pieces)
     trees = [KDTree(each.points) for each in samples]
     found = {}
     for i in range(len(pieces)):
         monitor.check()
-        beside = np.maximum(np.maximum(low - high[i], low[i] - high), 0.0)  # between the bounding boxes
-        for j in np.flatnonzero(np.linalg.norm(beside, axis=1) < FARTHEST).tolist():
+        for j in np.flatnonzero(box_gaps(boxes, boxes[i]) < FARTHEST).tolist():
             if j == i:
                 continue
             distances, nearest = trees[j].query(samples[i].points, distance_upper_bound=FARTHEST)
@@ -157,25 +155,48 @@ def neighbourhoods(pieces: Sequence[Piece]) -> list[list[Piece]]:
     """
     from scipy.spatial import KDTree
 
-    low = np.array([piece.points.min(axis=0) for piece in pieces])
-    high = np.array([piece.points.max(axis=0) for piece in pieces])
+    boxes = _boxes(pieces)
     sizes = np.array([piece.size for piece in pieces])
+    corners: dict[int, KDTree] = {}
     clouds: dict[int, KDTree] = {}
     label = np.arange(len(pieces))
     for i in range(len(pieces) - 1):
-        beside = np.maximum(np.maximum(low[i + 1 :] - high[i], low[i] - high[i + 1 :]), 0.0)
         within = FARTHEST * np.maximum(sizes[i], sizes[i + 1 :])
-        for j in (i + 1 + np.flatnonzero(np.linalg.norm(beside, axis=1) < within)).tolist():
+        for j in (i + 1 + np.flatnonzero(box_gaps(boxes[i + 1 :], boxes[i]) < within)).tolist():
             if label[i] == label[j]:
                 continue
-            for piece in {i, j} - clouds.keys():
+            reach = FARTHEST * max(sizes[i], sizes[j]) / sizes.max()
+            for piece in {i, j} - corners.keys():
+                corners[piece] = KDTree(pieces[piece].points / sizes.max())
+            near = _come_near(corners[i], corners[j], reach)  # which is most often so, and takes less time
+            for piece in {i, j} - clouds.keys() if not near else ():
                 clouds[piece] = KDTree(cloud(pieces[piece], float(sizes.max())))
-            if _come_near(clouds[i], clouds[j], FARTHEST * max(sizes[i], sizes[j]) / sizes.max()):
+            if near or _come_near(clouds[i], clouds[j], reach):
                 label[label == label[j]] = label[i]
     groups: dict[int, list[Piece]] = {}
     for piece, each in zip(pieces, label.tolist(), strict=True):
         groups.setdefault(each, []).append(piece)
     return list(groups.values())
+
+
+def box_gaps(boxes: FloatArray, box: FloatArray) -> FloatArray:
+    """Measure the distances of bounding boxes from one of them, which those of what they contain exceed.
+
+    `boxes` (p, 2, 3): lowest and highest corners; `box` (2, 3); gives (p,).
+
+    Examples
+    --------
+    >>> cube = np.array([[0.0, 0, 0], [1, 1, 1]])
+    >>> box_gaps(np.array([cube, cube + [4, 5, 0]]), cube).tolist()
+    [0.0, 5.0]
+    """
+    beside = np.maximum(np.maximum(boxes[:, 0] - box[1], box[0] - boxes[:, 1]), 0.0)
+    return np.asarray(np.linalg.norm(beside, axis=1))
+
+
+def _boxes(pieces: Sequence[Piece]) -> FloatArray:
+    """Bound the pieces, (p, 2, 3)."""
+    return np.array([[piece.points.min(axis=0), piece.points.max(axis=0)] for piece in pieces])
 
 
 def cloud(piece: Piece, unit: float) -> FloatArray:

@@ -202,5 +202,5 @@ def test_a_contact_that_holds_an_open_end_counts_ten_times(open_ends, factor):
         ends = [np.unique(side) for side in contact.links.T]
         smaller = min(len(end) + 4 * (loop[end] >= 0).sum() for end in ends)
         around = np.prod([1 - np.linalg.norm(normals[end].mean(axis=0)) for end in ends])
-        near = 1 / (1 + (contact.lengths.min() / 0.02) ** 2)
+        near = 1 / (1 + (contact.lengths.min() / 0.01) ** 2)
         assert contact.score == pytest.approx(factor * smaller / (smaller + 8) * around * near)
