@@ -12,6 +12,7 @@ from .assembly.body import Body
 from .assembly.gathering import gathered_features, shaped
 from .assembly.opening import OPENING, opened
 from .measures.form_measures import is_unchanged
+from .measures.limb_bends import limb_bends
 from .method_api.catalogue import DETECTION, Method, method_named
 from .method_api.settings import Settings
 from .numerics.arrays import FloatArray, IntArray
@@ -19,11 +20,13 @@ from .results import CanonicalForm
 from .run.kept_stages import KeptStages
 from .run.messages import doubts_first
 from .run.monitor import Cancelled, Monitor, Progress
+from .symmetry.trunk_twist import TWISTED, trunk_twist
 
 if TYPE_CHECKING:
     from .method_api.method_result import MethodResult
-    from .method_api.surface_features import WholeFeatures
+    from .method_api.surface_features import SurfaceFeatures, WholeFeatures
     from .placing.reference import ReferenceBody
+    from .symmetry.limbs import BodyLimbs
 
 
 def canonical_form(
@@ -117,7 +120,15 @@ def canonical_form(
         doubts_first(monitor.warnings),
         float(np.fmax.reduce([each.embedded.asymmetry for each in forms])),
         features.bodies,
+        _numbered([each.bends for each in forms], features.bodies),
     )
+
+
+def _numbered(bends: list[FloatArray], bodies: list[BodyLimbs]) -> FloatArray:
+    """Sort the values of the limbs of all bodies by the numbers of their feature points."""
+    values = np.concatenate(bends)
+    values[np.concatenate([body.numbers for body in bodies])] = values.copy()
+    return values
 
 
 def _summed(histories: list[FloatArray]) -> FloatArray:
@@ -129,11 +140,12 @@ def _summed(histories: list[FloatArray]) -> FloatArray:
 
 
 class _BodyForm(NamedTuple):
-    """The placed form of a body, the features of its surface, and the result of the method."""
+    """The placed form of a body, the features of its surface, the result of the method, and how limbs are bent."""
 
     points: FloatArray
     features: WholeFeatures
     embedded: MethodResult
+    bends: FloatArray  # (k, 2)
 
 
 def _body_form(
@@ -153,4 +165,12 @@ def _body_form(
     with monitor.stage("Alignment"):
         points, order = in_place(embedded, found, settings, reference, monitor)
         features = monitor.kept("shown", [found, order], lambda: found.prolonged(monitor, order))
-    return _BodyForm(points, features, embedded)
+        if trunk_twist(points[found.whole_features], found.limbs) > TWISTED:
+            monitor.warn("twisted")
+        bends = np.column_stack([_bends(found, shape) for shape in (found.whole_points, points)])[order]
+    return _BodyForm(points, features, embedded, bends)
+
+
+def _bends(found: SurfaceFeatures, shape: FloatArray) -> FloatArray:
+    """Measure how far the limbs are bent in a shape of the whole surface."""
+    return limb_bends(shape[found.surface.kept], found.mass, found.cells, found.limbs.to_features)

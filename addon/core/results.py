@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple
 
+import numpy as np
+
 from .numerics.arrays import FloatArray, IntArray
 from .run.messages import Message
 
@@ -87,6 +89,9 @@ class CanonicalForm(_Summarised):
         largest. nan where no left and right was found.
     bodies : list of BodyLimbs
         The limbs identified among the feature points of each body.
+    bends : (k, 2) ndarray of float
+        Degrees by which each limb is bent at its joint, in the input and in the form; nan where a patch is no limb, but
+        a head or a trunk.
     """
 
     vertices: FloatArray
@@ -101,6 +106,7 @@ class CanonicalForm(_Summarised):
     warnings: list[Message]
     asymmetry: float = float("nan")
     bodies: list[BodyLimbs] = field(default_factory=list)
+    bends: FloatArray = field(default_factory=lambda: np.empty((0, 2)))
 
 
 class MatchedSeams(NamedTuple):

@@ -299,6 +299,7 @@ def _draw_report(column: bpy.types.UILayout, record: Record) -> None:
         found = counted_points(len(report.feature_points), record.has_patches)
         lines = [told("{points}, {seconds:.1f} s", points=found, seconds=seconds)]
         if report.has_form:
+            lines += _limbs_told(report.measures)
             if report.method is not None and report.method != OURS:
                 known = methods().get(report.method)  # a file may be from a later version
                 label = report.method if known is None else told(known.label)
@@ -313,6 +314,18 @@ def _draw_report(column: bpy.types.UILayout, record: Record) -> None:
                 lines.append(told("Compactness error: {error:.2f} · 10⁻⁴", error=1e4 * report.compactness_error))
     for line in lines:
         column.label(text=line)
+
+
+def _limbs_told(measures: dict[str, float | None]) -> list[str]:
+    """Say how many limbs were straightened, in a line or none."""
+    bent, count = (int(measures.get(name) or 0) for name in ("limbs_bent", "limbs_straightened"))
+    if bent == 0:
+        return []
+    before, after = (measures.get(name) or 0.0 for name in ("bend_in_pose", "bend_in_form"))
+    return [
+        told("Straightened {count} of {bent} limbs: {before:.0f}° to {after:.0f}°", count=count, bent=bent,
+             before=before, after=after)
+    ]  # fmt: skip
 
 
 def _offer_shown(layout: bpy.types.UILayout, chosen: bpy.types.PropertyGroup, obj: bpy.types.Object | None) -> None:

@@ -37,7 +37,14 @@ def forms():
     return form_of
 
 
-SIMPLE = ("few_ends", "doubtful_ends", "hardly_unbent")  # what is true of balls, planes and handles
+SIMPLE = (
+    "no_pairs",
+    "one_pair",
+    "no_head",
+    "unpaired_ends",
+    "twisted",
+    "hardly_unbent",
+)  # true of balls, planes, handles
 
 
 @pytest.mark.parametrize("name", [name for name, family in FAMILIES.items() if not family.refused])

@@ -114,12 +114,17 @@ def results_of(
 
 def _folded(found: AnyResult, whole: Combined) -> AnyResult:
     """Merge the patch of a feature point on a mirror image into the patch of the original."""
+    from ...core import CanonicalForm
+
     sources = np.concatenate([start + each.source for start, each in zip(whole.starts, whole.objects, strict=False)])
     points, patches = sources[found.feature_points], found.patches
     own = points == found.feature_points
     kept = np.where(own | ~own[patches[points]], np.arange(len(points)), patches[points])
     used, number = np.unique(kept, return_inverse=True)
-    return replace(found, feature_points=points[used], patches=np.append(number, -1)[patches])
+    points, patches = points[used], np.append(number, -1)[patches]
+    if isinstance(found, CanonicalForm):
+        return replace(found, feature_points=points, patches=patches, bends=found.bends[used])
+    return replace(found, feature_points=points, patches=patches)
 
 
 def _split(found: AnyResult, readings: Sequence[Reading], whole: Combined) -> Sequence[AnyResult]:

@@ -157,6 +157,7 @@ class FormReport:
         """
         from ...core import CanonicalForm, FeaturePatches
         from ...core.measures.form_measures import summary
+        from ...core.measures.limb_bends import bend_summary
 
         report = cls(
             vertices=len(vertices),
@@ -172,6 +173,8 @@ class FormReport:
         measures = summary(vertices, found.vertices, found.faces, hausdorff)
         if hausdorff:  # takes longer than the form
             report.timings = {**found.timings, "Hausdorff distance": perf_counter() - began}
+        if isinstance(found, CanonicalForm):
+            measures |= bend_summary(found.bends)
         report.measures = {name: None if np.isnan(value) else value for name, value in measures.items()}
         report.pieces = settings.pieces
         if isinstance(found, CanonicalForm):

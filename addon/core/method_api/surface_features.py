@@ -22,15 +22,13 @@ from ..surface.working_surface import Reduced, WorkingSurface, working_surface
 from ..symmetry.chirality import chirality
 from ..symmetry.involutions import MOST_FEATURES
 from ..symmetry.limbs import Limbs, lasting_order, limbs_of
+from ..symmetry.missing_limbs import warn_of_missing_limbs
 from .settings import Settings
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
 
 _MERGED = 0.05  # share of the geodesic diameter within which two feature points are one
-_DOUBTED = 1.25  # times the prominence that is asked for, either way: poses of one body differ by as much
-_LIMBLESS = 2  # feature points of a tube or a snake, unless it is made of several pieces
-_ENDS = 5  # of a body with head, hands and feet, or with four legs and a head
 _SPARE = 4  # candidates per feature point requested, since some lie too close to others
 _MORE_SLACK = (0.01, 0.1)  # slack of every triangle inequality, in mean edges, tried in turn where the spectrum fails
 
@@ -184,12 +182,14 @@ def detected(
     def numbered() -> SurfaceFeatures:
         """Sort the feature points and grow the patches around them."""
         with monitor.stage("Feature points"):
-            limbs = _in_lasting_order(features, to_features, prominence, adf, surface, monitor)
+            found = _in_lasting_order(features, to_features, prominence, adf, surface, monitor)
+            if chosen is None and not settings.feature_count:
+                warn_of_missing_limbs(found, monitor, joined=len(surface.bridges) > 0)
         with monitor.stage("Patches"):
-            cells = voronoi_cells(limbs.to_features, limbs.features, surface.faces)
-        return SurfaceFeatures(whole_points, faces, centre, unit, surface, L, M, spectrum, adf, cells, limbs)
+            cells = voronoi_cells(found.to_features, found.features, surface.faces)
+        return SurfaceFeatures(whole_points, faces, centre, unit, surface, L, M, spectrum, adf, cells, found)
 
-    return monitor.kept("features", [surface, adf, features, prominence], numbered)
+    return monitor.kept("features", [surface, adf, features, prominence, settings.feature_count], numbered)
 
 
 def _analysed(
@@ -224,12 +224,7 @@ def _feature_points(
         features = surface.numbers_of(chosen)
         return features, heat.distances(features), None
     asked = 0.0 if settings.feature_count else settings.prominence
-    features, prominence = prominent_maxima(adf, surface.faces, asked / _DOUBTED)
-    doubted = np.flatnonzero((prominence <= asked * _DOUBTED) & (np.arange(len(features)) > 0))
-    found = np.append(True, prominence[1:] >= asked)
-    features, prominence = features[found], prominence[found]
-    if len(doubted):
-        monitor.warn("doubtful_ends", count=len(doubted))
+    features, prominence = prominent_maxima(adf, surface.faces, asked)
     if settings.feature_count:
         features = features[: _SPARE * settings.feature_count]
     monitor.check()
@@ -238,9 +233,6 @@ def _feature_points(
     kept = kept[: settings.feature_count or None]
     if len(kept) < settings.feature_count:
         monitor.warn("few_features", count=len(kept))
-    limbs = len(kept) != _LIMBLESS or len(surface.bridges) > 0
-    if not settings.feature_count and limbs and len(kept) < _ENDS:
-        monitor.warn("few_ends", count=len(kept))
     return features[kept], to_features[:, kept], prominence[kept]
 
 

@@ -48,17 +48,23 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
     "small_pieces_ride": "Small loose parts ({count:,}) follow the larger part that lies nearest.",
     "rider_stretched": "Some loose parts lie on others that move apart. They were moved rigidly.",
     # what makes a form doubtful
-    "few_ends": (
-        "Only 1 end was found. If a limb has no feature point, lower the prominence, or choose the points by hand.",
-        "Only {count} ends were found. If a limb has no feature point, lower the prominence, or choose the points by "
-        "hand.",
+    "no_pairs": (
+        "Only 1 end was found. If the body has limbs, lower the prominence, or choose the points by hand.",
+        "The {count} ends that were found are no pairs, left and right. If the body has arms and legs, check the "
+        "points, and choose them by hand.",
     ),
-    "doubtful_ends": (
-        "1 end is hardly a limb or hardly a fold: another pose may have it, or not. Choose the feature points by hand "
-        "to be sure.",
-        "{count} ends are hardly limbs or hardly folds: another pose may have them, or not. Choose the feature points "
-        "by hand to be sure.",
+    "one_pair": "Only one pair of limbs was found. If the body has arms and legs, some are missing: check the points, "
+    "and choose them by hand.",
+    "no_head": "No head was found, only limbs in pairs. If the body has one, lower the prominence, or choose the "
+    "points by hand.",
+    "unpaired_ends": (
+        "1 end has no partner on the other side: a limb is missing there, or something counts as a limb that is none. "
+        "Check the points, and choose them by hand.",
+        "{count} ends have no partner on the other side: limbs are missing there, or something counts as a limb that "
+        "is none. Check the points, and choose them by hand.",
     ),
+    "twisted": "Arms and legs of the form have left and right on different sides: its trunk is twisted, or limbs are "
+    "crossed. Check the feature points, and choose them by hand.",
     "hardly_unbent": "The form is nearly the mesh itself: nothing was unbent.",
     "loose_vertices": (
         "1 vertex that belongs to no face stays where it is.",
@@ -161,7 +167,17 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
     "cancelled": "Cancelled; nothing was changed.",
 }
 
-_DOUBTS = ("several_bodies", "several_pieces", "few_ends", "doubtful_ends", "hardly_unbent", "rider_stretched")
+_DOUBTS = (
+    "several_bodies",
+    "several_pieces",
+    "no_pairs",
+    "one_pair",
+    "no_head",
+    "unpaired_ends",
+    "twisted",
+    "hardly_unbent",
+    "rider_stretched",
+)
 
 _PHRASES = {  # parts of these sentences
     "about": "{what}: {error}",
@@ -229,8 +245,8 @@ def doubts_first(warnings: list[Message]) -> list[Message]:
 
     Examples
     --------
-    >>> [told.kind for told in doubts_first([message("duplicate_faces", count=1), message("few_ends", count=3)])]
-    ['few_ends', 'duplicate_faces']
+    >>> [told.kind for told in doubts_first([message("duplicate_faces", count=1), message("no_head")])]
+    ['no_head', 'duplicate_faces']
     """
     return sorted(warnings, key=lambda told: _DOUBTS.index(told.kind) if told.kind in _DOUBTS else len(_DOUBTS))
 

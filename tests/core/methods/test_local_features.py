@@ -25,11 +25,11 @@ def test_its_figures_are_those_of_its_stress(figure, form):
     assert (np.diff(form.stress) <= 1e-12 * form.stress[:-1]).all()
     assert form.pair_reduction == 1 - form.pair_count / len(vertices) ** 2
     assert 0.6 < form.pair_reduction < 0.99
-    assert form.warnings == []
+    assert [told.kind for told in form.warnings] == ["one_pair"]  # among the five limbs of the figure
 
 
 def test_too_few_iterations_are_reported(figure: Mesh):
-    told = canonical_form(*figure, Settings(method="local_features", max_iterations=2)).warnings[0]
+    told = canonical_form(*figure, Settings(method="local_features", max_iterations=2)).warnings[-1]
     assert "before it converged" in told
 
 
