@@ -47,7 +47,7 @@ class PlainFile:
         vertices, settings = self._mesh.vertices @ self._turn, self._wanted.settings
         hausdorff = "hausdorff" in self._wanted.measures
         if isinstance(reference, Likeness):
-            posed, _ = reference.posed(vertices, self._faces, settings, progress)
+            posed, _ = reference.posed(vertices, self._faces, settings, progress=progress)
             report = FormReport.of(posed, vertices, self._faces, settings, hausdorff=hausdorff)
             report.like = reference.report(posed)
             self._result = posed

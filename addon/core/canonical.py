@@ -34,6 +34,7 @@ def canonical_form(
     faces: ArrayLike,
     settings: Settings | None = None,
     *,
+    rest: ArrayLike | None = None,
     reference: CanonicalForm | None = None,
     progress: Progress | None = None,
     cancelled: Cancelled | None = None,
@@ -49,6 +50,9 @@ def canonical_form(
         Triangles of one or several surfaces, with or without borders, in any state that docs/any-mesh.md lists.
     settings : Settings, optional
         Options.
+    rest : (n, 3) array_like of float, optional
+        Positions of the same vertices in the rest pose of a rig. If given, they and not the pose tell which loose parts
+        belong together and where: in a T-pose, no hand touches a thigh.
     reference : CanonicalForm, optional
         A form of the same mesh in another pose, or of a mesh of a similar body. The form is aligned to it by a proper
         rotation and a translation, and its limbs get the same numbers.
@@ -95,7 +99,7 @@ def canonical_form(
     method = method_named(settings.method)
     settings = method.settings(settings)
     monitor = Monitor(progress, cancelled, OPENING, keep)
-    bodies = opened(vertices, faces, settings, monitor)
+    bodies = opened(vertices, faces, settings, monitor, rest=rest)
     others = reference_bodies(reference, bodies.faces, [body.vertices for body in bodies.bodies], monitor)
     plan = {**DETECTION, **method.stages, "Alignment": 1}
     forms = bodies.map(

@@ -24,6 +24,7 @@ def feature_patches(
     faces: ArrayLike,
     settings: Settings | None = None,
     *,
+    rest: ArrayLike | None = None,
     progress: Progress | None = None,
     cancelled: Cancelled | None = None,
 ) -> FeaturePatches:
@@ -31,7 +32,7 @@ def feature_patches(
 
     Parameters
     ----------
-    vertices, faces, settings, progress, cancelled
+    vertices, faces, settings, rest, progress, cancelled
         As in `canonical_form`.
 
     Returns
@@ -58,7 +59,7 @@ def feature_patches(
     settings = settings or Settings()
     settings = method_named(settings.method).settings(settings)
     monitor = Monitor(progress, cancelled, OPENING)
-    bodies = opened(vertices, faces, settings, monitor)
+    bodies = opened(vertices, faces, settings, monitor, rest=rest)
 
     def work(body: Body, chosen: IntArray | None, own: Monitor) -> WholeFeatures:
         return body.features(chosen, settings, own).prolonged(own)

@@ -27,6 +27,7 @@ def limb_shapes(
     *,
     ways: Sequence[float] = (1.0,),
     together: bool = True,
+    rest: FloatArray | None = None,
     monitor: Monitor | None = None,
 ) -> list[FloatArray]:
     """Remove the pose from selected limbs, fully or in part.
@@ -49,6 +50,8 @@ def limb_shapes(
         Fractions of the way from pose to form, 0 to 1.
     together : bool
         Whether pieces that belong together are one body, as in the form; otherwise each is treated by itself.
+    rest : (n, 3) ndarray of float, optional
+        Positions in the rest pose of a rig, as in `canonical_form`.
     monitor : Monitor, optional
         Receives progress; polled for cancellation.
 
@@ -73,7 +76,7 @@ def limb_shapes(
     (True, True)
     """
     monitor = monitor or Monitor()
-    bodies = known_bodies(points, faces, monitor, together=together)
+    bodies = known_bodies(points, faces, monitor, together=together, rest=rest)
     form, chosen, count = np.asarray(form, dtype=np.float64), np.asarray(chosen), len(bodies.vertices)
     if form.shape != (count, 3) or not np.isfinite(form).all():
         raise InvalidMeshError("form_shape", count=count)

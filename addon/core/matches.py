@@ -69,6 +69,7 @@ def match(
     settings: Settings | None = None,
     *,
     side: str | int = "auto",
+    rest: ArrayLike | None = None,
     progress: Progress | None = None,
     cancelled: Cancelled | None = None,
 ) -> Match:
@@ -89,6 +90,8 @@ def match(
     side : str or int
         "auto", or the index of one of the `Match.sides`, 0 for the likeliest, to use where left and right or front and
         back are swapped.
+    rest : (n, 3) array_like of float, optional
+        Positions of the first mesh in the rest pose of a rig, as in `canonical_form`.
     progress : callable, optional
         Called with the fraction done (0 to 1) and the name of the stage.
     cancelled : callable, optional
@@ -125,7 +128,7 @@ def match(
     2020, doi:10.1109/CVPR42600.2020.01228; docs/method.md lists what is original to this project.
     """
     monitor = Monitor(progress, cancelled)
-    return matched_bodies(vertices, faces, other_vertices, other_faces, settings, side, monitor, 1.0).match
+    return matched_bodies(vertices, faces, other_vertices, other_faces, settings, side, monitor, 1.0, rest=rest).match
 
 
 def matched_bodies(
@@ -137,6 +140,8 @@ def matched_bodies(
     side: str | int,
     monitor: Monitor,
     share: float,
+    *,
+    rest: ArrayLike | None = None,
 ) -> MatchedBodies:
     """Unfold two meshes and match their bodies, the largest with the largest, and so on.
 
@@ -148,6 +153,8 @@ def matched_bodies(
         Of the whole run; receives warnings; polled for cancellation.
     share : float
         Share of the whole run that this takes.
+    rest : (n, 3) array_like of float, optional
+        Positions of the first mesh in the rest pose of a rig, as in `canonical_form`.
 
     Returns
     -------
@@ -173,7 +180,7 @@ def matched_bodies(
     require_match_memory(_count(vertices), _count(other_vertices), settings)
     one = monitor.piece(0.0, _UNFOLDED * share, OPENING)
     two = monitor.piece(_UNFOLDED * share, 2 * _UNFOLDED * share, OPENING)
-    bodies, surfaces = _unfolded_bodies(vertices, faces, settings, one)
+    bodies, surfaces = _unfolded_bodies(vertices, faces, settings, one, rest)
     try:
         others, other_surfaces = _unfolded_bodies(
             other_vertices, other_faces, replace(settings, feature_points=None), two
@@ -209,11 +216,11 @@ def matched_bodies(
 
 
 def _unfolded_bodies(
-    vertices: ArrayLike, faces: ArrayLike, settings: Settings, monitor: Monitor
+    vertices: ArrayLike, faces: ArrayLike, settings: Settings, monitor: Monitor, rest: ArrayLike | None = None
 ) -> tuple[Bodies, list[Unfolded]]:
     """Find the bodies of a mesh and their forms."""
     method = method_named(settings.method)
-    bodies = opened(vertices, faces, settings, monitor)
+    bodies = opened(vertices, faces, settings, monitor, rest=rest)
 
     def work(body: Body, chosen: IntArray | None, own: Monitor) -> Unfolded:
         found = body.features(chosen, settings, own)

@@ -37,6 +37,7 @@ def pose_like(
     *,
     side: str | int = "auto",
     reference_pose: ArrayLike | None = None,
+    rest: ArrayLike | None = None,
     progress: Progress | None = None,
     cancelled: Cancelled | None = None,
 ) -> PosedLike:
@@ -59,6 +60,8 @@ def pose_like(
     reference_pose : (n', 3) array_like of float, optional
         Vertices of the reference in the wanted pose, if it differs from the pose in which the reference is matched: for
         a rigged character matched as modelled, the current pose of its rig.
+    rest : (n, 3) array_like of float, optional
+        Positions of the mesh in the rest pose of its rig, as in `canonical_form`.
     progress : callable, optional
         Called with the fraction done (0 to 1) and the name of the stage.
     cancelled : callable, optional
@@ -87,7 +90,9 @@ def pose_like(
     """
     monitor = Monitor(progress, cancelled)
     wanted = _wanted(reference_vertices if reference_pose is None else reference_pose, reference_vertices)
-    found = matched_bodies(vertices, faces, reference_vertices, reference_faces, settings, side, monitor, _MATCHED)
+    found = matched_bodies(
+        vertices, faces, reference_vertices, reference_faces, settings, side, monitor, _MATCHED, rest=rest
+    )
     shapes = [body.points for body in found.bodies.bodies]
     count = len(found.maps)
     for number, ((here, there), each) in enumerate(zip(found.pairs, found.maps, strict=True)):

@@ -174,7 +174,9 @@ class FormItem:
             elif request.step == "FORM":
                 found = self._form(whole, settings, request, progress, cancelled)
             else:
-                found = feature_patches(whole.vertices, whole.faces, settings, progress=progress, cancelled=cancelled)
+                found = feature_patches(
+                    whole.vertices, whole.faces, settings, rest=whole.rest, progress=progress, cancelled=cancelled
+                )
             shapes = self._shapes_between(whole, found, request.keep, cancelled)
             if request.hausdorff and progress is not None:
                 progress(1.0, "Hausdorff distance")  # which takes longer than the form
@@ -319,7 +321,7 @@ class FormItem:
 
         alone = len(self.readings) == 1
         turn = world_rotation(self.readings[0].placement) if alone else np.eye(3)
-        how: dict[str, Any] = {"progress": progress, "cancelled": cancelled}
+        how: dict[str, Any] = {"rest": whole.rest, "progress": progress, "cancelled": cancelled}
         if request.keep is not None and not settings.whole:  # keeping all pairs would take gigabytes
             how["keep"] = request.keep.part(names_of(self.readings))
         if settings.orientation == "posed" and request.reference is None:
@@ -358,7 +360,7 @@ class FormItem:
         )
         alone = len(self.readings) == 1
         turn = world_rotation(self.readings[0].placement) if alone else np.eye(3)
-        found, carried = likeness.posed(whole.vertices @ turn.T, whole.faces, settings, progress, cancelled)
+        found, carried = likeness.posed(whole.vertices @ turn.T, whole.faces, settings, whole.rest, progress, cancelled)
         return replace(found, vertices=found.vertices @ turn), carried
 
     def _require_no_mirror(self, reason: str) -> None:
@@ -383,6 +385,7 @@ class FormItem:
             np.ones(len(whole.vertices), dtype=bool),
             ways=fractions_between(self.in_between_count),
             together=self.settings.together,
+            rest=whole.rest,
             monitor=monitor,
         )
         found.warnings.extend(monitor.warnings)

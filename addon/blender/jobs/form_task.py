@@ -10,6 +10,7 @@ import bpy
 from ...core import CanonicalFormError, InvalidMeshError
 from ..objects.combining import touching
 from ..objects.object_states import muted_results, object_mode
+from ..objects.rest_reading import with_rests
 from ..words.advice import explained
 from ..words.wording import progress_of, told
 from .form_item import FormItem
@@ -55,6 +56,7 @@ class FormTask:
         taken = list(reversed(first.values()))
         together = request.objects != "EACH"
         meshes: dict[bpy.types.Mesh, str] = {}  # meshes that hold a result, and its object
+        read: list[bpy.types.Object] = []
         with object_mode(objects[0]), muted_results(obj.data for obj in taken if request.deformed):
             for obj in taken:
                 try:
@@ -67,6 +69,11 @@ class FormTask:
                 held = not request.new_object and len(item.readings[0].vertices) == len(obj.data.vertices)
                 if not held or meshes.setdefault(obj.data, obj.name) == obj.name:
                     self.items.append(item)
+                    read.append(obj)
+            for some in [range(len(read))] if together else [range(at, at + 1) for at in range(len(read))]:
+                readings = with_rests([read[at] for at in some], [self.items[at].readings[0] for at in some])
+                for at, reading in zip(some, readings, strict=True):
+                    self.items[at].readings = [reading]
         for obj in objects if together else taken:
             if meshes.get(obj.data, obj.name) != obj.name:
                 self._unread.append(

@@ -86,6 +86,7 @@ class Likeness:
         vertices: FloatArray,
         faces: IntArray,
         settings: Settings,
+        rest: FloatArray | None = None,
         progress: Progress | None = None,
         cancelled: Cancelled | None = None,
     ) -> tuple[PosedLike, MatchValues]:
@@ -99,6 +100,8 @@ class Likeness:
             Triangles.
         settings : Settings
             Options for both forms.
+        rest : (n, 3) ndarray of float, optional
+            Positions in the rest pose of a rig.
         progress, cancelled : callable, optional
             As in `pose_like`.
 
@@ -126,6 +129,7 @@ class Likeness:
             settings,
             side="auto" if self.side < 0 else self.side,
             reference_pose=pose,
+            rest=rest,
             progress=progress,
             cancelled=cancelled,
         )

@@ -35,6 +35,8 @@ class Combined(NamedTuple):
         The mesh of each object in its local space, with its images.
     placements : list of (4, 4) ndarray of float
         Transforms from the local space of each object.
+    rest : (n, 3) ndarray of float or None
+        Positions of all vertices in the rest pose of the rig; None if it is not known.
     """
 
     vertices: FloatArray
@@ -42,6 +44,7 @@ class Combined(NamedTuple):
     starts: IntArray
     objects: list[Mirrored]
     placements: list[FloatArray]
+    rest: FloatArray | None = None
 
     def split(self, values: np.ndarray) -> list[np.ndarray]:
         """Split values on all vertices by object.
@@ -201,14 +204,17 @@ def combined(readings: Sequence[Reading]) -> Combined:
     starts = np.cumsum([0, *(len(each.vertices) for each in objects)])
     placements = [each.placement for each in readings]
     if len(readings) == 1:
-        return Combined(objects[0].vertices, objects[0].faces, starts, objects, placements)
+        alone = Combined(objects[0].vertices, objects[0].faces, starts, objects, placements)
+        return alone if readings[0].rest is None else alone._replace(rest=alone.put_together([readings[0].rest]))
     for reading in readings:
         require_thick(reading.name, reading.placement)
     faces = [
         outward(each.faces, place) + start for each, place, start in zip(objects, placements, starts[:-1], strict=True)
     ]
     whole = Combined(np.zeros((0, 3)), np.concatenate(faces), starts, objects, placements)
-    return whole._replace(vertices=whole.put_together([each.vertices for each in readings]))
+    rests = [each.rest for each in readings if each.rest is not None]
+    rest = whole.put_together(rests) if len(rests) == len(readings) else None
+    return whole._replace(vertices=whole.put_together([each.vertices for each in readings]), rest=rest)
 
 
 def touching(readings: Sequence[Reading], *, together: bool, cancelled: Cancelled | None = None) -> list[list[int]]:
@@ -233,15 +239,15 @@ def touching(readings: Sequence[Reading], *, together: bool, cancelled: Cancelle
     CanonicalFormError
         If the meshes cannot be used, or the run was cancelled; the message names the remedy.
     """
-    from ...core.assembly.bodies import bodies_of
     from ...core.assembly.gathering import gathered
+    from ...core.assembly.opening import known_bodies
     from ...core.mesh.connectivity import component_labels
     from ...core.run.monitor import Monitor
 
     if not together:
         return [[index] for index in range(len(readings))]
     whole = combined(readings)
-    bodies = bodies_of(whole.vertices, whole.faces, Monitor(None, cancelled))
+    bodies = known_bodies(whole.vertices, whole.faces, Monitor(None, cancelled), rest=whole.rest)
     labels = [np.full(len(body.vertices), number) for number, body in enumerate(bodies.bodies)]
     body_of = gathered(bodies, labels, np.full(len(whole.vertices), -1))
     own = np.repeat(np.arange(len(readings)), np.diff(whole.starts))

@@ -45,6 +45,8 @@ class Reading(NamedTuple):
         The transform to the space shared by several objects.
     mirrors : sequence of Mirror
         Mirrors of modifiers; vertices and faces do not include the images.
+    rest : (n, 3) ndarray of float or None
+        Positions of the vertices with the armature at rest; None if it is not known.
     """
 
     name: str
@@ -56,6 +58,7 @@ class Reading(NamedTuple):
     frame: int | None
     placement: FloatArray
     mirrors: Sequence[Mirror]
+    rest: FloatArray | None = None
 
 
 def refusal(obj: bpy.types.Object | None) -> str | None:

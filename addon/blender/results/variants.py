@@ -13,6 +13,7 @@ from ..mesh_items.slider import release
 from ..objects.combining import combined
 from ..objects.mesh_reading import Reading, find_object, names_of, read_object, require_unchanged
 from ..objects.object_states import muted_results, object_mode
+from ..objects.rest_reading import with_rests
 from ..objects.undeforming import positions_before, shown_at
 from ..records.form_key import require_form_key
 from ..records.hidden_attributes import patches_of, whole_form_of
@@ -103,6 +104,7 @@ class VariantTask:
                 self._readings.append(reading)
                 patches.append(own)
                 forms.append(form)
+            self._readings = with_rests(objects, self._readings)
         self._whole = combined(self._readings)
         self._patches, self._form = self._whole.spread(patches), self._whole.put_together(forms)
         self._keep = None if keep is None else keep.part(names_of(self._readings))
@@ -134,6 +136,7 @@ class VariantTask:
             chosen,
             ways=[*fractions_between(self.in_betweens), 1.0],
             together=self._together,
+            rest=self._whole.rest,
             monitor=monitor,
         )
         self._shapes = [self._whole.brought_back(shape) for shape in shapes]

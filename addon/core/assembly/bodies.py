@@ -150,11 +150,13 @@ def bodies_of(
     *,
     together: bool = True,
     features: Sequence[int] | None = None,
+    one_body: bool = False,
 ) -> Bodies:
     """Find the bodies in a mesh.
 
     `vertices` (n, 3); `faces` (m, 3); `together`: whether pieces that belong together are one body; otherwise every
-    piece is one; `features`: feature points chosen by hand, vertices of the mesh.
+    piece is one; `features`: feature points chosen by hand, vertices of the mesh; `one_body`: whether
+    neighbouring pieces are known to be one body.
 
     Examples
     --------
@@ -168,12 +170,12 @@ def bodies_of(
     if together and len(pieces.pieces) > 1:
         from .together import bodies_together
 
-        bodies, crowd = bodies_together(pieces, monitor)
+        found, crowd = bodies_together(pieces, monitor, one_body=one_body)
     elif len(pieces.pieces) > MOST_PIECES:
         raise InvalidMeshError("too_many_pieces", count=len(pieces.pieces), most=MOST_PIECES)
     else:
-        bodies, crowd = list(map(single, pieces.pieces)), 0
-    return Bodies(bodies, pieces, _chosen_features(bodies, pieces, features), together, features, crowd)
+        found, crowd = list(map(single, pieces.pieces)), 0
+    return Bodies(found, pieces, _chosen_features(found, pieces, features), together, features, crowd)
 
 
 def _chosen_features(bodies: list[Body], pieces: Pieces, given: Sequence[int] | None) -> list[Chosen | None]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from ..mesh.geometry import of_unit_area
 from ..method_api.settings import Settings
 from ..numerics.arrays import FloatArray, IntArray
 from ..run.monitor import Monitor
@@ -58,11 +59,16 @@ class Body(Piece):
         Vertices, triangles and samples of each part; the samples are on the mesh scaled to unit area.
     riders : list of Rider
         The pieces that ride on it, each after what carries it.
+    frame : tuple of (3,) ndarray of float and float
+        Centre and unit of that scaling.
+    rest : (p, 3) ndarray of float, optional
+        Positions in the rest pose, where the parts are bridged; None for those that they have.
     """
 
     parts: list[tuple[slice, slice, Samples]]
     riders: list[Rider]
-    _frame: tuple[FloatArray, float]
+    frame: tuple[FloatArray, float]
+    rest: FloatArray | None = None
 
     @property
     def all_faces(self) -> IntArray:
@@ -89,19 +95,27 @@ class Body(Piece):
             return working_surface(points, faces, target, fixed=fixed, monitor=monitor)
         from .joined_surface import joined_surface
 
-        return joined_surface(points, faces, self.parts, target, fixed=fixed, monitor=monitor or Monitor())
+        rest = None if self.rest is None else of_unit_area(self.rest, faces)[0]
+        return joined_surface(points, faces, self.parts, target, fixed=fixed, rest=rest, monitor=monitor or Monitor())
 
     def features(self, chosen: IntArray | None, settings: Settings, monitor: Monitor) -> SurfaceFeatures:
-        """Find the feature points and patches of the body. `chosen` (k,); `settings`: options of the method."""
+        """Find the feature points and patches of the body. `chosen` (k,); `settings`: options of the method.
+
+        With a rest pose, its feature points and their numbers are those of all poses.
+        """
         from ..method_api.surface_features import detected
 
-        return detected(self.points, self.faces, chosen, settings, monitor, reduced=self.working_surface)
+        limbs = None
+        if self.rest is not None and chosen is None:
+            resting = detected(self.rest, self.faces, None, settings, monitor, reduced=self.working_surface)
+            chosen, limbs = resting.whole_features, resting.limbs
+        return detected(self.points, self.faces, chosen, settings, monitor, reduced=self.working_surface, limbs=limbs)
 
     def with_riders(self, shape: FloatArray, monitor: Monitor) -> list[FloatArray]:
         """Move the riders with the surface. `shape` (p, 3)."""
         from .riding import ground_of, ridden
 
-        centre, unit = self._frame
+        centre, unit = self.frame
         shapes = dict(enumerate((shape[vertices] - centre) / unit for vertices, _, _ in self.parts))
         samples = [each for _, _, each in self.parts] + [rider.samples for rider in self.riders]
         pieces = [Piece(piece.vertices, (piece.points - centre) / unit, piece.faces) for piece, *_ in self.riders]

@@ -23,12 +23,14 @@ def joined_surface(
     target: int | None = None,
     *,
     fixed: IntArray | None = None,
+    rest: FloatArray | None = None,
     monitor: Monitor,
 ) -> WorkingSurface:
     """Reduce the parts of a body to about `target` vertices in total, and bridge them at their joints.
 
     `points` (n, 3); `faces` (m, 3); `parts`: the vertices, the triangles and samples of each part; the samples'
-    corners index the vertices of the part; `target`: number of working vertices; all if omitted; `fixed` (k,).
+    corners index the vertices of the part; `target`: number of working vertices; all if omitted; `fixed` (k,);
+    `rest` (n, 3): positions in which the parts are bridged, if not in these.
 
     Examples
     --------
@@ -47,8 +49,9 @@ def joined_surface(
             kept, corners = coarsening.kept, coarsening.faces
     part = np.searchsorted([vertices.stop for vertices, _, _ in parts], kept, side="right")
     with monitor.stage("Triangulation"):
-        surfaces = [samples.on(points[vertices]) for vertices, _, samples in parts]
-        bridges = bridges_between(points[kept], corners, part, surfaces)
+        places = points if rest is None else rest
+        surfaces = [samples.on(places[vertices]) for vertices, _, samples in parts]
+        bridges = bridges_between(places[kept], corners, part, surfaces)
         joined = np.concatenate([corners, bridges])
         triangulation = intrinsic_delaunay(triangulated(points[kept], joined), monitor)
     stuck = target is not None and len(kept) > STUCK * target

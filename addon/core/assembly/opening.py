@@ -11,14 +11,17 @@ from ..method_api.costs import require_memory
 from ..method_api.settings import Settings
 from ..run.monitor import Monitor, Plan
 from .bodies import Bodies, bodies_of
+from .rest_pose import bodies_at_rest
 
 OPENING: Plan = {"Surface": 2, "Pieces": 98}  # stages
 
 
-def opened(vertices: ArrayLike, faces: ArrayLike, settings: Settings, monitor: Monitor) -> Bodies:
+def opened(
+    vertices: ArrayLike, faces: ArrayLike, settings: Settings, monitor: Monitor, *, rest: ArrayLike | None = None
+) -> Bodies:
     """Find the bodies in a mesh, reject what does not fit into memory, and report repairs.
 
-    `settings`: options of the method.
+    `settings`: options of the method; `rest` (n, 3): positions in the rest pose of a rig.
 
     Examples
     --------
@@ -28,7 +31,8 @@ def opened(vertices: ArrayLike, faces: ArrayLike, settings: Settings, monitor: M
     1
     """
     with monitor.stage("Surface"):
-        bodies = known_bodies(vertices, faces, monitor, together=settings.together, features=settings.feature_points)
+        features = settings.feature_points
+        bodies = known_bodies(vertices, faces, monitor, together=settings.together, features=features, rest=rest)
         require_memory(bodies.largest, settings)
     monitor.extend(bodies.pieces.repairs + bodies.apart)
     if bodies.detected_elsewhere:
@@ -43,6 +47,7 @@ def known_bodies(
     *,
     together: bool = True,
     features: Sequence[int] | None = None,
+    rest: ArrayLike | None = None,
 ) -> Bodies:
     """Find the bodies in a mesh, unless they are known from an earlier run.
 
@@ -55,6 +60,8 @@ def known_bodies(
     def found() -> Bodies:
         own = np.array(vertices) if monitor.keeps and isinstance(vertices, np.ndarray) else vertices
         corners = np.array(faces) if monitor.keeps and isinstance(faces, np.ndarray) else faces
-        return bodies_of(own, corners, monitor, together=together, features=features)
+        if rest is None:
+            return bodies_of(own, corners, monitor, together=together, features=features)
+        return bodies_at_rest(own, corners, rest, monitor, together=together, features=features)
 
-    return monitor.kept("bodies", [vertices, faces, together, features], found)
+    return monitor.kept("bodies", [vertices, faces, together, features, rest], found)

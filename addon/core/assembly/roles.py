@@ -46,7 +46,13 @@ class Roles(NamedTuple):
     riders: list[tuple[int, int]]
 
 
-def roles_of(pieces: Sequence[Piece], samples: Sequence[Samples], contacts: Mapping[tuple[int, int], Contact]) -> Roles:
+def roles_of(
+    pieces: Sequence[Piece],
+    samples: Sequence[Samples],
+    contacts: Mapping[tuple[int, int], Contact],
+    *,
+    one_body: bool = False,
+) -> Roles:
     """Separate the pieces of bodies from those that ride on them.
 
     The largest piece is part of a body. So is, by descending area, every piece that extends far from what it touches,
@@ -55,7 +61,7 @@ def roles_of(pieces: Sequence[Piece], samples: Sequence[Samples], contacts: Mapp
     those that join parts: the ball between two limbs of a doll.
 
     `pieces`: the pieces, largest area first, of unit area in total; `samples`: samples of each; `contacts`: the
-    distances between them.
+    distances between them; `one_body`: whether they are known to be one, as what one rig moves, whatever holds them.
 
     Examples
     --------
@@ -70,7 +76,7 @@ def roles_of(pieces: Sequence[Piece], samples: Sequence[Samples], contacts: Mapp
     cast = _Cast(pieces, samples, contacts)
     hosts, others = _hosts(cast)
     between = _balls(cast, hosts, others)
-    bodies, touching = _bodies(cast, hosts + between)
+    bodies, touching = ([sorted(hosts + between)], []) if one_body else _bodies(cast, hosts + between)
     inside = {piece for body in bodies for piece in body}
     return _with_riders(cast, bodies, sorted([piece for piece in others if piece not in inside] + touching))
 

@@ -17,10 +17,10 @@ from .riding import is_rigid
 from .roles import TOUCH, Roles, roles_of
 
 
-def bodies_together(pieces: Pieces, monitor: Monitor) -> tuple[list[Body], int]:
+def bodies_together(pieces: Pieces, monitor: Monitor, *, one_body: bool = False) -> tuple[list[Body], int]:
     """Find the pieces that belong together, among neighbouring ones scaled to unit area.
 
-    `pieces`: the connected surfaces of a mesh; gives bodies, crowd.
+    `pieces`: the connected surfaces of a mesh; `one_body`: as in `roles_of`, of neighbouring ones; gives bodies, crowd.
 
     Examples
     --------
@@ -44,7 +44,7 @@ def bodies_together(pieces: Pieces, monitor: Monitor) -> tuple[list[Body], int]:
         samples = [sampled(piece.points, piece.faces) for piece in scaled]
         measured = slice(0, len(neighbours))
         contacts = contacts_between(scaled[measured], samples[measured], monitor)
-        roles = roles_of(scaled[measured], samples[measured], contacts)
+        roles = roles_of(scaled[measured], samples[measured], contacts, one_body=one_body)
         for index, (carrier, contact) in enumerate(
             crowd_contacts(samples[len(neighbours) :], samples[measured], monitor), len(neighbours)
         ):

@@ -136,11 +136,13 @@ def detected(
     monitor: Monitor,
     *,
     reduced: Reduced = working_surface,
+    limbs: Limbs | None = None,
 ) -> SurfaceFeatures:
     """Reduce a surface to its working vertices, and find its feature points and patches.
 
     `points` (n, 3); `faces` (m, 3); `chosen` (k,); `settings`: options; `reduced`: reduces the surface, as
-    `working_surface` does; joins the parts of a body into one surface.
+    `working_surface` does; joins the parts of a body into one surface; `limbs`: head, tail and sides among the chosen
+    points, if they are known from another pose.
 
     Examples
     --------
@@ -183,13 +185,15 @@ def detected(
         """Sort the feature points and grow the patches around them."""
         with monitor.stage("Feature points"):
             found = _in_lasting_order(features, to_features, prominence, adf, surface, monitor)
+            if limbs is not None:
+                found = found.like(limbs)
             if chosen is None and not settings.feature_count:
                 warn_of_missing_limbs(found, monitor, joined=len(surface.bridges) > 0)
         with monitor.stage("Patches"):
             cells = voronoi_cells(found.to_features, found.features, surface.faces)
         return SurfaceFeatures(whole_points, faces, centre, unit, surface, L, M, spectrum, adf, cells, found)
 
-    return monitor.kept("features", [surface, adf, features, prominence, settings.feature_count], numbered)
+    return monitor.kept("features", [surface, adf, features, prominence, settings.feature_count, limbs], numbered)
 
 
 def _analysed(

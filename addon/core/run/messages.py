@@ -20,6 +20,7 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
     ),
     "face_range": "Faces refer to vertices outside 0 to {last}.",
     "no_area": "The surface has no area. Choose a mesh with a surface.",
+    "rest_shape": "The rest pose must have one position for each of the {count} vertices.",
     "form_shape": "The form must be a ({count}, 3) array of numbers.",
     # its repair
     "repeated_corners": (

@@ -46,6 +46,10 @@ class Limbs(NamedTuple):
         """Locate the feature points among the vertices of a surface."""
         return self._replace(features=features, to_features=to_features)
 
+    def like(self, other: Limbs) -> Limbs:
+        """Take head, tail and sides from the same limbs in another pose."""
+        return self._replace(partner=other.partner, side=other.side, along=other.along, margin=other.margin)
+
     def sorted_by(self, order: IntArray) -> Limbs:
         """Reorder the feature points.
 
