@@ -10,7 +10,7 @@ import numpy as np
 from ..mesh.connectivity import border_labels, component_labels
 from ..mesh.edges import edge_table, vertex_pairs
 from ..mesh.geometry import vertex_normals
-from ..numerics.arrays import FloatArray, IntArray
+from ..numerics.arrays import BoolArray, FloatArray, IntArray
 from .contacts import box_gaps
 from .roles import AROUND, TOUCH, WIDEST_GAP
 
@@ -183,45 +183,39 @@ def _side_by_side(links: IntArray, near: csr_matrix) -> IntArray:
 
 
 def _chosen(points: FloatArray, pairs: IntArray, part: IntArray, contacts: list[_Contact]) -> IntArray:
-    """Choose the contacts that join the parts, and those near them."""
+    """Choose the contacts that join the parts, and those between places that are near each other by way of these."""
     joined = np.arange(int(part.max()) + 1)  # which parts are connected so far
     chosen: list[IntArray] = []
-    graph = None  # of the surfaces and the links chosen so far
+    others: list[_Contact] = []
     for contact in contacts:
-        start, end = contact.links[np.argmin(contact.lengths)]
-        one, other = joined[part[start]], joined[part[end]]
+        one, other = joined[part[contact.links[0]]]
         if one != other:
             joined[joined == other] = one
-        else:
-            if contact.around < AROUND:
-                continue
-            if graph is None:
-                graph = _graph(points, np.concatenate([pairs, *chosen]))
-            if not _way_is_short(points, graph, start, end):
-                continue
-        chosen.append(contact.links)
-        graph = None
+            chosen.append(contact.links)
+        elif contact.around >= AROUND:
+            others.append(contact)
     while (joined != joined[0]).any():
         chosen.append(_shortest_links(points, joined[part]))
         ends = part[chosen[-1][0]]
         joined[joined == joined[ends[1]]] = joined[ends[0]]
+    if others:
+        near = _ways_are_short(points, np.concatenate([pairs, *chosen]), others)
+        chosen += [contact.links for contact, short in zip(others, near, strict=True) if short]
     return np.concatenate(chosen) if chosen else np.empty((0, 2), dtype=np.int64)
 
 
-def _graph(points: FloatArray, edges: IntArray) -> csr_matrix:
-    """Make a graph of edges with their lengths."""
+def _ways_are_short(points: FloatArray, edges: IntArray, contacts: list[_Contact]) -> BoolArray:
+    """Check which contacts join places that are near each other along some edges."""
     from scipy.sparse import coo_matrix
-
-    lengths = np.maximum(np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1), 1e-9)
-    return coo_matrix((lengths, (edges[:, 0], edges[:, 1])), shape=(len(points), len(points))).tocsr()
-
-
-def _way_is_short(points: FloatArray, graph: csr_matrix, start: int, end: int) -> bool:
-    """Check whether two points that are near each other are near along the surface too."""
     from scipy.sparse.csgraph import dijkstra
 
-    limit = _SHORT_WAY + 2 * float(np.linalg.norm(points[start] - points[end]))
-    return bool(np.isfinite(dijkstra(graph, directed=False, indices=start, limit=limit)[end]))
+    lengths = np.maximum(np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1), 1e-9)
+    graph = coo_matrix((lengths, (edges[:, 0], edges[:, 1])), shape=(len(points), len(points))).tocsr()
+    start, end = np.array([contact.links[np.argmin(contact.lengths)] for contact in contacts]).T
+    limit = _SHORT_WAY + 2 * np.linalg.norm(points[start] - points[end], axis=1)
+    sources, row = np.unique(start, return_inverse=True)
+    away = dijkstra(graph, directed=False, indices=sources, limit=float(limit.max()))
+    return np.asarray(away[row.ravel(), end] <= limit)
 
 
 def _shortest_links(points: FloatArray, group: IntArray) -> IntArray:
