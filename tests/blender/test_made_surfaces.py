@@ -12,6 +12,8 @@ from tests.commands import ROOT, run
 from tests.meshes import shapes
 
 bpy = pytest.importorskip("bpy")
+from addon.blender.records.record import require_record  # noqa: E402
+from addon.core import Settings, canonical_form  # noqa: E402
 from tests.blender.conftest import QUICK, add_object  # noqa: E402
 
 USD = """#usda 1.0
@@ -34,6 +36,26 @@ class Xform "Prototype"
     }}
 }}
 """
+
+
+def test_hidden_helpers_are_left_out_as_shown(blender, arrays):
+    """A character with geometry that a Mask hides, as bodies of makers of humans have."""
+    vertices, faces = arrays
+    ball, corners = shapes.sphere(2)
+    helper = 0.5 * ball + vertices[np.argmax(vertices[:, 2])]
+    obj = add_object("Body", np.vstack([vertices, helper]), np.vstack([faces, corners + len(vertices)]))
+    obj.vertex_groups.new(name="body").add(range(len(vertices)), 1.0, "REPLACE")
+    obj.modifiers.new("Hide helpers", "MASK").vertex_group = "body"
+    bpy.context.view_layer.objects.active = obj
+    bpy.context.view_layer.update()
+    assert bpy.ops.object.canonical_form(**QUICK, mesh="SHOWN") == {"FINISHED"}
+    made = bpy.data.objects["Body Canonical Form"].data
+    assert len(made.vertices) == len(vertices)
+    wanted = canonical_form(vertices, faces, Settings(**QUICK)).vertices
+    shown = np.array([point.co for point in made.shape_keys.key_blocks["Canonical Form"].data])
+    np.testing.assert_allclose(shown, wanted, atol=1e-4)
+    assert bpy.ops.object.canonical_form(**QUICK) == {"FINISHED"}
+    assert any("hide parts of it" in told for told in require_record(obj.data).report.warnings)
 
 
 def nodes_of(obj, node):

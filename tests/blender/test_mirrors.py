@@ -117,7 +117,7 @@ def test_other_mirrors_are_warned_about(half, change):
     else:
         modifier.use_bisect_axis[0] = True
     run()
-    assert any("add to the mesh" in each for each in require_record(half.data).report.warnings)
+    assert any("add to the mesh or hide" in each for each in require_record(half.data).report.warnings)
 
 
 def test_labels_are_on_the_form(half):

@@ -111,7 +111,7 @@ def object_warnings(objects: Sequence[bpy.types.Object], deformed: bool, *, scal
     if adding:
         warnings.append(
             told(
-                "Some modifiers of {name} add to the mesh, and the form is of it without them: "
+                "Some modifiers of {name} add to the mesh or hide parts of it, and the form is of it without them: "
                 "{adding}. Apply them, or set Mesh to As Shown.",
                 name=names,
                 adding=adding,
