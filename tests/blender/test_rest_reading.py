@@ -10,7 +10,11 @@ from addon.blender.objects.combining import combined, touching
 from addon.blender.objects.mesh_reading import read_object
 from addon.blender.objects.rest_reading import with_rests
 from addon.blender.records.record import require_record
+from addon.core import CanonicalFormError
+from addon.core.assembly.bodies import bodies_of
 from tests.blender.characters import activate, run
+from tests.blender.conftest import add_object
+from tests.meshes import shapes
 
 
 def a_rig(*names):
@@ -65,12 +69,22 @@ def test_objects_belong_together_as_at_rest(pulled_off, character):
     assert pulled_off.pose.bones["Neck"].matrix == pose
 
 
-def test_limbs_are_chosen_on_the_body_of_the_run(pulled_off, character):
+def test_limbs_are_chosen_on_the_body_of_the_run(pulled_off, character, monkeypatch):
+    seen = []
+
+    def noted(*some):
+        seen.append(combined(*some))
+        return seen[-1]
+
+    monkeypatch.setattr("addon.blender.jobs.form_item.combined", noted)
+    monkeypatch.setattr("addon.blender.results.variants.combined", noted)
     activate(*character.values())
     run(mesh="SHOWN", objects="TOUCHING")
     activate(character["trunk"])
     assert bpy.ops.object.canonical_form_limb(patch=1) == {"FINISHED"}
     assert bpy.ops.object.canonical_form_in_betweens(count=1) == {"FINISHED"}
+    assert all(whole.rest is not None for whole in seen)
+    assert len(seen) >= 3
     assert pulled_off.data.pose_position == "POSE"
 
 
@@ -121,14 +135,80 @@ def test_the_pose_is_back_after_an_error(pulled_off, character, monkeypatch):
     def refuses(_):
         raise MemoryError
 
-    monkeypatch.setattr(rest_reading, "read_evaluated", refuses)
+    monkeypatch.setattr(rest_reading, "read_shown", refuses)
     reading = read_object(character["head"], True)
     with pytest.raises(MemoryError):
         with_rests([character["head"]], [reading])
     assert pulled_off.data.pose_position == "POSE"
 
 
-def test_a_mesh_that_has_other_vertices_at_rest_has_no_rest(pulled_off, character, monkeypatch):
+@pytest.mark.parametrize("at_rest", ["other vertices", "other faces", "nothing"])
+def test_a_mesh_that_is_another_at_rest_has_no_rest(at_rest, pulled_off, character, monkeypatch):
     reading = read_object(character["head"], True)
-    monkeypatch.setattr(rest_reading, "read_evaluated", lambda _: (reading.vertices[1:], reading.faces))
+    vertices, faces = reading.vertices, reading.faces
+
+    def read(_):
+        if at_rest == "nothing":
+            raise CanonicalFormError("no faces")
+        return (vertices[1:], faces) if at_rest == "other vertices" else (vertices, faces[:, [1, 2, 0]])
+
+    monkeypatch.setattr(rest_reading, "read_shown", read)
     assert with_rests([character["head"]], [reading])[0].rest is None
+
+
+def test_seams_under_a_subdivision_stay_closed(blender, arrays):
+    obj = add_object("Figure", *shapes.cut_along_seams(*arrays))
+    rig = a_rig("All")
+    obj.vertex_groups.new(name="All").add(range(len(obj.data.vertices)), 1.0, "REPLACE")
+    obj.modifiers.new("Armature", "ARMATURE").object = rig
+    obj.modifiers.new("Finer", "SUBSURF").levels = 1
+    rig.pose.bones["All"].matrix = Matrix.Rotation(1.0, 4, "X") @ rig.pose.bones["All"].matrix
+    bpy.context.view_layer.update()
+    (reading,) = readings(obj)
+    assert reading.rest is not None
+    assert len(bodies_of(reading.rest, reading.faces).pieces.pieces) == 1
+
+
+def test_cloth_is_not_put_to_rest(pulled_off, character):
+    character["shirt"].modifiers.new("Cloth", "CLOTH")
+    bpy.context.view_layer.update()
+    assert [each.rest for each in readings(character["trunk"], character["shirt"])] == [None, None]
+
+
+@pytest.mark.parametrize("kind", ["CHILD_OF", "ARMATURE"])
+def test_constraints_tie_an_object_to_a_rig(kind, pulled_off, character):
+    head, trunk = character["head"], character["trunk"]
+    trunk.parent = None
+    tie = trunk.constraints.new(kind)
+    if kind == "ARMATURE":
+        target = tie.targets.new()
+        target.target, target.subtarget = pulled_off, "Hips"
+    else:
+        tie.target, tie.subtarget = pulled_off, "Hips"
+    bpy.context.view_layer.update()
+    assert all(each.rest is not None for each in readings(head, trunk))
+    modelled = [read_object(obj) for obj in (head, trunk)]  # whose constraints still hold
+    assert [each.rest for each in with_rests([head, trunk], modelled)] == [None, None]
+    tie.mute = True
+    bpy.context.view_layer.update()
+    assert [each.rest for each in readings(head, trunk)] == [None, None]
+
+
+def test_a_form_fits_itself_as_a_reference(pulled_off, character):
+    """Its features are those of the rig's rest, so that bodies and numbers are the same."""
+    pulled_off.pose.bones["Neck"].location = (0, 0, 0)
+    for name in ("shirt", "eye", "hand"):
+        bpy.data.objects.remove(character[name])
+    head, trunk = character["head"], character["trunk"]
+    matrix = head.matrix_world.copy()
+    matrix.translation.z += 0.12  # floats: one body only by its rig
+    head.matrix_world = matrix
+    bpy.context.view_layer.update()
+    activate(trunk, head)
+    assert run(objects="TOUCHING") == {"FINISHED"}
+    first = require_record(trunk.data).report
+    assert run(objects="TOUCHING", reference="trunk") == {"FINISHED"}
+    second = require_record(trunk.data).report
+    assert first.objects == second.objects == ["trunk", "head"]
+    assert first.feature_points == second.feature_points
+    assert not [each for each in second.warnings if "reference" in each]

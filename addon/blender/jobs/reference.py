@@ -13,6 +13,7 @@ from ..objects.combining import combined
 from ..objects.mesh_reading import read_object, refusal
 from ..objects.object_states import object_mode
 from ..objects.placement import world_rotation
+from ..objects.rest_reading import with_rests
 from ..records.form_key import require_form_key
 from ..records.hidden_attributes import whole_form_of
 from ..records.record import read_record, require_record
@@ -63,11 +64,11 @@ class Reference:
             )
         objects = companions_of(obj)
         with object_mode(obj):
-            readings = [read_object(each, False) for each in objects]
+            readings = with_rests(objects, [read_object(each, False) for each in objects])
             forms = [_form_of(each) for each in objects]
         whole = combined(readings)
         turn = world_rotation(readings[0].placement) if len(readings) == 1 else np.eye(3)
-        self._vertices, self._faces = whole.vertices @ turn.T, whole.faces
+        self._vertices, self._faces, self._rest = whole.vertices @ turn.T, whole.faces, whole.rest
         self._form = whole.put_together(forms) @ turn.T
         points = record.report.feature_points
         own = len(readings) == 1 and not readings[0].mirrors and min(points, default=-1) >= 0  # -1: on another object
@@ -95,7 +96,7 @@ class Reference:
         if self._computed is None:
             from ...core import CanonicalForm, feature_patches
 
-            found = feature_patches(self._vertices, self._faces, self._settings, cancelled=cancelled)
+            found = feature_patches(self._vertices, self._faces, self._settings, rest=self._rest, cancelled=cancelled)
             self._computed = CanonicalForm(
                 self._form,
                 self._faces,

@@ -148,7 +148,7 @@ def read_object(obj: bpy.types.Object, deformed: bool = False) -> Reading:
     vertices, faces = read_mesh(obj.data)
     known = _mesh_fingerprint(obj.data)
     if deformed:
-        vertices, faces = _read_shown(obj)
+        vertices, faces = read_shown(obj)
     frame = bpy.context.scene.frame_current if deformed else None
     placement = placement_of(obj, deformed)
     mirrors = () if deformed else mirrors_of(obj)
@@ -292,7 +292,7 @@ def require_unchanged(obj: bpy.types.Object, reading: Reading) -> None:
     """
     same = _mesh_fingerprint(obj.data) == reading.fingerprint
     if same and reading.deformed:
-        vertices, faces = _read_shown(obj)
+        vertices, faces = read_shown(obj)
         same = np.array_equal(vertices, reading.vertices) and np.array_equal(faces, reading.faces)
     if not same:
         raise CanonicalFormError(
@@ -300,8 +300,24 @@ def require_unchanged(obj: bpy.types.Object, reading: Reading) -> None:
         )
 
 
-def _read_shown(obj: bpy.types.Object) -> tuple[FloatArray, IntArray]:
-    """Read the evaluated mesh without an earlier form; seams of the base mesh are closed if it has more vertices."""
+def read_shown(obj: bpy.types.Object) -> tuple[FloatArray, IntArray]:
+    """Read the evaluated mesh without an earlier form; seams of the base mesh are closed if it has more vertices.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        The object, in Object Mode.
+
+    Returns
+    -------
+    vertices, faces : ndarray
+        As from `read_evaluated`.
+
+    Raises
+    ------
+    CanonicalFormError
+        As `read_evaluated`.
+    """
     from .seams import closed_seams, evaluated_places, has_seams, longest_border_edge
 
     with muted_results([obj.data]):

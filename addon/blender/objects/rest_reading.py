@@ -9,11 +9,14 @@ from typing import TYPE_CHECKING
 import bpy
 import numpy as np
 
-from .mesh_reading import Reading, read_evaluated
+from ...core import CanonicalFormError
+from .mesh_reading import Reading, read_shown
 from .placement import placement_of
 
 if TYPE_CHECKING:
     from ...core.numerics.arrays import FloatArray
+
+_SIMULATED = ("CLOTH", "SOFT_BODY", "FLUID", "DYNAMIC_PAINT", "PARTICLE_SYSTEM", "MESH_CACHE", "MESH_SEQUENCE_CACHE")
 
 
 def with_rests(objects: Sequence[bpy.types.Object], readings: Sequence[Reading]) -> list[Reading]:
@@ -37,8 +40,9 @@ def with_rests(objects: Sequence[bpy.types.Object], readings: Sequence[Reading])
     if rig is None or any(each != {rig} for each in rigs):
         return list(readings)
     if rig.data.pose_position == "REST" or not any(each.deformed for each in readings):
-        return [each._replace(rest=each.vertices) for each in readings]
-    if not rig.data.is_editable:
+        held = any(_constraining(above) for obj in objects for above in _chain_of(obj))  # which base meshes do not undo
+        return list(readings) if held else [each._replace(rest=each.vertices) for each in readings]
+    if not rig.data.is_editable or any(_is_simulated(obj) for obj in objects):
         return list(readings)
     with _at_rest(rig.data):
         rests = [_rest_of(obj, each) for obj, each in zip(objects, readings, strict=True)]
@@ -48,12 +52,14 @@ def with_rests(objects: Sequence[bpy.types.Object], readings: Sequence[Reading])
 
 
 def _rest_of(obj: bpy.types.Object, reading: Reading) -> FloatArray | None:
-    """Read an object whose armatures are at rest, in the space of its reading; None if it has other vertices then."""
-    vertices, _ = read_evaluated(obj)
-    if len(vertices) != len(reading.vertices):
+    """Read an object whose armature is at rest, in the space of its reading; None if it has other faces then."""
+    try:
+        vertices, faces = read_shown(obj)
+    except CanonicalFormError:  # nothing is shown at rest; what is shown in the pose has been read
         return None
     axes = reading.placement[:3, :3]
-    if abs(np.linalg.det(axes)) <= np.finfo(float).tiny:  # told elsewhere
+    flat = abs(np.linalg.det(axes)) <= np.finfo(float).tiny  # told elsewhere
+    if flat or len(vertices) != len(reading.vertices) or not np.array_equal(faces, reading.faces):
         return None
     back = np.linalg.inv(reading.placement) @ placement_of(obj, True)
     return vertices @ back[:3, :3].T + back[:3, 3]
@@ -62,11 +68,30 @@ def _rest_of(obj: bpy.types.Object, reading: Reading) -> FloatArray | None:
 def _rigs_of(obj: bpy.types.Object) -> set[bpy.types.Object]:
     """Find the armatures that move an object: by a modifier, as a parent, or by a constraint."""
     found = [each.object for each in obj.modifiers if each.type == "ARMATURE" and each.show_viewport]
+    for above in _chain_of(obj):
+        found += [above, *_constraining(above)]
+    return {each for each in found if each is not None and each.type == "ARMATURE"}
+
+
+def _chain_of(obj: bpy.types.Object) -> Iterator[bpy.types.Object]:
+    """List an object, its parent, and so on."""
     above: bpy.types.Object | None = obj
     while above is not None:
-        found += [above, *(getattr(each, "target", None) for each in above.constraints)]
+        yield above
         above = above.parent
-    return {each for each in found if each is not None and each.type == "ARMATURE"}
+
+
+def _constraining(obj: bpy.types.Object) -> list[bpy.types.Object]:
+    """List the armatures that constraints tie an object to."""
+    active = [each for each in obj.constraints if not each.mute and each.influence > 0]
+    targets = [getattr(each, "target", None) for each in active]
+    targets += [each.target for constraint in active for each in getattr(constraint, "targets", ())]
+    return [each for each in targets if each is not None and each.type == "ARMATURE"]
+
+
+def _is_simulated(obj: bpy.types.Object) -> bool:
+    """Check whether an object keeps its shape, and its cache loses its frames, when the armature rests."""
+    return any(each.show_viewport and each.type in _SIMULATED for each in obj.modifiers)
 
 
 @contextmanager

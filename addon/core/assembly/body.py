@@ -107,7 +107,9 @@ class Body(Piece):
 
         limbs = None
         if self.rest is not None and chosen is None:
-            resting = detected(self.rest, self.faces, None, settings, monitor, reduced=self.working_surface)
+            own = monitor.piece(0.0, 0.0, {})  # whose results are kept apart from those of the pose
+            resting = detected(self.rest, self.faces, None, settings, own, reduced=self.working_surface)
+            monitor.extend(own.warnings)
             chosen, limbs = resting.whole_features, resting.limbs
         return detected(self.points, self.faces, chosen, settings, monitor, reduced=self.working_surface, limbs=limbs)
 

@@ -62,6 +62,7 @@ def known_bodies(
         corners = np.array(faces) if monitor.keeps and isinstance(faces, np.ndarray) else faces
         if rest is None:
             return bodies_of(own, corners, monitor, together=together, features=features)
-        return bodies_at_rest(own, corners, rest, monitor, together=together, features=features)
+        resting = np.array(rest) if monitor.keeps else rest
+        return bodies_at_rest(own, corners, resting, monitor, together=together, features=features)
 
     return monitor.kept("bodies", [vertices, faces, together, features, rest], found)

@@ -20,7 +20,7 @@ from .strays import drawn_in, stray_vertices
 MEASURED = 100  # largest pieces, whose distances from each other are all measured; the others ride on what is nearest
 MOST_PIECES = 500  # more are loose faces, unless one is large enough to carry the others, like a head cards of hair
 _MOST_CARRIED, _CARRIES = 20_000, 0.05  # pieces then, and least share of the largest in the whole area
-_NO_AREA = 1e-12  # in squares of half the size; rounding errors are a thousandth of it
+NO_AREA = 1e-12  # in squares of half the size; rounding errors are a thousandth of it
 _ALIKE = 1e-6  # share of the whole area within which two pieces count as equally large
 
 
@@ -158,7 +158,7 @@ def connected_pieces(
 
 def _largest_first(area: FloatArray, size: FloatArray) -> IntArray:
     """Sort components that have any area by descending area; equally large ones keep the order of the mesh."""
-    usable = np.flatnonzero(area > _NO_AREA)
+    usable = np.flatnonzero(area > NO_AREA)
     if len(usable) < 2:
         return usable
     areas = area[usable] * (size[usable] / size[usable].max()) ** 2

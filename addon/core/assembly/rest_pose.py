@@ -14,8 +14,8 @@ from ..run.errors import InvalidMeshError
 from ..run.monitor import Monitor
 from .bodies import Bodies, bodies_of
 from .body import Body
-from .pieces import Piece
-from .strays import drawn_in
+from .pieces import NO_AREA, Piece, Pieces
+from .strays import drawn_in, stray_vertices
 
 
 def bodies_at_rest(
@@ -38,25 +38,45 @@ def bodies_at_rest(
     >>> bodies_at_rest(corner + 5, [[0, 1, 2]], corner, Monitor()).bodies[0].points.min()
     5.0
     """
-    bodies = bodies_of(rest, faces, monitor, together=together, features=features, one_body=True)
-    places, _ = checked_arrays(vertices, faces)
+    places, corners = checked_arrays(vertices, faces)
+    bodies = bodies_of(rest, corners, monitor, together=together, features=features, one_body=True)
     if len(places) != len(bodies.vertices):
         raise InvalidMeshError("rest_shape", count=len(places))
-    return bodies if np.array_equal(places, bodies.vertices) else _all_posed(bodies, places)
+    if np.array_equal(places, bodies.vertices):
+        return bodies
+    if bodies.pieces.dropped:  # hidden at rest, perhaps, and shown in this pose
+        alone = bodies_of(places, corners, monitor, together=together, features=features)
+        if alone.pieces.dropped < bodies.pieces.dropped:
+            return alone
+    flat = _without_area(bodies.pieces, places)
+    if len(flat) == len(bodies.pieces.pieces):
+        raise InvalidMeshError("no_area")
+    if flat:  # hidden in this pose: left out, as what has no area in any
+        hidden = np.isin(bodies.pieces.representative, np.concatenate([piece.vertices for piece in flat]))
+        shown = corners[~hidden[corners].all(axis=1)]
+        rest_of = bodies_at_rest(vertices, shown, rest, monitor, together=together, features=features)
+        dropped, loose = bodies.pieces.dropped + len(flat), bodies.pieces.loose
+        return replace(rest_of, pieces=replace(rest_of.pieces, dropped=dropped, loose=loose))
+    return _all_posed(bodies, places)
+
+
+def _without_area(pieces: Pieces, places: FloatArray) -> list[Piece]:
+    """List the pieces that have no area in a pose (n, 3)."""
+    areas = np.array([surface_area(places[each.vertices], each.faces) for each in pieces.pieces])
+    size = np.ptp(places[pieces.faces].reshape(-1, 3), axis=0).max()
+    return [piece for piece, area in zip(pieces.pieces, areas, strict=True) if area <= NO_AREA * size**2]
 
 
 def _all_posed(bodies: Bodies, vertices: FloatArray) -> Bodies:
     """Put bodies that were found in another pose into this one."""
     pieces = bodies.pieces
-    strays = pieces.strays
+    strays = np.union1d(pieces.strays, stray_vertices(vertices, pieces.faces))  # a rig leaves some behind
     places = drawn_in(vertices, pieces.faces, strays) if len(strays) else vertices
-    if surface_area(places, pieces.faces) <= 0:
-        raise InvalidMeshError("no_area")
     here = [Piece(each.vertices, places[each.vertices], each.faces) for each in pieces.pieces]
     return replace(
         bodies,
         bodies=[_posed(body, places) for body in bodies.bodies],
-        pieces=replace(pieces, pieces=here, vertices=vertices, drawn_in=places),
+        pieces=replace(pieces, pieces=here, vertices=vertices, strays=strays, drawn_in=places),
     )
 
 

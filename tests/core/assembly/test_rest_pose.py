@@ -7,7 +7,6 @@ from scipy.spatial.transform import Rotation
 from addon.core import InvalidMeshError, Settings, canonical_form, feature_patches, match, pose_like
 from addon.core.assembly.bodies import bodies_of
 from addon.core.assembly.rest_pose import bodies_at_rest
-from addon.core.assembly.strays import stray_vertices
 from addon.core.limbs import limb_shapes
 from addon.core.mesh.geometry import surface_area
 from addon.core.run.monitor import Monitor
@@ -127,17 +126,58 @@ def test_riders_follow_the_pose_not_the_rest():
         assert np.linalg.norm(form.vertices[own] - alone.vertices[own], axis=1).mean() < 0.05 * size
 
 
-def test_strays_stay_with_their_neighbours_in_the_pose():
+@pytest.mark.parametrize(("at_rest", "in_pose"), [(30.0, 20.0), (30.0, 0.0), (0.0, 20.0)])
+def test_strays_stay_with_their_neighbours(at_rest, in_pose):
     vertices, faces = shapes.figure()
     rest = vertices.copy()
-    rest[7] += 30.0
+    rest[7] += at_rest
     posed = vertices + np.array([5.0, 0, 0])
-    posed[7] += 20.0
-    assert stray_vertices(rest, faces).tolist() == [7]
+    posed[7] += in_pose
     form = canonical_form(posed, faces, QUICK, rest=rest)
+    assert "stray_vertices" in [told.kind for told in form.warnings]
     clean = canonical_form(vertices + np.array([5.0, 0, 0]), faces, QUICK)
     others = np.arange(len(vertices)) != 7
     assert np.abs(form.vertices - clean.vertices)[others].max() < 0.1
+
+
+@pytest.mark.parametrize("pieces", ["together", "apart"])
+@pytest.mark.parametrize("hidden", ["in the pose", "at rest"])
+def test_a_piece_that_is_shrunk_to_a_point_is_left_out_only_where_it_is(pieces, hidden, trunk):
+    """As games hide what a character does not wear: by a bone of scale 0."""
+    shown, faces = together(trunk, arm([0.35, 0, 0.5], [1.5, 0, 0.5]))
+    shrunk = shown.copy()
+    shrunk[len(trunk[0]) :] = [0.3, 0, 0.5]
+    posed, rest = (shrunk, shown) if hidden == "in the pose" else (shown, shrunk)
+    form = canonical_form(posed, faces, Settings(quality="draft", pieces=pieces), rest=rest)
+    told = [each.kind for each in form.warnings]
+    assert ("pieces_without_area" in told) == (hidden == "in the pose")
+    assert "loose_vertices" not in told
+    own = slice(len(trunk[0]), None)
+    assert np.array_equal(form.vertices[own], posed[own]) == (hidden == "in the pose")
+
+
+def test_successive_runs_keep_as_much_as_without_a_rest(monkeypatch):
+    from addon.core import KeptStages
+    from addon.core.method_api import surface_features
+
+    rest, faces = shapes.figure(16)
+    posed = rest + np.array([0.3, 0, 0]) * np.sin(rest[:, 2:])
+    counted, keep = [], KeptStages()
+    spectrum = surface_features.compute_spectrum
+
+    def counting(*some):
+        counted.append(1)
+        return spectrum(*some)
+
+    monkeypatch.setattr(surface_features, "compute_spectrum", counting)
+    for pairs in (60, 70, 80):
+        canonical_form(posed, faces, Settings(quality="draft", eigenpairs=pairs), rest=rest, keep=keep)
+    assert len(counted) == 6
+    known = canonical_form(posed, faces, Settings(quality="draft", eigenpairs=60), rest=rest, keep=keep)
+    assert len(counted) == 6
+    rest[:] = rest @ np.diag([1, 1, 0.2])  # in place, as a caller may reuse an array
+    again = canonical_form(posed, faces, Settings(quality="draft", eigenpairs=60), rest=rest, keep=keep)
+    assert (known.feature_points != again.feature_points).any()
 
 
 def test_every_door_takes_it(trunk):

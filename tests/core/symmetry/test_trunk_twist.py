@@ -33,3 +33,9 @@ def test_a_form_is_not_twisted_and_nothing_is_said(form):
     tips = form.vertices[form.feature_points]
     assert trunk_twist(tips, form.bodies[0].limbs) < 15 < TWISTED
     assert "twisted" not in [told.kind for told in form.warnings]
+
+
+def test_a_form_that_is_twisted_says_so(monkeypatch, form):
+    monkeypatch.setattr("addon.core.canonical.trunk_twist", lambda *_: 61.0)
+    vertices, faces = form.vertices, form.faces
+    assert "twisted" in [told.kind for told in canonical_form(vertices, faces).warnings]
