@@ -14,7 +14,7 @@ from .mesh_reading import Reading, read_shown
 from .placement import placement_of
 
 if TYPE_CHECKING:
-    from ...core.numerics.arrays import FloatArray
+    from ...core.numerics.arrays import FloatArray, IntArray
 
 _SIMULATED = ("CLOTH", "SOFT_BODY", "FLUID", "DYNAMIC_PAINT", "PARTICLE_SYSTEM", "MESH_CACHE", "MESH_SEQUENCE_CACHE")
 
@@ -44,25 +44,34 @@ def with_rests(objects: Sequence[bpy.types.Object], readings: Sequence[Reading])
         return list(readings) if held else [each._replace(rest=each.vertices) for each in readings]
     if not rig.data.is_editable or any(_is_simulated(obj) for obj in objects):
         return list(readings)
+    corners = [_corners_of(obj) for obj in objects]
     with _at_rest(rig.data):
-        rests = [_rest_of(obj, each) for obj, each in zip(objects, readings, strict=True)]
+        rests = [_rest_of(*each) for each in zip(objects, readings, corners, strict=True)]
     if any(rest is None for rest in rests):
         return list(readings)
     return [each._replace(rest=rest) for each, rest in zip(readings, rests, strict=True)]
 
 
-def _rest_of(obj: bpy.types.Object, reading: Reading) -> FloatArray | None:
-    """Read an object whose armature is at rest, in the space of its reading; None if it has other faces then."""
+def _rest_of(obj: bpy.types.Object, reading: Reading, corners: IntArray) -> FloatArray | None:
+    """Read an object whose armature is at rest, in the space of its reading; None if it has other polygons then."""
     try:
-        vertices, faces = read_shown(obj)
+        vertices, _ = read_shown(obj)
     except CanonicalFormError:  # nothing is shown at rest; what is shown in the pose has been read
         return None
     axes = reading.placement[:3, :3]
     flat = abs(np.linalg.det(axes)) <= np.finfo(float).tiny  # told elsewhere
-    if flat or len(vertices) != len(reading.vertices) or not np.array_equal(faces, reading.faces):
+    if flat or len(vertices) != len(reading.vertices) or not np.array_equal(_corners_of(obj), corners):
         return None
     back = np.linalg.inv(reading.placement) @ placement_of(obj, True)
     return vertices @ back[:3, :3].T + back[:3, 3]
+
+
+def _corners_of(obj: bpy.types.Object) -> IntArray:
+    """Read the vertices of all polygons in turn; their triangles depend on the pose, where a quad is a dart."""
+    mesh = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    corners = np.empty(len(mesh.loops), dtype=np.int32)
+    mesh.loops.foreach_get("vertex_index", corners)
+    return corners.astype(np.int64)
 
 
 def _rigs_of(obj: bpy.types.Object) -> set[bpy.types.Object]:
