@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from mathutils import Matrix
 
+import addon.core.limbs as limbs
 from addon.blender.objects import rest_reading
 from addon.blender.objects.combining import combined, touching
 from addon.blender.objects.mesh_reading import read_object
@@ -69,22 +70,24 @@ def test_objects_belong_together_as_at_rest(pulled_off, character):
     assert pulled_off.pose.bones["Neck"].matrix == pose
 
 
-def test_limbs_are_chosen_on_the_body_of_the_run(pulled_off, character, monkeypatch):
-    seen = []
+def test_limbs_and_in_betweens_are_of_the_body_of_the_run(pulled_off, character, monkeypatch):
+    rests, shapes_of = [], limbs.limb_shapes
 
-    def noted(*some):
-        seen.append(combined(*some))
-        return seen[-1]
+    def noted(*some, rest=None, **more):
+        rests.append(rest)
+        return shapes_of(*some, rest=rest, **more)
 
-    monkeypatch.setattr("addon.blender.jobs.form_item.combined", noted)
-    monkeypatch.setattr("addon.blender.results.variants.combined", noted)
+    monkeypatch.setattr(limbs, "limb_shapes", noted)
     activate(*character.values())
     run(mesh="SHOWN", objects="TOUCHING")
     activate(character["trunk"])
     assert bpy.ops.object.canonical_form_limb(patch=1) == {"FINISHED"}
     assert bpy.ops.object.canonical_form_in_betweens(count=1) == {"FINISHED"}
-    assert all(whole.rest is not None for whole in seen)
-    assert len(seen) >= 3
+    assert len(rests) == 2
+    activate(*character.values())
+    assert run(mesh="SHOWN", objects="TOUCHING") == {"FINISHED"}  # which computes the in-betweens again
+    assert len(rests) == 3
+    assert all(rest is not None for rest in rests)
     assert pulled_off.data.pose_position == "POSE"
 
 
