@@ -70,10 +70,11 @@ class FormTask:
                 if not held or meshes.setdefault(obj.data, obj.name) == obj.name:
                     self.items.append(item)
                     read.append(obj)
-            for some in [range(len(read))] if together else [range(at, at + 1) for at in range(len(read))]:
-                readings = with_rests([read[at] for at in some], [self.items[at].readings[0] for at in some])
-                for at, reading in zip(some, readings, strict=True):
-                    self.items[at].readings = [reading]
+            pairs = list(zip(read, self.items, strict=True))
+            for group in [pairs] if together else [[pair] for pair in pairs]:
+                rested = with_rests([obj for obj, _ in group], [item.readings[0] for _, item in group])
+                for (_, item), reading in zip(group, rested, strict=True):
+                    item.readings = [reading]
         for obj in objects if together else taken:
             if meshes.get(obj.data, obj.name) != obj.name:
                 self._unread.append(

@@ -203,18 +203,15 @@ def combined(readings: Sequence[Reading]) -> Combined:
     objects = [mirrored(each.vertices, each.faces, each.mirrors) for each in readings]
     starts = np.cumsum([0, *(len(each.vertices) for each in objects)])
     placements = [each.placement for each in readings]
-    if len(readings) == 1:
-        alone = Combined(objects[0].vertices, objects[0].faces, starts, objects, placements)
-        return alone if readings[0].rest is None else alone._replace(rest=alone.put_together([readings[0].rest]))
-    for reading in readings:
-        require_thick(reading.name, reading.placement)
-    faces = [
-        outward(each.faces, place) + start for each, place, start in zip(objects, placements, starts[:-1], strict=True)
-    ]
-    whole = Combined(np.zeros((0, 3)), np.concatenate(faces), starts, objects, placements)
+    whole = Combined(objects[0].vertices, objects[0].faces, starts, objects, placements)
+    if len(readings) > 1:
+        for reading in readings:
+            require_thick(reading.name, reading.placement)
+        places = zip(objects, placements, starts[:-1], strict=True)
+        faces = np.concatenate([outward(each.faces, place) + start for each, place, start in places])
+        whole = whole._replace(vertices=whole.put_together([each.vertices for each in readings]), faces=faces)
     rests = [each.rest for each in readings if each.rest is not None]
-    rest = whole.put_together(rests) if len(rests) == len(readings) else None
-    return whole._replace(vertices=whole.put_together([each.vertices for each in readings]), rest=rest)
+    return whole._replace(rest=whole.put_together(rests)) if len(rests) == len(readings) else whole
 
 
 def touching(readings: Sequence[Reading], *, together: bool, cancelled: Cancelled | None = None) -> list[list[int]]:

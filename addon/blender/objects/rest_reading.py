@@ -10,6 +10,7 @@ import bpy
 import numpy as np
 
 from ...core import CanonicalFormError
+from .combining import moved
 from .mesh_reading import Reading, read_shown
 from .placement import placement_of
 
@@ -63,7 +64,7 @@ def _rest_of(obj: bpy.types.Object, reading: Reading, corners: IntArray) -> Floa
     if flat or len(vertices) != len(reading.vertices) or not np.array_equal(_corners_of(obj), corners):
         return None
     back = np.linalg.inv(reading.placement) @ placement_of(obj, True)
-    return vertices @ back[:3, :3].T + back[:3, 3]
+    return moved(vertices, back)
 
 
 def _corners_of(obj: bpy.types.Object) -> IntArray:

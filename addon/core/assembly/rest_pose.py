@@ -8,12 +8,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..mesh.geometry import checked_arrays, of_unit_area, surface_area
+from ..mesh.geometry import checked_arrays, component_areas, of_unit_area
 from ..numerics.arrays import FloatArray
 from ..run.errors import InvalidMeshError
 from ..run.monitor import Monitor
 from .bodies import Bodies, bodies_of
 from .body import Body
+from .contacts import Samples
 from .pieces import NO_AREA, Piece, Pieces
 from .strays import drawn_in, stray_vertices
 
@@ -62,9 +63,10 @@ def bodies_at_rest(
 
 def _without_area(pieces: Pieces, places: FloatArray) -> list[Piece]:
     """List the pieces that have no area in a pose (n, 3)."""
-    areas = np.array([surface_area(places[each.vertices], each.faces) for each in pieces.pieces])
-    size = np.ptp(places[pieces.faces].reshape(-1, 3), axis=0).max()
-    return [piece for piece, area in zip(pieces.pieces, areas, strict=True) if area <= NO_AREA * size**2]
+    start = np.cumsum([0, *(len(each.faces) for each in pieces.pieces[:-1])])
+    faces = np.concatenate([each.vertices[each.faces] for each in pieces.pieces])
+    area, _ = component_areas(places, faces, start)
+    return [pieces.pieces[index] for index in np.flatnonzero(area <= NO_AREA)]
 
 
 def _all_posed(bodies: Bodies, vertices: FloatArray) -> Bodies:
@@ -86,17 +88,22 @@ def _posed(body: Body, places: FloatArray) -> Body:
     _, centre, unit = of_unit_area(places[used], corners.reshape(-1, 3))
     scaled = (places - centre) / unit
     points = scaled[body.vertices]
-    parts = [
-        (own, triangles, samples._replace(points=samples.on(points[own]))) for own, triangles, samples in body.parts
-    ]
-    riders = [
-        rider._replace(
-            piece=Piece(rider.piece.vertices, places[rider.piece.vertices], rider.piece.faces),
-            samples=rider.samples._replace(points=rider.samples.on(scaled[rider.piece.vertices])),
-        )
-        for rider in body.riders
-    ]
-    return Body(
-        body.vertices, places[body.vertices], body.faces, parts, riders, (centre, unit) if parts else body.frame,
-        body.points,
-    )  # fmt: skip
+    return replace(
+        body,
+        points=places[body.vertices],
+        parts=[(own, triangles, _moved(samples, points[own])) for own, triangles, samples in body.parts],
+        riders=[
+            rider._replace(
+                piece=Piece(rider.piece.vertices, places[rider.piece.vertices], rider.piece.faces),
+                samples=_moved(rider.samples, scaled[rider.piece.vertices]),
+            )
+            for rider in body.riders
+        ],
+        frame=(centre, unit),
+        rest=body.points,
+    )
+
+
+def _moved(samples: Samples, points: FloatArray) -> Samples:
+    """Move the samples of a piece with its vertices (p, 3)."""
+    return samples._replace(points=samples.on(points))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..numerics.arrays import FloatArray, IntArray
+from ..numerics.vectors import angle
 
 _LIMB = 0.8  # largest area of a limb over its squared length; heads and trunks have more
 _END = 0.25  # share of a limb at either end
@@ -40,7 +41,7 @@ def limb_bends(points: FloatArray, mass: FloatArray, cells: IntArray, to_feature
             continue
         weight = np.array(parts) * mass[own]
         tip, root, *middles = weight @ points[own] / weight.sum(axis=1, keepdims=True)
-        bends[limb] = max(_angle(middle - tip, root - middle) for middle in middles)
+        bends[limb] = max(angle(middle - tip, root - middle) for middle in middles)
     return bends
 
 
@@ -61,8 +62,3 @@ def bend_summary(bends: FloatArray) -> dict[str, float]:
     means = {"bend_in_pose": float(before.mean()), "bend_in_form": float(after.mean())} if len(before) else {}
     count = np.count_nonzero(after < np.maximum(_BENT, before / 2))
     return {"limbs_bent": float(len(before)), "limbs_straightened": float(count), **means}
-
-
-def _angle(one: FloatArray, other: FloatArray) -> float:
-    """Compute the angle between two vectors in degrees."""
-    return float(np.degrees(np.arctan2(np.linalg.norm(np.cross(one, other)), one @ other)))

@@ -45,3 +45,14 @@ def dot(one: FloatArray, two: FloatArray) -> FloatArray:
     [32.0]
     """
     return np.asarray(one[0] * two[0] + one[1] * two[1] + one[2] * two[2])
+
+
+def angle(one: FloatArray, two: FloatArray) -> float:
+    """Compute the angle between two vectors (3,) in degrees.
+
+    Examples
+    --------
+    >>> angle(np.array([2.0, 0, 0]), np.array([0.0, 1, 0]))
+    90.0
+    """
+    return float(np.degrees(np.arctan2(np.linalg.norm(np.cross(one, two)), one @ two)))

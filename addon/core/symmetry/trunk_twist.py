@@ -7,6 +7,7 @@ from itertools import combinations
 import numpy as np
 
 from ..numerics.arrays import FloatArray
+from ..numerics.vectors import angle
 from .limbs import Limbs
 
 TWISTED = 60.0  # degrees; found forms of people and animals have 44 at most, those with crossed legs 70 and more
@@ -36,6 +37,5 @@ def trunk_twist(tips: FloatArray, limbs: Limbs) -> float:
         axis = middle[one] - middle[other]
         axis = axis / max(float(np.linalg.norm(axis)), np.finfo(float).tiny)
         first, second = (each - (each @ axis) * axis for each in (across[one], across[other]))
-        angle = np.arctan2(np.linalg.norm(np.cross(first, second)), first @ second)
-        twist = max(twist, float(np.degrees(angle)))
+        twist = max(twist, angle(first, second))
     return twist
