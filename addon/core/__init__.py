@@ -21,8 +21,10 @@ if TYPE_CHECKING:
     from .matches import match
     from .method_api.settings import Settings
     from .poses import pose_like
-    from .results import CanonicalForm, FeaturePatches, Match, PosedLike
+    from .results import CanonicalForm, FeaturePatches, Match, PosedLike, Stance
+    from .rigging.skeleton import Skeleton
     from .run.kept_stages import KeptStages
+    from .stances import stance_by_bones
     from .transfers import transferred, transferred_corners, transferred_labels, transferred_shape
 
 __all__ = [
@@ -36,7 +38,9 @@ __all__ = [
     "Match",
     "PosedLike",
     "Settings",
+    "Skeleton",
     "SolverError",
+    "Stance",
     "TooLargeError",
     "canonical_form",
     "distance_field",
@@ -46,6 +50,7 @@ __all__ = [
     "mannequin",
     "match",
     "pose_like",
+    "stance_by_bones",
     "transferred",
     "transferred_corners",
     "transferred_labels",
@@ -59,6 +64,8 @@ _DOORS = {
     "KeptStages": "run.kept_stages",
     "Match": "results",
     "PosedLike": "results",
+    "Skeleton": "rigging.skeleton",
+    "Stance": "results",
     "canonical_form": "canonical",
     "distance_field": "distance_fields",
     "feature_patches": "features",
@@ -67,6 +74,7 @@ _DOORS = {
     "mannequin": "mannequins",
     "match": "matches",
     "pose_like": "poses",
+    "stance_by_bones": "stances",
     "transferred": "transfers",
     "transferred_corners": "transfers",
     "transferred_labels": "transfers",

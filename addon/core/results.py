@@ -211,5 +211,42 @@ class PosedLike(_Summarised):
     warnings: list[Message]
 
 
-Shaped = CanonicalForm | PosedLike  # results with a shape of their own
+@dataclass(frozen=True, eq=False, repr=False)
+class Stance(_Summarised):
+    """A rigged mesh in a T-pose or an A-pose.
+
+    Attributes
+    ----------
+    vertices : (n, 3) ndarray of float
+        The mesh in that pose, around its own centre, facing -Y, its left at +X, Z up.
+    faces : (m, 3) ndarray of int
+        Its triangles.
+    feature_points : (0,) ndarray of int
+        None: bones need no feature points.
+    patches : (n,) ndarray of int
+        -1.
+    adf : (n,) ndarray of float
+        0.
+    bones : list of str
+        Names of the bones that were turned: of each arm and leg, the left one first, from its root to its end.
+    edge_distortion : float
+        Median relative change of edge length.
+    timings : dict of str to float
+        Seconds by stage.
+    warnings : list of Message
+        Sentences for the user.
+    """
+
+    vertices: FloatArray
+    faces: IntArray
+    feature_points: IntArray
+    patches: IntArray
+    adf: FloatArray
+    bones: list[str]
+    edge_distortion: float
+    timings: dict[str, float]
+    warnings: list[Message]
+
+
+Shaped = CanonicalForm | PosedLike | Stance  # results with a shape of their own
 AnyResult = FeaturePatches | Shaped

@@ -256,6 +256,8 @@ def _summary(task: "FormTask") -> str:
 def _told_result(report: "FormReport", seconds: float) -> str:
     """Describe the result for one body."""
     if report.like is not None:
+        if report.like.source == "bones":
+            return told("{key}: by the bones of its rig, {seconds:.1f} s.", key=report.like.key, seconds=report.seconds)
         return told("{key}: {confidence:.0%} match confidence, {seconds:.1f} s.", key=report.like.key,
                     confidence=report.like.confidence, seconds=report.seconds)  # fmt: skip
     points = counted_points(len(report.feature_points))

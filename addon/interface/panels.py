@@ -294,6 +294,8 @@ def _draw_report(column: bpy.types.UILayout, record: Record) -> None:
     if report.like is not None:
         sure = told("{confidence:.0%} match confidence, {seconds:.1f} s", confidence=report.like.confidence,
                     seconds=seconds)  # fmt: skip
+        if report.like.source == "bones":
+            sure = told("By the bones of its rig, {seconds:.1f} s", seconds=seconds)
         lines = [sure, distortion]
     else:
         found = counted_points(len(report.feature_points), record.has_patches)

@@ -26,6 +26,7 @@ from ..results.result_clearing import clear_results
 from ..results.result_writing import key_name, write_results
 from ..words.wording import listed, told
 from .form_result import FormResult, results_of
+from .item_pose import posed_like
 from .request import Request
 
 if TYPE_CHECKING:
@@ -349,7 +350,7 @@ class FormItem:
         settings: Settings,
         progress: Progress | None,
         cancelled: Cancelled | None,
-    ) -> tuple[Shaped, MatchValues]:
+    ) -> tuple[Shaped, MatchValues | None]:
         """Put the objects into the pose of another, oriented as that object is in the scene."""
         self._require_no_mirror(
             told(
@@ -358,10 +359,7 @@ class FormItem:
                 name=self.name,
             )
         )
-        alone = len(self.readings) == 1
-        turn = world_rotation(self.readings[0].placement) if alone else np.eye(3)
-        found, carried = likeness.posed(whole.vertices @ turn.T, whole.faces, settings, whole.rest, progress, cancelled)
-        return replace(found, vertices=found.vertices @ turn), carried
+        return posed_like(self.readings, whole, likeness, settings, progress, cancelled)
 
     def _require_no_mirror(self, reason: str) -> None:
         """Reject base meshes that have a mirror image shown by a modifier."""

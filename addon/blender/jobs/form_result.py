@@ -83,7 +83,7 @@ def results_of(
         found = _folded(found, whole)
     report = _report(readings, whole, found, request)
     report.frame = readings[0].frame if report.measures else None
-    colours = colours_of(found.adf, found.patches, whole.faces)
+    colours = _colours_of(found, whole)
     if len(readings) == 1 and not readings[0].mirrors:
         return [FormResult(found, report, colours, list(shapes), carried)]
     if len(readings) > 1:
@@ -127,6 +127,16 @@ def _folded(found: AnyResult, whole: Combined) -> AnyResult:
     return replace(found, feature_points=points, patches=patches)
 
 
+def _colours_of(found: AnyResult, whole: Combined) -> Colours:
+    """Colour the fields and patches; a stance has none."""
+    from ...core import Stance
+
+    if isinstance(found, Stance):
+        none = np.zeros((len(whole.vertices), 4), dtype=np.float32)
+        return Colours(none, none, [])
+    return colours_of(found.adf, found.patches, whole.faces)
+
+
 def _split(found: AnyResult, readings: Sequence[Reading], whole: Combined) -> Sequence[AnyResult]:
     """Split forms or patches by object."""
     from ...core import FeaturePatches
@@ -145,7 +155,7 @@ def _split(found: AnyResult, readings: Sequence[Reading], whole: Combined) -> Se
 
 def _report(readings: Sequence[Reading], whole: Combined, found: AnyResult, request: Request) -> FormReport:
     """Create the report for a whole body."""
-    from ...core import FeaturePatches, PosedLike
+    from ...core import FeaturePatches, PosedLike, Stance
 
     report = FormReport.of(found, whole.vertices, whole.faces, request.settings, hausdorff=request.hausdorff)
     report.warnings = warnings_by_object(found.warnings, readings)
@@ -160,6 +170,6 @@ def _report(readings: Sequence[Reading], whole: Combined, found: AnyResult, requ
                 apart=apart,
             )
         )
-    if isinstance(found, PosedLike) and request.likeness is not None:
+    if isinstance(found, PosedLike | Stance) and request.likeness is not None:
         report.like = request.likeness.report(found)
     return report

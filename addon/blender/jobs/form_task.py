@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import bpy
 
 from ...core import CanonicalFormError, InvalidMeshError
+from ..objects.bone_reading import with_bones
 from ..objects.combining import touching
 from ..objects.object_states import muted_results, object_mode
 from ..objects.rest_reading import with_rests
@@ -72,7 +73,10 @@ class FormTask:
                     read.append(obj)
             pairs = list(zip(read, self.items, strict=True))
             for group in [pairs] if together else [[pair] for pair in pairs]:
-                rested = with_rests([obj for obj, _ in group], [item.readings[0] for _, item in group])
+                there = [obj for obj, _ in group]
+                rested = with_rests(there, [item.readings[0] for _, item in group])
+                if request.likeness is not None and request.likeness.by_bones:
+                    rested = with_bones(there, rested)
                 for (_, item), reading in zip(group, rested, strict=True):
                     item.readings = [reading]
         for obj in objects if together else taken:

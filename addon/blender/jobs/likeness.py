@@ -12,8 +12,9 @@ from ..records.form_report import LikeReport
 from ..results.match_values import MatchValues
 
 if TYPE_CHECKING:
-    from ...core import PosedLike, Settings
+    from ...core import PosedLike, Settings, Stance
     from ...core.run.monitor import Cancelled, Progress
+    from ..objects.mesh_reading import Bones
 
 MANNEQUINS = {"T": "T-Pose", "A": "A-Pose"}  # with the names of their shape keys
 _LIKE = "Like {}"
@@ -65,12 +66,17 @@ class Likeness:
         name = MANNEQUINS.get(self.pose, _LIKE.format(self.name))
         return name.encode()[:_LONGEST].decode(errors="ignore")
 
-    def report(self, found: PosedLike) -> LikeReport:
+    @property
+    def by_bones(self) -> bool:
+        """Whether a rig gives the pose by itself: a T-pose or an A-pose, unless a way to match is asked for."""
+        return self.pose in MANNEQUINS and self.side < 0
+
+    def report(self, found: PosedLike | Stance) -> LikeReport:
         """Report the source of the pose and the confidence of the match.
 
         Parameters
         ----------
-        found : PosedLike
+        found : PosedLike or Stance
             The mesh in that pose.
 
         Returns
@@ -78,8 +84,38 @@ class Likeness:
         LikeReport
             The report.
         """
+        from ...core import Stance
+
+        if isinstance(found, Stance):
+            return LikeReport(self.pose, self.name, self.key, 0, [], 1.0, "bones")
         confidence = round(float(found.match.confidence.mean()), 3)
         return LikeReport(self.pose, self.name, self.key, max(self.side, 0), found.match.sides, confidence)
+
+    def stance(self, rest: FloatArray, faces: IntArray, bones: Bones) -> Stance | None:
+        """Put a rigged mesh into the stance by its own bones.
+
+        Parameters
+        ----------
+        rest : (n, 3) ndarray of float
+            Positions in the rest pose, in world space.
+        faces : (m, 3) ndarray of int
+            Triangles.
+        bones : Bones
+            The bones of all vertices.
+
+        Returns
+        -------
+        Stance or None
+            The mesh in that pose, in world space; None if its bones do not tell arms and legs.
+        """
+        from ...core import InvalidMeshError, stance_by_bones
+
+        try:
+            return stance_by_bones(rest, faces, bones.skeleton, bones.weights, self.pose)
+        except InvalidMeshError as error:
+            if error.kind != "stance_limbs":
+                raise
+            return None
 
     def posed(
         self,

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from ...core.numerics.arrays import FloatArray
 
 
-def weights_of(obj: bpy.types.Object, names: Iterable[str]) -> dict[str, FloatArray]:
+def weights_of(obj: bpy.types.Object, names: Iterable[str], *, shown: bool = False) -> dict[str, FloatArray]:
     """Read the weights of vertex groups without a loop over the vertices.
 
     Blender gives weights one vertex at a time, but it mixes shape keys at once: on a temporary copy of the mesh, with
@@ -25,6 +25,8 @@ def weights_of(obj: bpy.types.Object, names: Iterable[str]) -> dict[str, FloatAr
         The object, in Object Mode.
     names : iterable of str
         Names of groups.
+    shown : bool
+        Whether to read them on the evaluated mesh, whose modifiers may have made vertices.
 
     Returns
     -------
@@ -34,7 +36,9 @@ def weights_of(obj: bpy.types.Object, names: Iterable[str]) -> dict[str, FloatAr
     found = [name for name in names if name in obj.vertex_groups]
     if not found or not len(obj.data.vertices):
         return {name: np.zeros(0) for name in found}
-    mesh = bpy.data.meshes.new_from_object(obj, preserve_all_data_layers=True)  # without shape keys
+    graph = bpy.context.evaluated_depsgraph_get()
+    source = obj.evaluated_get(graph) if shown else obj
+    mesh = bpy.data.meshes.new_from_object(source, preserve_all_data_layers=True, depsgraph=graph)  # without shape keys
     holder = bpy.data.objects.new(mesh.name, mesh)
     weights: dict[str, FloatArray] = {}
     try:

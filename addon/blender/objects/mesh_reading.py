@@ -18,8 +18,27 @@ from .placement import placement_of
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
+    from ...core import Skeleton
     from ...core.mesh.mirroring import Mirror
     from ...core.numerics.arrays import FloatArray, IntArray
+
+
+class Bones(NamedTuple):
+    """The bones that move an object.
+
+    Attributes
+    ----------
+    rig : str
+        Name of the armature object.
+    skeleton : Skeleton
+        All its bones at rest, in world space.
+    weights : (n, b) ndarray of float
+        How far each vertex follows each bone.
+    """
+
+    rig: str
+    skeleton: Skeleton
+    weights: FloatArray
 
 
 class Reading(NamedTuple):
@@ -47,6 +66,8 @@ class Reading(NamedTuple):
         Mirrors of modifiers; vertices and faces do not include the images.
     rest : (n, 3) ndarray of float or None
         Positions of the vertices with the armature at rest; None if it is not known.
+    bones : Bones or None
+        The bones of that armature; None unless they were asked for.
     """
 
     name: str
@@ -59,6 +80,7 @@ class Reading(NamedTuple):
     placement: FloatArray
     mirrors: Sequence[Mirror]
     rest: FloatArray | None = None
+    bones: Bones | None = None
 
 
 def refusal(obj: bpy.types.Object | None) -> str | None:

@@ -36,12 +36,12 @@ def with_rests(objects: Sequence[bpy.types.Object], readings: Sequence[Reading])
         The same with `rest` if one armature moves them all. Several are several characters, whose rests may be at one
         place, and what no armature moves, such as a floor, touches them by chance.
     """
-    rigs = [_rigs_of(obj) for obj in objects]
+    rigs = [rigs_of(obj) for obj in objects]
     rig = next(iter(rigs[0]), None) if rigs else None
     if rig is None or any(each != {rig} for each in rigs):
         return list(readings)
     if rig.data.pose_position == "REST" or not any(each.deformed for each in readings):
-        held = any(_constraining(above) for obj in objects for above in _chain_of(obj))  # which base meshes do not undo
+        held = any(_constraining(above) for obj in objects for above in chain_of(obj))  # which base meshes do not undo
         return list(readings) if held else [each._replace(rest=each.vertices) for each in readings]
     if not rig.data.is_editable or any(_is_simulated(obj) for obj in objects):
         return list(readings)
@@ -75,15 +75,15 @@ def _corners_of(obj: bpy.types.Object) -> IntArray:
     return corners.astype(np.int64)
 
 
-def _rigs_of(obj: bpy.types.Object) -> set[bpy.types.Object]:
+def rigs_of(obj: bpy.types.Object) -> set[bpy.types.Object]:
     """Find the armatures that move an object: by a modifier, as a parent, or by a constraint."""
     found = [each.object for each in obj.modifiers if each.type == "ARMATURE" and each.show_viewport]
-    for above in _chain_of(obj):
+    for above in chain_of(obj):
         found += [above, *_constraining(above)]
     return {each for each in found if each is not None and each.type == "ARMATURE"}
 
 
-def _chain_of(obj: bpy.types.Object) -> Iterator[bpy.types.Object]:
+def chain_of(obj: bpy.types.Object) -> Iterator[bpy.types.Object]:
     """List an object, its parent, and so on."""
     above: bpy.types.Object | None = obj
     while above is not None:

@@ -49,6 +49,8 @@ class LikeReport(NamedTuple):
         Scores of the ways to match, the most likely first.
     confidence : float
         Mean confidence of the match.
+    source : {'match', 'bones'}
+        Whether a match with the other body told the pose, or the bones of the mesh's own rig.
     """
 
     pose: str
@@ -57,6 +59,7 @@ class LikeReport(NamedTuple):
     side: int
     sides: list[float]
     confidence: float
+    source: str = "match"
 
 
 @dataclass
@@ -229,6 +232,7 @@ class FormReport:
                 side=whole(like["side"]),
                 sides=listed(real, like["sides"]),
                 confidence=real(like["confidence"]),
+                source=words(like.get("source", "match")),
             )
             report.pieces = words(data["pieces"])
         if "measures" in data:

@@ -81,9 +81,10 @@ def write_results(
         Whether to update the form only: the value of its key stays, and groups and colours stay if the patches are the
         same.
     """
-    from ...core import FeaturePatches
+    from ...core import FeaturePatches, Stance
 
     mesh = obj.data
+    patches = patches and not isinstance(found, Stance)
     form = None if isinstance(found, FeaturePatches) else found.vertices
     old, active, elsewhere = read_record(mesh), active_items(obj), active_keys_elsewhere(obj)
     same = old is not None and key_name(old.report) == key_name(report)
@@ -124,6 +125,8 @@ def write_results(
             _write_key(obj, record, kept_key, form, kept_key.value if live and kept_key is not None else value)
         if surface_stays:
             shown = list(record.colours)[-1]
+        elif isinstance(found, Stance):
+            shown = active.colour or ""
         else:
             _write_groups(obj, record, found, patches)
             shown = _write_colours(obj, record, FIELD_COLOURS, colours.field)
@@ -144,7 +147,9 @@ def write_results(
     restore_active_items(obj, active.kept(existing_items(obj), otherwise=record.active_before))
     if form is not None and active.shape_key is None:
         obj.active_shape_key_index = mesh.shape_keys.key_blocks.find(next(iter(record.keys)))
-    if old is None or active.colour is None or record.active_before.colour is None:  # otherwise keep the user's choice
+    if shown and (
+        old is None or active.colour is None or record.active_before.colour is None
+    ):  # else the user's choice
         mesh.color_attributes.active_color_name = shown
     restore_active_keys(elsewhere)
     mesh.update()

@@ -112,6 +112,12 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
     "match_side": 'The side must be "auto" or a non-negative whole number; got {value!r}.',
     "match_no_side": "There are {count} ways to match these meshes; side must lie between 0 and {last}.",
     "match_pose": "The pose of the reference needs one position for each of its {count} vertices.",
+    "stance_pose": "The pose must be 'T' or 'A'; got {value!r}.",
+    "stance_arrays": "The rig needs a head, a tail and a parent for each of its {bones} bones, and one weight of each "
+    "for each of the {vertices} vertices.",
+    "stance_limbs": "Neither the names nor the shape of these bones tell two arms and two legs.",
+    "stance_by_match": "Neither the names nor the shape of the bones tell two arms and two legs, so the pose comes "
+    "from a match with a mannequin. Check it.",
     "mannequin_arms": "The arms of the mannequin can be lowered by -90 to 90 degrees; got {value!r}.",
     "match_bodies": "This mesh has {count} bodies and the other {others}; only those that both have, the largest "
     "first, were matched.",

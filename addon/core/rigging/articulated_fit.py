@@ -1,0 +1,95 @@
+"""The skeleton refined by closest points: the reference, posed by it, is laid onto the body again and again."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..mesh.closest_points import closest_points
+from ..mesh.geometry import vertex_normals
+from ..numerics.arrays import FloatArray, IntArray
+from ..run.monitor import Monitor
+from .bone_fit import BoneFit, fitted_bones
+from .reference_rig import ReferenceRig
+
+_ROUNDS = 4  # more drift
+_FACING = 0.05  # weight of normals, in sizes of the body
+_STRAYED = 0.06  # of the reference's size: as far from the match, a closest point is not believed
+_BELIEVED, _LEAST = 0.1, 0.02  # least belief in one, and weight of a point that keeps its match
+_DOUBTFUL = 0.1  # least confidence of a point
+
+
+class Explained(NamedTuple):
+    """A body explained by the posed reference.
+
+    Attributes
+    ----------
+    bones : BoneFit
+        The skeleton.
+    at : (n, 3) ndarray of float
+        The point of the reference that each vertex is.
+    weights : (n, b) ndarray of float
+        The weights there.
+    sure : (n,) ndarray of float
+        Confidence of each, 0 to 1.
+    residual : (n,) ndarray of float
+        How far each vertex is from where the skeleton puts its point, in sizes of the body.
+    """
+
+    bones: BoneFit
+    at: FloatArray
+    weights: FloatArray
+    sure: FloatArray
+    residual: FloatArray
+
+
+def explained(
+    rig: ReferenceRig,
+    points: FloatArray,
+    faces: IntArray,
+    areas: FloatArray,
+    at: FloatArray,
+    weights: FloatArray,
+    sure: FloatArray,
+    monitor: Monitor,
+) -> Explained:
+    """Fit a skeleton to a body, from a match.
+
+    `points` (n, 3), `faces`, `areas` (n,): the body; `at` (n, 3), `weights` (n, b): the matching points of the
+    reference; `sure` (n,): their confidence.
+
+    References
+    ----------
+    Pellegrini, Schindler and Nardi, "A Generalization of the ICP Algorithm for Articulated Bodies", 2008.
+    """
+    size = float(np.ptp(points, axis=0).max())
+    scale = float(np.ptp(rig.vertices, axis=0).max())
+    own = _FACING * size * vertex_normals(points, faces)
+    known = np.maximum(sure, _DOUBTFUL)
+    bones = fitted_bones(rig, points, areas, at, weights, sure)
+    matched, matched_weights = at, weights
+    for _ in range(_ROUNDS):
+        monitor.check()
+        laid = bones.posed(rig, rig.vertices, rig.weights)
+        others = np.column_stack([laid, _FACING * size * vertex_normals(laid, rig.faces)])
+        near = closest_points(others, rig.faces, np.column_stack([points, own]), monitor)
+        found, found_weights = near.on(rig.vertices, rig.faces), near.on(rig.weights, rig.faces)
+        belief = np.exp(-((np.linalg.norm(found - matched, axis=1) / scale / _STRAYED) ** 2))
+        taken = (belief > _BELIEVED)[:, None]
+        at, weights = np.where(taken, found, matched), np.where(taken, found_weights, matched_weights)
+        bones = fitted_bones(rig, points, areas, at, weights, known * np.maximum(belief, _LEAST))
+    residual = np.linalg.norm(bones.posed(rig, at, weights) - points, axis=1) / size
+    return Explained(bones, at, weights, sure, residual)
+
+
+def turned_round(rig: ReferenceRig, at: FloatArray, weights: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Turn a match back to front: every point of the reference becomes its counterpart after half a turn.
+
+    So a body that was matched facing backwards is fitted the other way round without a second match.
+
+    `at` (n, 3); `weights` (n, b); gives both for the other side.
+    """
+    found = closest_points(rig.vertices, rig.faces, at * [-1.0, -1, 1])
+    there = found.on(rig.weights, rig.faces)
+    return found.on(rig.vertices, rig.faces), (weights[:, rig.mates] + there) / 2

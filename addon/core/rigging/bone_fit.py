@@ -1,0 +1,162 @@
+"""Where the bones of a reference lie in another body, from a match of the two skins."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..deformation.rotations import nearest_rotations
+from ..numerics.arrays import FloatArray
+from .reference_rig import ReferenceRig
+from .stance import swing
+
+_ROUNDS = 3  # of robust weights
+_ALTERNATIONS = 4  # of rotation and scales
+_ENOUGH = 1e-5  # share of the skin below which a bone follows its parent
+_LOCAL = 1.5  # radii of a limb: reach of the skin that tells where a joint is
+_PRIOR = 0.3  # weight of a bone's own rotation where only the skin near a joint is used
+_LONG, _SHORT = 5.0, 0.2  # bounds of a bone's scales
+
+
+class BoneFit(NamedTuple):
+    """The bones of a reference in the pose and proportions of another body.
+
+    Attributes
+    ----------
+    heads, tails : (b, 3) ndarray of float
+        Where each bone begins and ends.
+    turns : (b, 3, 3) ndarray of float
+        Rotation of each bone from the reference, for column vectors.
+    scales : (b, 2) ndarray of float
+        How much larger the body is than the reference, along each bone and across it.
+    """
+
+    heads: FloatArray
+    tails: FloatArray
+    turns: FloatArray
+    scales: FloatArray
+
+    def posed(self, rig: ReferenceRig, points: FloatArray, weights: FloatArray) -> FloatArray:
+        """Carry points of the reference to the body. `points` (n, 3); `weights` (n, b); gives (n, 3)."""
+        axes, heads = rig.axes, rig.skeleton.heads
+        moved = np.zeros_like(points)
+        for bone in np.flatnonzero(weights.any(axis=0)):
+            held = np.flatnonzero(weights[:, bone])
+            apart = points[held] - heads[bone]
+            along, across = self.scales[bone]
+            apart = across * apart + (along - across) * np.outer(apart @ axes[bone], axes[bone])
+            moved[held] += weights[held, bone, None] * (self.heads[bone] + apart @ self.turns[bone].T)
+        return moved
+
+
+class _Similarities(NamedTuple):
+    """One motion with two scales for each bone: ``x ↦ there + R S (x - here)``."""
+
+    turns: FloatArray  # (b, 3, 3)
+    scales: FloatArray  # (b, 2)
+    here: FloatArray  # (b, 3)
+    there: FloatArray  # (b, 3)
+
+    def of(self, points: FloatArray, axes: FloatArray) -> FloatArray:
+        """Move points with every bone, (n, b, 3); or one point each with its own bone, (b, 3)."""
+        apart = (points if points.shape == self.here.shape else points[:, None]) - self.here
+        along = np.einsum("...bi,bi->...b", apart, axes)[..., None]
+        scaled = self.scales[:, 1:] * apart + (self.scales[:, :1] - self.scales[:, 1:]) * along * axes
+        return np.asarray(np.einsum("bij,...bj->...bi", self.turns, scaled) + self.there)
+
+
+def fitted_bones(
+    rig: ReferenceRig, points: FloatArray, areas: FloatArray, at: FloatArray, weights: FloatArray, sure: FloatArray
+) -> BoneFit:
+    """Fit the bones of a reference to another body.
+
+    Every bone is a similarity with a scale along and one across, robustly fitted to the skin that it moves; a joint is
+    where the skin of both its bones near it puts it.
+
+    `points` (n, 3) of the body; `areas` (n,) of them; `at` (n, 3): the matching points of the reference; `weights`
+    (n, b): of the bones there; `sure` (n,): confidence, 0 to 1.
+
+    References
+    ----------
+    Horn, "Closed-form solution of absolute orientation using unit quaternions", 1987, doi:10.1364/JOSAA.4.000629.
+    """
+    mass = (areas * sure)[:, None] * weights  # (n, b)
+    parents, heads, tails = rig.skeleton.parents, rig.skeleton.heads, rig.skeleton.tails
+    axes = rig.axes
+    whole = _similarities(at, points, mass, axes)
+    for _ in range(_ROUNDS):
+        error = np.linalg.norm(whole.of(at, axes) - points[:, None], axis=2)  # (n, b)
+        typical = np.sqrt((mass * error**2).sum(axis=0) / np.maximum(mass.sum(axis=0), 1e-30)) + 1e-9
+        whole = _similarities(at, points, mass / (1 + (error / typical) ** 2), axes)
+    known = mass.sum(axis=0) > _ENOUGH * mass.sum()
+    whole = _with_relatives(whole, known, parents, heads)
+    radius = np.linalg.norm(rig.vertices[:, None] - heads, axis=2).min(axis=0)  # (b,) of the limb at each joint
+    near = np.exp(-(((at[:, None] - heads) ** 2).sum(axis=2)) / (2 * (_LOCAL * radius) ** 2))  # (n, b)
+    above = np.where(parents < 0, np.arange(len(parents)), parents)
+    guesses, shares = [], []
+    for bones in (np.arange(len(parents)), above):  # the bone itself, and its parent, at the bone's head
+        local = mass[:, bones] * near
+        share = np.where(known[bones], local.sum(axis=0), 0.0)
+        some = share > _ENOUGH * mass.sum()
+        own = _similarities(at, points, local, axes[bones], prior=whole.turns[bones])
+        here = np.where(some[:, None], own.of(heads, axes[bones]), _taken(whole, bones).of(heads, axes[bones]))
+        guesses.append(here)
+        shares.append(np.where(some, share, np.where(known[bones], _ENOUGH * mass.sum(), 1e-30)))
+    total = shares[0] + shares[1]
+    placed = (shares[0][:, None] * guesses[0] + shares[1][:, None] * guesses[1]) / total[:, None]
+    ends = whole.of(tails, axes) + placed - whole.of(heads, axes)
+    for bone, parent in enumerate(parents):
+        if parent >= 0 and np.allclose(heads[bone], tails[parent]):
+            ends[parent] = placed[bone]
+    turns = whole.turns.copy()
+    for bone, way in enumerate(ends - placed):
+        if np.linalg.norm(way) > 0:
+            turns[bone] = swing(turns[bone] @ axes[bone], way) @ turns[bone]
+    return BoneFit(placed, ends, turns, whole.scales)
+
+
+def _taken(some: _Similarities, bones: np.ndarray) -> _Similarities:
+    return _Similarities(*(each[bones] for each in some))
+
+
+def _similarities(
+    at: FloatArray, points: FloatArray, mass: FloatArray, axes: FloatArray, prior: FloatArray | None = None
+) -> _Similarities:
+    """Fit a motion with two scales to each bone: from the moments of its skin alone."""
+    share = mass / np.maximum(mass.sum(axis=0), 1e-30)
+    here, there = share.T @ at, share.T @ points
+    spread = np.einsum("nb,ni,nj->bij", share, at, at) - here[:, :, None] * here[:, None, :]
+    both = np.einsum("nb,ni,nj->bij", share, points, at) - there[:, :, None] * here[:, None, :]
+    size = np.maximum(np.trace(spread, axis1=1, axis2=2), 1e-30)
+    long = np.maximum(np.einsum("bi,bij,bj->b", axes, spread, axes), 1e-30)
+    line = axes[:, :, None] * axes[:, None, :]
+    scales = np.ones((len(axes), 2))
+    for _ in range(_ALTERNATIONS):
+        wanted = both @ (scales[:, :1, None] * line + scales[:, 1:, None] * (np.eye(3) - line))
+        if prior is not None:
+            wanted = wanted + _PRIOR * size[:, None, None] * prior
+        turns = _proper(wanted)
+        back = np.einsum("bji,bjk->bik", turns, both)
+        along = np.einsum("bi,bij,bj->b", axes, back, axes)
+        across = np.trace(back, axis1=1, axis2=2) - along
+        scales = np.column_stack([along / long, across / np.maximum(size - long, 1e-30)])
+        scales = np.clip(scales, _SHORT, _LONG)
+    return _Similarities(turns, scales, here, there)
+
+
+def _proper(covariances: FloatArray) -> FloatArray:
+    """Return the rotations (b, 3, 3), for column vectors, nearest to covariances of images with originals."""
+    return nearest_rotations(covariances)
+
+
+def _with_relatives(fits: _Similarities, known: np.ndarray, parents: np.ndarray, heads: FloatArray) -> _Similarities:
+    """Let bones without skin move with their parents, and a root with its first child."""
+    fits = _Similarities(*(each.copy() for each in fits))
+    for bone, parent in enumerate(parents):
+        if known[bone]:
+            continue
+        source = parent if parent >= 0 else next((int(b) for b in np.flatnonzero(known)), bone)
+        for each in fits:
+            each[bone] = each[source]
+    return fits

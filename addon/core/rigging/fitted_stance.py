@@ -1,0 +1,56 @@
+"""A body in a stance by its fitted skeleton: the bones of the reference, in its own lengths, equal left and right."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..numerics.arrays import FloatArray
+from .bone_fit import BoneFit
+from .evidence import turned_by
+from .reference_rig import ReferenceRig
+
+_FOOT, _HAND = 60.0, 100.0  # degrees beyond which an end goes with its limb
+_LEAST_HIPS = 0.02  # of the body's size: half the distance between the hips
+
+
+def fitted_stance(
+    rig: ReferenceRig, fit: BoneFit, points: FloatArray, weights: FloatArray, turns: FloatArray | None = None
+) -> FloatArray:
+    """Move points of a body with its fitted bones into the pose of the reference, or one given by turns of its bones.
+
+    `points` (n, 3); `weights` (n, b); `turns` (b, 3, 3): of the reference's bones from its rest; gives (n, 3).
+    """
+    number, parents, axes = rig.skeleton.names.index, rig.skeleton.parents, rig.axes
+    own = fit.turns.copy()
+    for side in "LR":
+        for end, limb, most in (("foot", "shin", _FOOT), ("hand", "forearm", _HAND)):
+            bone, above = number(f"{end}.{side}"), number(f"{limb}.{side}")
+            if turned_by(own[above].T @ own[bone]) > most:
+                own[bone] = own[above]
+        toe, foot = number(f"toe.{side}"), number(f"foot.{side}")
+        if turned_by(own[foot].T @ own[toe]) > _FOOT:
+            own[toe] = own[foot]
+    size, mates = float(np.ptp(points, axis=0).max()), rig.mates
+    offset = np.zeros((len(parents), 3))
+    for bone, parent in enumerate(parents):
+        if parent >= 0:
+            offset[bone] = own[parent].T @ (fit.heads[bone] - fit.heads[parent])
+    offset = (offset + offset[mates] * [-1.0, 1, 1]) / 2
+    there = np.zeros((len(parents), 3))
+    goal = np.broadcast_to(np.eye(3), (len(parents), 3, 3)) if turns is None else turns
+    for bone, parent in enumerate(parents):
+        if parent < 0:
+            continue
+        if np.allclose(rig.skeleton.heads[bone], rig.skeleton.tails[parent]):
+            long = np.linalg.norm(fit.tails - fit.heads, axis=1)[[parent, mates[parent]]].mean()
+            offset[bone] = long * axes[parent]
+        elif rig.skeleton.names[bone].startswith("thigh"):
+            side = np.sign(rig.skeleton.heads[bone, 0])
+            offset[bone, 0] = side * max(abs(offset[bone, 0]), _LEAST_HIPS * size)
+        there[bone] = there[parent] + goal[parent] @ offset[bone]
+    moved = np.zeros_like(points)
+    for bone in np.flatnonzero(weights.any(axis=0)):
+        held = np.flatnonzero(weights[:, bone])
+        places = (points[held] - fit.heads[bone]) @ own[bone] @ goal[bone].T + there[bone]
+        moved[held] += weights[held, bone, None] * places
+    return moved

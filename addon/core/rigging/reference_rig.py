@@ -1,0 +1,144 @@
+"""A rigged body that lends its skeleton to others, and the mannequin as one."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..modelling.body_plan import SHOULDER
+from ..numerics.arrays import FloatArray, IntArray
+from ..numerics.factoring import factored
+from .skeleton import Skeleton, mirror_name
+
+_ELBOW, _WRIST, _TIPS = 0.28, 0.53, 0.615  # metres from the shoulder
+_X, _Y, _Z = SHOULDER
+_JOINTS = {  # of the left side and the middle, in Rigify's names: head, tail, parent
+    "spine": ((0, 0.035, 0.97), (0, 0.03, 1.07), ""),
+    "spine.001": ((0, 0.03, 1.07), (0, 0.03, 1.19), "spine"),
+    "spine.002": ((0, 0.03, 1.19), (0, 0.035, 1.31), "spine.001"),
+    "spine.003": ((0, 0.035, 1.31), (0, 0.035, 1.45), "spine.002"),
+    "spine.004": ((0, 0.035, 1.45), (0, 0.015, 1.56), "spine.003"),
+    "spine.006": ((0, 0.015, 1.56), (0, 0.015, 1.747), "spine.004"),
+    "shoulder.L": ((0.02, -0.02, 1.42), (0.14, 0.02, 1.425), "spine.003"),
+    "upper_arm.L": (SHOULDER, (_X + _ELBOW, _Y + 0.012, _Z), "shoulder.L"),
+    "forearm.L": ((_X + _ELBOW, _Y + 0.012, _Z), (_X + _WRIST, _Y, _Z), "upper_arm.L"),
+    "hand.L": ((_X + _WRIST, _Y, _Z), (_X + _TIPS, _Y, _Z), "forearm.L"),
+    "thigh.L": ((0.09, 0.005, 0.93), (0.095, -0.002, 0.5), "spine"),
+    "shin.L": ((0.095, -0.002, 0.5), (0.1, 0.025, 0.085), "thigh.L"),
+    "foot.L": ((0.1, 0.025, 0.085), (0.112, -0.1, 0.025), "shin.L"),
+    "toe.L": ((0.112, -0.1, 0.025), (0.114, -0.175, 0.02), "foot.L"),
+}
+_SOFT = 2e-4  # m²: diffusion time of the weights, about a hand's breadth across a joint
+_COLLAR, _HIP = 0.075, 0.93  # metres: where collarbones and thighs begin
+
+
+class ReferenceRig(NamedTuple):
+    """A rigged body in a pose that is known: facing -Y, its left at +X, Z up.
+
+    Attributes
+    ----------
+    vertices : (n, 3) ndarray of float
+        Its skin.
+    faces : (m, 3) ndarray of int
+        Triangles.
+    skeleton : Skeleton
+        Its bones, in Rigify's names.
+    weights : (n, b) ndarray of float
+        How far each vertex follows each bone; rows sum to 1.
+    """
+
+    vertices: FloatArray
+    faces: IntArray
+    skeleton: Skeleton
+    weights: FloatArray
+
+    @property
+    def axes(self) -> FloatArray:
+        """Directions of the bones, (b, 3)."""
+        ways = self.skeleton.tails - self.skeleton.heads
+        return np.asarray(ways / np.linalg.norm(ways, axis=1, keepdims=True))
+
+    @property
+    def mates(self) -> IntArray:
+        """For each bone that of the other side, itself in the middle."""
+        names = self.skeleton.names
+        return np.array([names.index(mirror_name(name)) for name in names])
+
+    def at(self, vertices: IntArray, faces: IntArray) -> ReferenceRig:
+        """Return the rig on some of its vertices, with triangles of their own. `vertices` (c,); `faces` (d, 3)."""
+        return self._replace(vertices=self.vertices[vertices], faces=faces, weights=self.weights[vertices])
+
+
+def mannequin_rig(vertices: FloatArray, faces: IntArray) -> ReferenceRig:
+    """Give the mannequin a skeleton: Rigify's names, weights that change over a joint's width.
+
+    `vertices, faces`: of the mannequin in its T-pose.
+
+    Examples
+    --------
+    >>> from addon.core.mannequins import mannequin
+    >>> rig = mannequin_rig(*mannequin())
+    >>> len(rig.skeleton.names), bool(np.allclose(rig.weights.sum(axis=1), 1))
+    (22, True)
+    """
+    names, parents, heads, tails = [], [], [], []
+    for name, (head, tail, parent) in _JOINTS.items():
+        for side, mine in ((1.0, name),) if mirror_name(name) == name else ((1.0, name), (-1.0, mirror_name(name))):
+            above = mirror_name(parent) if side < 0 and mirror_name(parent) != parent else parent
+            names.append(mine)
+            parents.append(names.index(above) if above else -1)
+            heads.append(np.multiply(head, (side, 1, 1)))
+            tails.append(np.multiply(tail, (side, 1, 1)))
+    skeleton = Skeleton(names, np.array(parents), np.array(heads), np.array(tails))
+    segments = _segments(vertices)
+    hard = np.zeros((len(vertices), len(names)))
+    hard[np.arange(len(vertices)), [names.index(each) for each in segments]] = 1.0
+    return ReferenceRig(vertices, faces, skeleton, diffused(vertices, faces, hard, _SOFT))
+
+
+def diffused(vertices: FloatArray, faces: IntArray, values: FloatArray, time: float) -> FloatArray:
+    """Smooth values over a surface by one step of the heat flow. `time`: in units of area; gives (n, d)."""
+    from scipy.sparse import diags
+
+    from ..surface.laplacian import stiffness_and_mass
+    from ..surface.triangulation import triangulated
+
+    stiffness, mass = stiffness_and_mass(triangulated(vertices, faces))
+    smooth = factored(diags(mass) + time * stiffness).solve(mass[:, None] * values)
+    smooth = np.maximum(smooth, 0.0)
+    return np.asarray(smooth / smooth.sum(axis=1, keepdims=True))
+
+
+def _segments(vertices: FloatArray) -> list[str]:
+    """Name the bone that each vertex of the mannequin is nearest to, by planes across the joints."""
+    x, y, z = vertices.T
+    out, side = np.abs(x), np.where(x > 0, "L", "R")
+    spine = np.searchsorted([1.07, 1.19, 1.31, 1.45, 1.565], z + np.where(z > 1.45, 0.3 * (y - 0.03), 0.0))
+    found = np.array(["spine", "spine.001", "spine.002", "spine.003", "spine.004", "spine.006"], dtype="U12")[spine]
+    collar = (out > _COLLAR) & (z > 1.36) & (z < 1.5)
+    arm = (out > _X) & (z > 1.33) & (z < 1.56)
+    legs = (z < _HIP - 0.25 * (out - 0.09)) & ~((out > 0.3) & (z > 0.5))
+    for chosen, limb in (
+        (collar, "shoulder"),
+        (arm, "upper_arm"),
+        (arm & (out > _X + _ELBOW), "forearm"),
+        (arm & (out > _X + _WRIST), "hand"),
+        (legs, "thigh"),
+        (legs & (z < 0.5), "shin"),
+        (legs & (z + 0.35 * np.clip(y - 0.02, -0.05, 0.05) < 0.085), "foot"),
+        (legs & (z < 0.12) & (y < -0.1), "toe"),
+    ):
+        found[chosen] = np.char.add(f"{limb}.", side[chosen])
+    return found.tolist()
+
+
+def hinges(rig: ReferenceRig) -> dict[str, FloatArray]:
+    """Return the axis about which each elbow and knee bends, at rest: elbows forward, knees backward."""
+    names, axes = rig.skeleton.names, rig.axes
+    found = {}
+    for name, forward in (("forearm", 1.0), ("shin", -1.0)):
+        for side in "LR":
+            axis = np.cross(axes[names.index(f"{name}.{side}")], [0.0, -forward, 0.0])
+            found[f"{name}.{side}"] = axis / np.linalg.norm(axis)
+    return found

@@ -1,0 +1,88 @@
+"""The bones of a rig, and how the skin follows them."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..numerics.arrays import FloatArray, IntArray
+
+
+class Skeleton(NamedTuple):
+    """The bones of a rig in one pose.
+
+    Attributes
+    ----------
+    names : list of str
+        The name of each bone.
+    parents : (b,) ndarray of int
+        The parent of each bone; -1 for none.
+    heads, tails : (b, 3) ndarray of float
+        Where each bone begins and ends.
+    """
+
+    names: list[str]
+    parents: IntArray
+    heads: FloatArray
+    tails: FloatArray
+
+    def ancestors(self, bone: int) -> list[int]:
+        """List the parent of a bone, its parent, and so on."""
+        found: list[int] = []
+        while (bone := int(self.parents[bone])) >= 0:
+            found.append(bone)
+        return found
+
+    def downwards(self) -> list[int]:
+        """List the bones, each after its parent."""
+        depth = [len(self.ancestors(bone)) for bone in range(len(self.names))]
+        return np.argsort(depth, kind="stable").tolist()
+
+
+class BoneMotions(NamedTuple):
+    """How each bone moves: a point x of the skin goes to ``heads + turns (x - from)``.
+
+    Attributes
+    ----------
+    starts, heads : (b, 3) ndarray of float
+        Where each bone begins, before and after.
+    turns : (b, 3, 3) ndarray of float
+        Rotation of each bone, for column vectors.
+    """
+
+    starts: FloatArray
+    heads: FloatArray
+    turns: FloatArray
+
+
+def skinned(points: FloatArray, weights: FloatArray, motions: BoneMotions) -> FloatArray:
+    """Move points with bones, each with the weighted mean of their motions (linear blend skinning).
+
+    `points` (n, 3); `weights` (n, b), rows sum to 1; gives (n, 3).
+
+    Examples
+    --------
+    >>> turn = np.array([[[0.0, -1, 0], [1, 0, 0], [0, 0, 1]]])
+    >>> motions = BoneMotions(np.zeros((1, 3)), np.array([[0.0, 0, 5]]), turn)
+    >>> skinned(np.array([[1.0, 0, 0]]), np.ones((1, 1)), motions).tolist()
+    [[0.0, 1.0, 5.0]]
+    """
+    moved = np.zeros_like(points)
+    for bone in np.flatnonzero(weights.any(axis=0)):
+        held = np.flatnonzero(weights[:, bone])
+        places = (points[held] - motions.starts[bone]) @ motions.turns[bone].T + motions.heads[bone]
+        moved[held] += weights[held, bone, None] * places
+    return moved
+
+
+def mirror_name(name: str) -> str:
+    """Return the name of the same bone of the other side, by Blender's endings; the name itself if it has none.
+
+    Examples
+    --------
+    >>> mirror_name("hand.L"), mirror_name("spine")
+    ('hand.R', 'spine')
+    """
+    other = {".L": ".R", ".R": ".L"}.get(name[-2:])
+    return name if other is None else name[:-2] + other
