@@ -97,6 +97,7 @@ def wanted_of(options: argparse.Namespace, mark: str, *, stages: bool) -> Wanted
         trusted=options.trust_scripts,
         pose=(options.pose or "").upper(),
         side=options.side,
+        anyway=getattr(options, "anyway", False),
         kinds=tuple(getattr(options, "kinds", ())),
         mark=mark,
         stages=stages,
@@ -137,6 +138,9 @@ def _parser() -> argparse.ArgumentParser:
     )
     whose.add_argument("--pose", choices=("t", "a"), help="that of a mannequin: a T-pose or an A-pose")
     _add_side(how)
+    how.add_argument(
+        "--anyway", action="store_true", help="write a T-pose or an A-pose that is unlikely to be right, too"
+    )
     _add_axes(how)
     _add_method(posing, how)
     transferring = commands.add_parser(

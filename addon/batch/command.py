@@ -203,7 +203,7 @@ class _Run:
     def _reference(self) -> Reference:
         """Compute the form of the reference, or read its pose, in a worker; return the pose of a mannequin."""
         if self._wanted.pose:
-            return Likeness(self._wanted.pose, side=self._wanted.side)
+            return Likeness(self._wanted.pose, side=self._wanted.side, anyway=self._wanted.anyway)
         if self._reference_path is None:
             return None
         work = iter([("reference", (self._read, (self._reference_path, self._wanted)))])

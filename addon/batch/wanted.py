@@ -62,6 +62,8 @@ class Wanted:
         The mannequin that provides the pose, 'T' or 'A'; empty to use the pose of a reference.
     side : int
         Which way to match: -1 for the most likely, or its index.
+    anyway : bool
+        Whether to write a T-pose or an A-pose that is unlikely to be right.
     kinds : tuple of str
         Kinds of data to transfer, of `KINDS`.
     mark : str
@@ -89,6 +91,7 @@ class Wanted:
     skip_existing: bool = False
     pose: str = ""
     side: int = -1
+    anyway: bool = False
     kinds: tuple[str, ...] = ()
     mark: str = ""
     stages: bool = False

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from .results import CanonicalForm, FeaturePatches, Match, PosedLike, Stance
     from .rigging.skeleton import Skeleton
     from .run.kept_stages import KeptStages
-    from .stances import stance_by_bones
+    from .stances import stance_by_bones, stance_by_match
     from .transfers import transferred, transferred_corners, transferred_labels, transferred_shape
 
 __all__ = [
@@ -51,6 +51,7 @@ __all__ = [
     "match",
     "pose_like",
     "stance_by_bones",
+    "stance_by_match",
     "transferred",
     "transferred_corners",
     "transferred_labels",
@@ -75,6 +76,7 @@ _DOORS = {
     "match": "matches",
     "pose_like": "poses",
     "stance_by_bones": "stances",
+    "stance_by_match": "stances",
     "transferred": "transfers",
     "transferred_corners": "transfers",
     "transferred_labels": "transfers",

@@ -27,7 +27,7 @@ from .run.errors import CancelledError, CanonicalFormError, InvalidSettingsError
 from .run.messages import message
 from .run.monitor import Cancelled, Monitor, Progress
 
-_UNFOLDED = 0.4  # of the work, one mesh
+UNFOLDED = 0.8  # of the work of a match
 _MATCHING = {"Ways to match": 55, "Match": 45}  # stages
 _STRAINED = 0.12  # strain above which two bodies count as dissimilar: poses reach .05 to .09, people in clothes .11
 _UNLIKE = -3.5  # the same for the score, where that alone has decided; poses of a body reach -3.9 to -6
@@ -59,6 +59,29 @@ class MatchedBodies(NamedTuple):
     pairs: list[tuple[int, int]]
     maps: list[PointMap]
     match: Match
+
+
+class UnfoldedPair(NamedTuple):
+    """Two meshes of which the bodies are unfolded, before they are matched.
+
+    Attributes
+    ----------
+    bodies, others : Bodies
+        The meshes.
+    surfaces, other_surfaces : list of Unfolded
+        Their bodies with their forms.
+    pairs : list of (int, int)
+        Indices of the bodies to be matched in the two meshes, the largest first.
+    other_monitor : Monitor
+        What was said about the other mesh.
+    """
+
+    bodies: Bodies
+    others: Bodies
+    surfaces: list[Unfolded]
+    other_surfaces: list[Unfolded]
+    pairs: list[tuple[int, int]]
+    other_monitor: Monitor
 
 
 def match(
@@ -176,29 +199,13 @@ def matched_bodies(
     settings = settings or Settings()
     if side != "auto" and (isinstance(side, bool) or not isinstance(side, int | np.integer) or side < 0):
         raise InvalidSettingsError("match_side", value=side)
-    settings = method_named(settings.method).settings(settings)
-    require_match_memory(_count(vertices), _count(other_vertices), settings)
-    one = monitor.piece(0.0, _UNFOLDED * share, OPENING)
-    two = monitor.piece(_UNFOLDED * share, 2 * _UNFOLDED * share, OPENING)
-    bodies, surfaces = _unfolded_bodies(vertices, faces, settings, one, rest)
-    try:
-        others, other_surfaces = _unfolded_bodies(
-            other_vertices, other_faces, replace(settings, feature_points=None), two
-        )
-    except CancelledError:
-        raise
-    except CanonicalFormError as error:
-        raise error.about(message("other_mesh")) from error
-    monitor.extend(one.warnings)
-    order, other_order = (_by_area(each) for each in (bodies, others))
-    if len(order) != len(other_order):
-        monitor.warn("match_bodies", count=len(order), others=len(other_order))
+    pair = unfolded_pair(vertices, faces, other_vertices, other_faces, settings, monitor, share, rest=rest)
+    bodies, others, surfaces, other_surfaces, pairs, two = pair
     maps: list[PointMap] = []
     ways: list[Side] = []
     used: list[Side] = []
-    pairs = list(zip(order, other_order, strict=False))
     for number, (here, there) in enumerate(pairs):
-        start = 2 * _UNFOLDED * share
+        start = UNFOLDED * share
         begin, end = (start + (share - start) * part / len(pairs) for part in (number, number + 1))
         own = monitor.piece(begin, end, _MATCHING)
         with own.stage("Ways to match"):
@@ -210,12 +217,45 @@ def matched_bodies(
             maps.append(point_map(surfaces[here], other_surfaces[there], found[chosen], own))
         used.append(found[chosen])
         ways = ways or found
-    result = _on_meshes(bodies, others, pairs, maps, [each.score for each in ways], monitor, two)
+    result = on_meshes(bodies, others, pairs, maps, [each.score for each in ways], monitor, two)
     _warn([surfaces[here] for here, _ in pairs], maps, ways, used, monitor)
     return MatchedBodies(bodies, others, surfaces, other_surfaces, pairs, maps, result)
 
 
-def _unfolded_bodies(
+def unfolded_pair(
+    vertices: ArrayLike,
+    faces: ArrayLike,
+    other_vertices: ArrayLike,
+    other_faces: ArrayLike,
+    settings: Settings,
+    monitor: Monitor,
+    share: float,
+    *,
+    rest: ArrayLike | None = None,
+) -> UnfoldedPair:
+    """Find the bodies of two meshes and their forms, and pair them, the largest with the largest, and so on."""
+    settings = method_named(settings.method).settings(settings)
+    require_match_memory(_count(vertices), _count(other_vertices), settings)
+    one = monitor.piece(0.0, UNFOLDED / 2 * share, OPENING)
+    two = monitor.piece(UNFOLDED / 2 * share, UNFOLDED * share, OPENING)
+    bodies, surfaces = unfolded_bodies(vertices, faces, settings, one, rest)
+    try:
+        others, other_surfaces = unfolded_bodies(
+            other_vertices, other_faces, replace(settings, feature_points=None), two
+        )
+    except CancelledError:
+        raise
+    except CanonicalFormError as error:
+        raise error.about(message("other_mesh")) from error
+    monitor.extend(one.warnings)
+    order, other_order = (by_area(each) for each in (bodies, others))
+    if len(order) != len(other_order):
+        monitor.warn("match_bodies", count=len(order), others=len(other_order))
+    pairs = list(zip(order, other_order, strict=False))
+    return UnfoldedPair(bodies, others, surfaces, other_surfaces, pairs, two)
+
+
+def unfolded_bodies(
     vertices: ArrayLike, faces: ArrayLike, settings: Settings, monitor: Monitor, rest: ArrayLike | None = None
 ) -> tuple[Bodies, list[Unfolded]]:
     """Find the bodies of a mesh and their forms."""
@@ -238,13 +278,13 @@ def _count(vertices: ArrayLike) -> int:
         return 0
 
 
-def _by_area(bodies: Bodies) -> list[int]:
+def by_area(bodies: Bodies) -> list[int]:
     """Sort bodies by their area, largest first."""
     areas = [surface_area(body.points, body.faces) for body in bodies.bodies]
     return np.argsort(-np.array(areas), kind="stable").tolist()
 
 
-def _on_meshes(
+def on_meshes(
     bodies: Bodies,
     others: Bodies,
     pairs: list[tuple[int, int]],

@@ -1,20 +1,37 @@
-"""Entry point for the stance of a rigged mesh: a T-pose or an A-pose from its own bones."""
+"""Entry points for a T-pose or an A-pose: by the bones of a rig, or by a skeleton fitted to a body that has none."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .assembly.gathering import gathered_features, shaped
+from .deformation.elastic_body import ElasticBody
+from .deformation.struts import struts_through
+from .mannequins import mannequin
+from .matches import UNFOLDED, UnfoldedPair, on_meshes, unfolded_pair
+from .matching.unfolded import Unfolded
 from .measures.form_measures import edge_stretch
-from .mesh.geometry import vertex_areas
+from .mesh.geometry import moved_by_frames, vertex_areas
+from .method_api.settings import Settings
 from .numerics.arrays import FloatArray, IntArray
-from .results import Stance
+from .posing.taken_pose import taken_pose
+from .posing.untangling import untangled
+from .results import PosedLike, Stance
+from .rigging.candidates import Candidate, candidates
+from .rigging.fitted_stance import arm_turns, fitted_stance
 from .rigging.limb_bones import LimbBones, limb_bones
+from .rigging.reference_rig import ReferenceRig, mannequin_rig
 from .rigging.skeleton import Skeleton, skinned
 from .rigging.stance import ARMS_LOWERED, facing_of, stance
+from .rigging.stance_gate import is_doubtful, refusal
 from .run.errors import InvalidMeshError, InvalidSettingsError
-from .run.monitor import Monitor
+from .run.monitor import Cancelled, Monitor, Progress
 
+_MATCHED = 0.9  # of the work
+_FACING = {"Ways to face": 1}  # stages
+_TRUSTED = 0.03  # of the size: residual of skin that hardly follows the skeleton
+_LEAST = 0.1  # least confidence of it
 _FEW = 3  # vertices of a foot, below which its width is not known
 
 
@@ -108,3 +125,146 @@ def _foot_width(across: FloatArray, weights: FloatArray, limbs: list[LimbBones])
     most: IntArray = weights.argmax(axis=1)
     feet = [across[most == limb.end] for limb in limbs if limb.kind == "leg" and limb.end >= 0]
     return min((float(np.ptp(foot)) for foot in feet if len(foot) > _FEW), default=0.0)
+
+
+def stance_by_match(
+    vertices: ArrayLike,
+    faces: ArrayLike,
+    settings: Settings | None = None,
+    *,
+    pose: str = "T",
+    side: str | int = "auto",
+    anyway: bool = False,
+    rest: ArrayLike | None = None,
+    progress: Progress | None = None,
+    cancelled: Cancelled | None = None,
+) -> PosedLike:
+    """Put a human body without a rig into a T-pose or an A-pose.
+
+    A mannequin is matched to the body in every way in which the body may face, its skeleton is fitted by each of these
+    matches, as it is and turned back to front, and the likeliest skeleton stands up: bones exactly in place, left and
+    right as long as each other, the skin pulled along as an elastic body.
+
+    Parameters
+    ----------
+    vertices : (n, 3) array_like of float
+        Vertex positions, any unit of length.
+    faces : (m, 3) array_like of int
+        Triangles, in any state that docs/any-mesh.md lists.
+    settings : Settings, optional
+        Options of the forms; chosen feature points refer to this mesh.
+    pose : {'T', 'A'}
+        Arms held out sideways, or lowered by 45 degrees.
+    side : str or int
+        "auto", or the index of one of the ways to face, `match.sides`, 0 for the likeliest.
+    anyway : bool
+        Return a stance although it is unlikely to be right.
+    rest : (n, 3) array_like of float, optional
+        Positions in the rest pose of a rig, as in `canonical_form`.
+    progress : callable, optional
+        Called with the fraction done (0 to 1) and the name of the stage.
+    cancelled : callable, optional
+        Polled at least twice a second; the computation stops when it returns True.
+
+    Returns
+    -------
+    PosedLike
+        The mesh in that pose, facing -Y, Z up. `match` is that with the mannequin, and its `sides` are the costs of
+        the ways to face, the likeliest first; lower is better.
+
+    Raises
+    ------
+    CanonicalFormError
+        As in `match`; an InvalidMeshError, too, where the skeleton is unlikely to be right and `anyway` is not set.
+
+    Examples
+    --------
+    >>> from addon.core import mannequin
+    >>> vertices, faces = mannequin(A_POSE)  # doctest: +SKIP
+    >>> stance_by_match(vertices, faces).vertices.shape  # doctest: +SKIP
+    (30346, 3)
+
+    References
+    ----------
+    Pellegrini, Schindler and Nardi, "A Generalization of the ICP Algorithm for Articulated Bodies", 2008; Sorkine and
+    Alexa, "As-Rigid-As-Possible Surface Modeling", 2007, doi:10.2312/SGP/SGP07/109-116; docs/method.md lists what is
+    original to this project.
+    """
+    if pose not in ARMS_LOWERED:
+        raise InvalidSettingsError("stance_pose", value=pose)
+    if side != "auto" and (isinstance(side, bool) or not isinstance(side, int | np.integer) or side < 0):
+        raise InvalidSettingsError("match_side", value=side)
+    monitor = Monitor(progress, cancelled)
+    skin, triangles = mannequin()
+    pair = unfolded_pair(vertices, faces, skin, triangles, settings or Settings(), monitor, _MATCHED, rest=rest)
+    rig = mannequin_rig(skin, triangles)
+    here, there = pair.pairs[0]
+    own = monitor.piece(UNFOLDED * _MATCHED, _MATCHED, _FACING)
+    with own.stage("Ways to face"):
+        found = candidates(pair.surfaces[here], pair.other_surfaces[there], rig, own)
+    number = 0 if side == "auto" else int(side)
+    if number >= len(found):
+        raise InvalidSettingsError("match_no_side", count=len(found), last=len(found) - 1)
+    chosen = found[number]
+    piece = monitor.piece(_MATCHED, 1.0, {"Pose": 1})
+    with piece.stage("Pose"):
+        shapes = [body.points for body in pair.bodies.bodies]
+        shapes[here] = _stood(pair.surfaces[here], chosen, rig, pose, piece)
+        posed = shaped(pair.bodies, shapes, monitor)
+    distortion = float(np.median(np.abs(edge_stretch(pair.bodies.vertices, posed, pair.bodies.faces) - 1)))
+    reason = refusal(chosen, distortion)
+    if reason and not anyway:
+        raise InvalidMeshError(
+            reason,
+            residual=chosen.residual,
+            degrees=sum(chosen.degrees.values()),
+            unlike=chosen.unlike,
+            distortion=distortion,
+        )
+    if reason:
+        monitor.warn("stance_doubtful")
+    elif side == "auto" and is_doubtful(found):
+        monitor.warn("match_sides")
+    return _as_posed_like(pair, posed, distortion, chosen, found, monitor)
+
+
+def _stood(one: Unfolded, chosen: Candidate, rig: ReferenceRig, pose: str, monitor: Monitor) -> FloatArray:
+    """Let a body stand by its fitted skeleton, around its own centre, in its own unit."""
+    own, surface, fit = one.found, one.found.surface, chosen.fit
+    struts = struts_through(surface.points, surface.faces, own.limbs.to_features, monitor)
+    body = ElasticBody(own.stiffness, own.mass, surface.points, surface.faces, struts)
+    places = fitted_stance(rig, fit.bones, surface.points, fit.weights, arm_turns(rig, ARMS_LOWERED[pose]))
+    trust = np.maximum(fit.sure, _LEAST) * np.exp(-((fit.residual / _TRUSTED) ** 2))
+    posed = taken_pose(body, places, trust)
+    monitor.check()
+    if surface.coarse:
+        posed = moved_by_frames(own.whole_points, *surface.prolong_frames(*body.frames(posed)))
+    posed = untangled(own.whole_points, posed, own.whole_faces, monitor)
+    areas = vertex_areas(own.whole_points, own.whole_faces)
+    centred = posed + areas / areas.sum() @ (own.whole_points - posed)
+    return np.asarray(centred * own.unit + own.centre)
+
+
+def _as_posed_like(
+    pair: UnfoldedPair,
+    posed: FloatArray,
+    distortion: float,
+    chosen: Candidate,
+    found: list[Candidate],
+    monitor: Monitor,
+) -> PosedLike:
+    """Gather what a pose comes with."""
+    costs = [each.cost for each in found]
+    match = on_meshes(pair.bodies, pair.others, pair.pairs[:1], [chosen.found], costs, monitor, pair.other_monitor)
+    features = gathered_features(pair.bodies, [each.found.prolonged(monitor) for each in pair.surfaces])
+    return PosedLike(
+        posed,
+        pair.bodies.faces,
+        features.points,
+        features.patches,
+        features.adf,
+        match,
+        distortion,
+        monitor.timings,
+        monitor.warnings,
+    )

@@ -5,7 +5,7 @@
 from typing import TYPE_CHECKING
 
 import bpy
-from bpy.props import EnumProperty, IntProperty, StringProperty
+from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
 
 from ..blender.jobs.likeness import MANNEQUINS
 from ..blender.jobs.meant_objects import meant_object
@@ -56,6 +56,13 @@ class OBJECT_OT_canonical_form_pose_like(JobOperator, MethodProperties, RequestP
         min=-1,
     )
 
+    anyway: BoolProperty(  # type: ignore[valid-type]
+        name="Write Anyway",
+        translation_context=CONTEXT,
+        description="Keep a T-Pose or an A-Pose that is unlikely to be right, too",
+        default=False,
+    )
+
     @classmethod
     def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
         """Return the tooltip of the button."""
@@ -75,7 +82,7 @@ class OBJECT_OT_canonical_form_pose_like(JobOperator, MethodProperties, RequestP
         from ..blender.jobs.pose_reading import named_reference, read_likeness
         from ..blender.jobs.request import Request
 
-        likeness = Likeness(self.pose, side=self.side)
+        likeness = Likeness(self.pose, side=self.side, anyway=self.anyway)
         if self.pose == "OBJECT":
             likeness = read_likeness(named_reference(self.like), self.side)
         objects, self._refused = chosen_objects(context)

@@ -39,6 +39,7 @@ class VIEW3D_PT_canonical_form_pose_like(Tab, bpy.types.Panel):
         row = layout.row(align=True)
         for pose, label in MANNEQUINS.items():
             _pose_button(row, chosen, pose, "", label)
+        layout.prop(chosen, "anyway")
         like = shown_likeness(context)
         draw_other_side(layout, chosen, like)
         source = None if like is None or like.pose != "OBJECT" else bpy.data.objects.get(like.name)
@@ -115,4 +116,5 @@ def _pose_button(
     button = layout.operator(OBJECT_OT_canonical_form_pose_like.bl_idname, text=text)
     hand_over(chosen, button)
     button.pose, button.like = pose, name
+    button.anyway = chosen.anyway
     return button

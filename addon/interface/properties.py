@@ -190,6 +190,12 @@ class CanonicalFormProperties(MethodProperties, RequestProperties, TransferPrope
         ),
         default="DETECTED",
     )
+    anyway: BoolProperty(  # type: ignore[valid-type]
+        name="Write Anyway",
+        translation_context=CONTEXT,
+        description="Keep a T-Pose or an A-Pose that is unlikely to be right, too",
+        default=False,
+    )
     like: StringProperty(  # type: ignore[valid-type]
         name="Like",
         translation_context=CONTEXT,

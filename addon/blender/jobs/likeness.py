@@ -53,12 +53,15 @@ class Likeness:
         The mesh; None for a mannequin.
     side : int
         Which way to match: -1 for the most likely, or its index.
+    anyway : bool
+        Whether to keep a T-pose or an A-pose that is unlikely to be right.
     """
 
     pose: str
     name: str = ""
     reference: PoseArrays | None = None
     side: int = -1
+    anyway: bool = False
 
     @property
     def key(self) -> str:
@@ -153,30 +156,36 @@ class Likeness:
         CanonicalFormError
             As in `pose_like`.
         """
-        from ...core import pose_like, transferred
+        from ...core import mannequin, pose_like, stance_by_match, transferred
         from ..mesh_items.palette import places
 
-        here, triangles, pose = self.reference or _mannequin(self.pose)
-        found = pose_like(
-            vertices,
-            faces,
-            here,
-            triangles,
-            settings,
-            side="auto" if self.side < 0 else self.side,
-            reference_pose=pose,
-            rest=rest,
-            progress=progress,
-            cancelled=cancelled,
-        )
+        side: str | int = "auto" if self.side < 0 else self.side
+        if self.reference is None:
+            here = mannequin()[0]
+            found = stance_by_match(
+                vertices,
+                faces,
+                settings,
+                pose=self.pose,
+                side=side,
+                anyway=self.anyway,
+                rest=rest,
+                progress=progress,
+                cancelled=cancelled,
+            )
+        else:
+            here, triangles, pose = self.reference
+            found = pose_like(
+                vertices,
+                faces,
+                here,
+                triangles,
+                settings,
+                side=side,
+                reference_pose=pose,
+                rest=rest,
+                progress=progress,
+                cancelled=cancelled,
+            )
         colours = transferred(found.match, places(here))
         return found, MatchValues(found.match.confidence, np.append(colours, np.ones((len(colours), 1)), axis=1))
-
-
-def _mannequin(pose: str) -> PoseArrays:
-    """Create a mannequin; it is matched in T-pose, in which front and back are easiest to distinguish."""
-    from ...core import mannequin
-    from ...core.mannequins import A_POSE, T_POSE
-
-    vertices, faces = mannequin(T_POSE)
-    return PoseArrays(vertices, faces, vertices if pose == "T" else mannequin(A_POSE)[0])

@@ -1,4 +1,4 @@
-"""What a fitted skeleton says about itself: joints bent the wrong way, sides of different lengths, where the toes are."""
+"""What a fitted skeleton says about itself: joints bent the wrong way, sides unlike each other, where the toes are."""
 
 from __future__ import annotations
 
@@ -49,7 +49,9 @@ def beyond_limits(rig: ReferenceRig, fit: BoneFit) -> dict[str, float]:
             other = other if other.startswith("spine") else f"{other}.{side}"
             turn = between(f"{name}.{side}", other)
             if name == "upper_arm":
-                found[f"{name}.{side}"] = _over(float(np.linalg.norm(_swing_and_twist(turn, axes[number(f"{name}.{side}")])[0])), 0, most)
+                found[f"{name}.{side}"] = _over(
+                    float(np.linalg.norm(_swing_and_twist(turn, axes[number(f"{name}.{side}")])[0])), 0, most
+                )
             else:
                 found[f"{name}.{side}"] = _over(turned_by(turn), 0, most)
     found["spine.003"] = _over(turned_by(between("spine.003", "spine")), 0, _WAIST)
@@ -66,7 +68,9 @@ def unlike_sides(rig: ReferenceRig, fit: BoneFit) -> float:
 
 def trunk_axes(rig: ReferenceRig, fit: BoneFit) -> tuple[FloatArray, FloatArray]:
     """Find the left and the upward direction of a body, from hips and shoulders."""
-    at = {name: fit.heads[rig.skeleton.names.index(name)] for name in ("upper_arm.L", "upper_arm.R", "thigh.L", "thigh.R")}
+    at = {
+        name: fit.heads[rig.skeleton.names.index(name)] for name in ("upper_arm.L", "upper_arm.R", "thigh.L", "thigh.R")
+    }
     up = unit(at["upper_arm.L"] + at["upper_arm.R"] - at["thigh.L"] - at["thigh.R"])
     left = at["upper_arm.L"] - at["upper_arm.R"] + at["thigh.L"] - at["thigh.R"]
     return unit(left - (left @ up) * up), up

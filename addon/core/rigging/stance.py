@@ -95,6 +95,19 @@ def swing(one: FloatArray, two: FloatArray) -> FloatArray:
     return np.asarray(Rotation.from_rotvec(np.radians(angle(one, two)) * axis / size).as_matrix())
 
 
+def leg_spread(foot_width: float, hips: float, leg: float) -> float:
+    """Return the angle by which legs must be spread so that feet stand beside each other.
+
+    `foot_width`: across a foot; `hips`: from hip to hip; `leg`: length of a leg.
+
+    Examples
+    --------
+    >>> leg_spread(0.1, 0.2, 0.9)
+    0.0
+    """
+    return float(np.arcsin(np.clip((_APART * foot_width - hips) / 2 / leg, 0.0, 0.5)))
+
+
 def facing_of(skeleton: Skeleton, limbs: Sequence[LimbBones]) -> FloatArray:
     """Find the rotation (3, 3) of the whole body after which its left is +X and it stands along Z."""
     at = {(limb.kind, limb.side): limb.joints(skeleton)[0] for limb in limbs}
@@ -122,8 +135,9 @@ def _wanted(
     other = next(each for each in limbs if each.kind == "leg" and each.side == -limb.side).joints(skeleton) @ facing.T
     apart = limb.side * (joints[0] - other[0])[0]  # of the hips
     outward = float(np.arctan2(limb.side * way[0], max(-way[2], 1e-9)))
-    least = np.arcsin(np.clip((_APART * foot_width - apart) / 2 / length, 0.0, 0.5))
-    spread = np.clip(outward, least, max(float(np.radians(_SPREAD)), float(least)))
+    least = leg_spread(foot_width, apart, length)
+    most = np.radians(_SPREAD)
+    spread = np.clip(outward, least, np.maximum(most, least))
     return np.array([limb.side * np.sin(spread), 0.0, -np.cos(spread)])
 
 
@@ -133,4 +147,5 @@ def _segments(skeleton: Skeleton, limb: LimbBones) -> list[FloatArray]:
 
 
 def unit(vector: FloatArray) -> FloatArray:
-    return np.asarray(vector / max(float(np.linalg.norm(vector)), np.finfo(float).tiny))
+    """Divide a vector by its length; a zero vector stays."""
+    return np.asarray(vector / max(float(np.linalg.norm(vector)), float(np.finfo(float).tiny)))
