@@ -12,7 +12,7 @@ from .mannequins import mannequin
 from .matches import UNFOLDED, UnfoldedPair, on_meshes, unfolded_pair
 from .matching.unfolded import Unfolded
 from .measures.form_measures import edge_stretch
-from .mesh.geometry import moved_by_frames, vertex_areas
+from .mesh.geometry import moved_by_frames, surface_area, vertex_areas
 from .method_api.settings import Settings
 from .numerics.arrays import FloatArray, IntArray
 from .posing.taken_pose import taken_pose
@@ -212,16 +212,11 @@ def stance_by_match(
         shapes[here] = _stood(pair.surfaces[here], chosen, rig, pose, piece)
         posed = shaped(pair.bodies, shapes, monitor)
     distortion = float(np.median(np.abs(edge_stretch(pair.bodies.vertices, posed, pair.bodies.faces) - 1)))
-    reason = refusal(chosen, distortion)
-    if reason and not anyway:
-        raise InvalidMeshError(
-            reason,
-            residual=chosen.residual,
-            degrees=sum(chosen.degrees.values()),
-            unlike=chosen.unlike,
-            distortion=distortion,
-        )
-    if reason:
+    areas = [surface_area(body.points, body.faces) for body in pair.bodies.bodies]
+    error = refusal(chosen, distortion, areas[here] / sum(areas))
+    if error is not None:
+        if not anyway:
+            raise error
         monitor.warn("stance_doubtful")
     elif side == "auto" and is_doubtful(found):
         monitor.warn("match_sides")

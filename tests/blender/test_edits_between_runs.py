@@ -76,14 +76,14 @@ def test_a_pose_does_not_take_an_animated_form_away(figure_object):
     bpy.context.view_layer.update()
     before = snapshot(figure_object)
     with pytest.raises(RuntimeError, match="it is animated"):
-        bpy.ops.object.canonical_form_pose_like(pose="T", **QUICK)
+        bpy.ops.object.canonical_form_pose_like(pose="T", anyway=True, **QUICK)
     assert snapshot(figure_object) == before
     compute()  # of the same name
     assert len(figure_object.data.shape_keys.animation_data.drivers) == 1
 
 
 def test_a_new_colour_of_a_patch_leaves_those_of_the_match(figure_object):
-    bpy.ops.object.canonical_form_pose_like(pose="T", **QUICK)
+    bpy.ops.object.canonical_form_pose_like(pose="T", anyway=True, **QUICK)
     mesh = figure_object.data
 
     def colours(name):
@@ -98,7 +98,7 @@ def test_a_new_colour_of_a_patch_leaves_those_of_the_match(figure_object):
 
 
 def test_quotes_in_a_name_do_not_hide_a_key(figure_object, arrays):
-    bpy.ops.object.canonical_form_pose_like(pose="T", **QUICK)
+    bpy.ops.object.canonical_form_pose_like(pose="T", anyway=True, **QUICK)
     keys = figure_object.data.shape_keys
     bpy.ops.object.canonical_form_in_betweens(count=2)
     between = keys.key_blocks[-1]

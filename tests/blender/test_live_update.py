@@ -270,7 +270,7 @@ def test_a_limb_takes_the_coarse_mesh_of_the_form(blender, monkeypatch):
 
 def test_it_waits_where_any_selected_object_shows_a_pose(figure_object, chosen, arrays):
     posed = add_object("Posed", *arrays)
-    bpy.ops.object.canonical_form_pose_like(pose="T", **QUICK)
+    bpy.ops.object.canonical_form_pose_like(pose="T", anyway=True, **QUICK)
     posed.select_set(True)
     figure_object.select_set(True)
     bpy.context.view_layer.objects.active = figure_object

@@ -277,11 +277,11 @@ def test_the_panel_offers_the_poses_and_the_other_side(pair):
     assert like is not None
     assert len(like.sides) > 1
     shown = drawn(panels.VIEW3D_PT_canonical_form_pose_like)
-    assert shown[:5] == ["like", "Pose Like", "T-Pose", "A-Pose", f"Other Side (2 of {len(like.sides)})"]
+    assert shown[:6] == ["like", "Pose Like", "T-Pose", "A-Pose", "anyway", f"Other Side (2 of {len(like.sides)})"]
     assert "Pose to Like Other" in drawn(panels.VIEW3D_PT_canonical_form_result)
     texts: list[str] = []
     menus.draw_actions(type("Self", (), {"layout": MenuLayout(texts, [])})(), bpy.context)
-    assert shown[4] in texts
+    assert shown[5] in texts
 
 
 def test_a_long_name_is_cut_to_what_blender_keeps():

@@ -172,4 +172,11 @@ def _report(readings: Sequence[Reading], whole: Combined, found: AnyResult, requ
         )
     if isinstance(found, PosedLike | Stance) and request.likeness is not None:
         report.like = request.likeness.report(found)
+        if isinstance(found, PosedLike) and any(each.bones is not None for each in readings):
+            report.warnings.append(
+                told(
+                    "The bones of {rig} could not give the pose: a mannequin was matched instead. Check the pose.",
+                    rig=next(each.bones.rig for each in readings if each.bones is not None),
+                )
+            )
     return report

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...core.run.messages import message
 from ..objects.combining import Combined, moved
 from ..objects.mesh_reading import Bones, Reading
 from ..objects.placement import world_rotation
@@ -65,8 +64,6 @@ def posed_like(
             return replace(stance, vertices=moved(stance.vertices, np.linalg.inv(place))), None
     turn = world_rotation(readings[0].placement) if alone else np.eye(3)
     found, carried = likeness.posed(whole.vertices @ turn.T, whole.faces, settings, whole.rest, progress, cancelled)
-    if bones is not None:
-        found.warnings.append(message("stance_by_match"))
     return replace(found, vertices=found.vertices @ turn), carried
 
 

@@ -24,6 +24,7 @@ ADVICE = {  # by message kind
     "singular": f"{_MERGE} and {_DISSOLVE} may repair it.",
     "inaccurate_spectrum": f"{_MERGE} and {_DISSOLVE} may repair it.",
     "spectrum_diverged": f"{_MERGE} and {_DISSOLVE} may repair it.",
+    "stance_parts": "Write Anyway (--anyway in a terminal) keeps it.",
     "stance_unlike": "Write Anyway (--anyway in a terminal) keeps it.",
     "stance_unlikely": "Write Anyway (--anyway in a terminal) keeps it.",
     "stance_strained": "Write Anyway (--anyway in a terminal) keeps it.",

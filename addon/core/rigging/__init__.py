@@ -1,1 +1,1 @@
-"""Skeletons: which bones are arms and legs, where they stand in a T-pose, how the skin follows them."""
+"""Skeletons: which bones are arms and legs, where they stand in a T-pose, how skin follows; one fitted to a body."""

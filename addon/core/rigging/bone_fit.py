@@ -16,7 +16,7 @@ _ALTERNATIONS = 4  # of rotation and scales
 _ENOUGH = 1e-5  # share of the skin below which a bone follows its parent
 _LOCAL = 1.5  # radii of a limb: reach of the skin that tells where a joint is
 _PRIOR = 0.3  # weight of a bone's own rotation where only the skin near a joint is used
-_LONG, _SHORT = 5.0, 0.2  # bounds of a bone's scales
+_LONG, _SHORT = 5.0, 0.2  # bounds of a bone's scales, relative to the body's
 
 
 class BoneFit(NamedTuple):
@@ -131,17 +131,18 @@ def _similarities(
     size = np.maximum(np.trace(spread, axis1=1, axis2=2), 1e-30)
     long = np.maximum(np.einsum("bi,bij,bj->b", axes, spread, axes), 1e-30)
     line = axes[:, :, None] * axes[:, None, :]
-    scales = np.ones((len(axes), 2))
+    larger = np.sqrt(points.var(axis=0).sum() / max(float(at.var(axis=0).sum()), 1e-30))
+    scales = np.full((len(axes), 2), larger)
     for _ in range(_ALTERNATIONS):
         wanted = both @ (scales[:, :1, None] * line + scales[:, 1:, None] * (np.eye(3) - line))
         if prior is not None:
-            wanted = wanted + _PRIOR * size[:, None, None] * prior
+            wanted = wanted + _PRIOR * larger**2 * size[:, None, None] * prior
         turns = _proper(wanted)
         back = np.einsum("bji,bjk->bik", turns, both)
         along = np.einsum("bi,bij,bj->b", axes, back, axes)
         across = np.trace(back, axis1=1, axis2=2) - along
         scales = np.column_stack([along / long, across / np.maximum(size - long, 1e-30)])
-        scales = np.clip(scales, _SHORT, _LONG)
+        scales = np.clip(scales, _SHORT * larger, _LONG * larger)
     return _Similarities(turns, scales, here, there)
 
 

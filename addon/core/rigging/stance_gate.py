@@ -4,26 +4,33 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from ..run.errors import InvalidMeshError
 from .candidates import Candidate
 
 _EXPLAINED = 0.045  # residual above which the skin is not that of the skeleton
+_SURE = 0.1  # mean confidence of the match below which it is none
+_WHOLE = 0.6  # share of the mesh's area below which a body is but a part of what should stand
 _UNLIKELY = 5.0  # cost above which something is wrong, if not the side then a limb
 _STRAINED = 0.035  # median change of edge lengths above which the skin does not follow the skeleton
 _CLOSE = 0.5  # of cost: another way to face is about as likely
 
 
-def refusal(chosen: Candidate, distortion: float) -> str:
-    """Return the kind of message that says why a stance cannot be right; empty if nothing speaks against it.
+def refusal(chosen: Candidate, distortion: float, share: float) -> InvalidMeshError | None:
+    """Return the error that says why a stance cannot be right; None if nothing speaks against it.
 
-    `distortion`: median change of the lengths of edges in it.
+    `distortion`: median change of the lengths of edges in it; `share`: of the mesh's area, that of the body.
 
     Made on 42 poses of 14 characters, proved on 87 of 29 others: docs/results.md.
     """
-    if chosen.residual > _EXPLAINED:
-        return "stance_unlike"
+    if share < _WHOLE:
+        return InvalidMeshError("stance_parts", share=share)
+    if chosen.residual > _EXPLAINED or chosen.confidence < _SURE:
+        return InvalidMeshError("stance_unlike", residual=chosen.residual)
     if distortion > _STRAINED:
-        return "stance_strained"
-    return "stance_unlikely" if chosen.cost > _UNLIKELY else ""
+        return InvalidMeshError("stance_strained", distortion=distortion)
+    if chosen.cost > _UNLIKELY:
+        return InvalidMeshError("stance_unlikely", degrees=sum(chosen.degrees.values()), unlike=chosen.unlike)
+    return None
 
 
 def is_doubtful(found: Sequence[Candidate]) -> bool:

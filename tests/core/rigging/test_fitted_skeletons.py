@@ -1,0 +1,154 @@
+"""The mannequin's skeleton found again in the mannequin, posed: joints, sides, toes, limits, and the stance."""
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from addon.core import mannequin
+from addon.core.mesh.geometry import vertex_areas
+from addon.core.rigging.articulated_fit import explained, turned_round
+from addon.core.rigging.bone_fit import fitted_bones
+from addon.core.rigging.evidence import beyond_limits, toes_forward, trunk_axes, unlike_sides
+from addon.core.rigging.fitted_stance import arm_turns, fitted_stance
+from addon.core.rigging.reference_rig import mannequin_rig
+from addon.core.rigging.skeleton import BoneMotions, skinned
+from addon.core.run.monitor import Monitor
+from addon.core.surface.working_surface import working_surface
+
+
+@pytest.fixture(scope="module")
+def rig():
+    vertices, faces = mannequin()
+    coarse = working_surface(vertices, faces, 2500)
+    return mannequin_rig(vertices, faces).at(coarse.kept, coarse.faces)
+
+
+def posed(rig, bends):
+    """The motions of the bones after some are bent, by name, in degrees about the axes of the body."""
+    skeleton = rig.skeleton
+    turns, heads = np.empty((len(skeleton.names), 3, 3)), skeleton.heads.copy()
+    for bone, (name, above) in enumerate(zip(skeleton.names, skeleton.parents, strict=True)):
+        turns[bone] = Rotation.from_euler("xyz", bends.get(name, (0, 0, 0)), degrees=True).as_matrix()
+        if above >= 0:
+            turns[bone] = turns[above] @ turns[bone]
+            heads[bone] = heads[above] + turns[above] @ (skeleton.heads[bone] - skeleton.heads[above])
+    return BoneMotions(skeleton.heads, heads, turns)
+
+
+BENDS = {
+    "spine": (0, 0, 30),
+    "upper_arm.L": (0, 50, 0),
+    "forearm.L": (0, 0, -70),
+    "upper_arm.R": (0, 20, 40),
+    "thigh.L": (-50, 0, 0),
+    "shin.L": (60, 0, 0),
+    "thigh.R": (15, 10, 0),
+}
+
+
+@pytest.fixture(scope="module")
+def walker(rig):
+    """The mannequin in stride, with its true motions."""
+    motions = posed(rig, BENDS)
+    return skinned(rig.vertices, rig.weights, motions), motions
+
+
+def fit_of(rig, points):
+    areas = vertex_areas(points, rig.faces)
+    return fitted_bones(rig, points, areas, rig.vertices, rig.weights, np.ones(len(points)))
+
+
+def test_weights_are_shares_and_alike_left_and_right(rig):
+    assert np.allclose(rig.weights.sum(axis=1), 1)
+    skin = rig.weights.sum(axis=0)
+    assert np.allclose(skin, skin[rig.mates], rtol=0.1)
+    assert (skin > 0).all()
+
+
+def test_at_rest_the_joints_are_where_they_are(rig):
+    fit = fit_of(rig, rig.vertices)
+    assert np.allclose(fit.heads, rig.skeleton.heads, atol=1e-9)
+    assert np.allclose(fit.turns, np.eye(3), atol=1e-7)
+    assert np.allclose(fit.scales, 1)
+
+
+@pytest.mark.parametrize("size", [1.0, 0.02])
+def test_joints_of_a_pose_are_found_in_any_unit(rig, walker, size):
+    points, motions = walker
+    fit = fit_of(rig, size * points)
+    off = np.linalg.norm(fit.heads - size * motions.heads, axis=1) / (1.75 * size)
+    assert off.mean() < 0.006
+    assert off.max() < 0.03
+
+
+def test_a_match_that_errs_in_places_hardly_moves_them(rig, walker):
+    points, motions = walker
+    at, weights = rig.vertices.copy(), rig.weights.copy()
+    wrong = np.random.default_rng(0).choice(len(at), len(at) // 12, replace=False)
+    at[wrong], weights[wrong] = at[np.roll(wrong, 7)], weights[np.roll(wrong, 7)]
+    areas = vertex_areas(points, rig.faces)
+    fit = fitted_bones(rig, points, areas, at, weights, np.ones(len(points)))
+    assert np.linalg.norm(fit.heads - motions.heads, axis=1).mean() / 1.75 < 0.03
+
+
+def test_closest_points_find_the_skeleton_from_a_match_that_slid(rig, walker):
+    points, motions = walker
+    areas = vertex_areas(points, rig.faces)
+    at = rig.vertices + np.array([0.0, 0.02, 0.03])
+    sure = np.full(len(points), 0.8)
+    before = fitted_bones(rig, points, areas, at, rig.weights, sure)
+    after = explained(rig, points, rig.faces, areas, at, rig.weights, sure, Monitor())
+    error = [np.linalg.norm(each.heads - motions.heads, axis=1).mean() for each in (before, after.bones)]
+    assert error[1] < error[0] / 2
+    assert after.residual.mean() < 0.01
+
+
+def test_two_half_turns_are_none(rig):
+    at, weights = turned_round(rig, *turned_round(rig, rig.vertices, rig.weights))
+    assert np.linalg.norm(at - rig.vertices, axis=1).mean() < 0.03
+    back = weights.argmax(axis=1) == rig.weights.argmax(axis=1)
+    assert back.mean() > 0.85
+
+
+def test_the_mannequin_breaks_no_limit_and_a_knee_that_bends_forward_does(rig):
+    assert sum(beyond_limits(rig, fit_of(rig, rig.vertices)).values()) == 0
+    backward = skinned(rig.vertices, rig.weights, posed(rig, {"shin.L": (-60, 0, 0)}))
+    found = beyond_limits(rig, fit_of(rig, backward))
+    assert found["shin.L"] > 30
+    assert found["shin.R"] == 0
+
+
+def test_sides_of_other_lengths_are_told(rig):
+    assert unlike_sides(rig, fit_of(rig, rig.vertices)) < 1e-6
+    longer = rig.vertices.copy()
+    longer[:, 0] += 0.5 * np.maximum(longer[:, 0] - 0.2, 0)  # the left arm
+    assert unlike_sides(rig, fit_of(rig, longer)) > 0.1
+
+
+def test_toes_tell_the_front(rig):
+    fit = fit_of(rig, rig.vertices)
+    assert toes_forward(rig, fit, rig.vertices) > 0.15
+    back = fitted_bones(
+        rig,
+        rig.vertices,
+        vertex_areas(rig.vertices, rig.faces),
+        *turned_round(rig, rig.vertices, rig.weights),
+        np.ones(len(rig.vertices)),
+    )
+    assert toes_forward(rig, back, rig.vertices) < -0.15
+    assert np.allclose(trunk_axes(rig, fit)[0], [1, 0, 0], atol=1e-6)
+
+
+def test_the_stance_of_a_pose_is_the_t_pose(rig, walker):
+    points, _ = walker
+    stood = fitted_stance(rig, fit_of(rig, points), points, rig.weights)
+    stood += rig.vertices.mean(axis=0) - stood.mean(axis=0)
+    assert np.linalg.norm(stood - rig.vertices, axis=1).mean() / 1.75 < 0.01
+
+
+def test_arms_hang_by_the_angle_that_is_asked_for(rig):
+    stood = fitted_stance(rig, fit_of(rig, rig.vertices), rig.vertices, rig.weights, arm_turns(rig, 45.0))
+    hand = rig.weights[:, rig.skeleton.names.index("hand.L")] > 0.9
+    arm = rig.weights[:, rig.skeleton.names.index("upper_arm.L")] > 0.9
+    way = stood[hand].mean(axis=0) - stood[arm].mean(axis=0)
+    assert np.degrees(np.arctan2(-way[2], way[0])) == pytest.approx(45, abs=3)
