@@ -116,8 +116,8 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
     "stance_arrays": "The rig needs a head, a tail and a parent for each of its {bones} bones, and one weight of each "
     "for each of the {vertices} vertices.",
     "stance_limbs": "Neither the names nor the shape of these bones tell two arms and two legs.",
-    "stance_parts": "No pose was made: the largest body is only {share:.0%} of the mesh, and the others would stay where "
-    "they are. Join what belongs together first.",
+    "stance_parts": "No pose was made: the largest body is only {share:.0%} of the mesh, and the others would stay "
+    "where they are. Join what belongs together first.",
     "stance_unlike": "No pose was made: this body is not like the mannequin, or the match with it failed (it misses "
     "the skin by {residual:.1%} of the size). Take the pose of a mesh of a similar body instead.",
     "stance_unlikely": "No pose was made: the skeleton found in this body is unlikely (joints {degrees:.0f}° beyond "
