@@ -2,9 +2,9 @@
 
 import bpy
 
-ROWS = {"header": 274, "like": 310, "pose": 336, "mannequins": 362, "transfer": 508}  # below the top, without a result
+ROWS = {"header": 274, "like": 310, "pose": 336, "mannequins": 362, "transfer": 534}  # below the top, without a result
 PANELS = {"patches": 467, "result": 274}  # with a result: headers of the panels above, to be closed from below
-SIDES, COLOURS = 440, 466  # then: Other Side, and Show Colours
+SIDES, COLOURS = 466, 492  # then: Other Side, and Show Colours
 SIDE = 0.3  # how far to the left a button of a row of two is
 
 

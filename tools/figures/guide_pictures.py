@@ -153,7 +153,7 @@ def another_pose():
     yield from hand.over_view()
     yield from hand.click(*hand.below_top(HEADERS["pose"], 0.3))
     yield 0.7
-    run("canonical_form_pose_like", pose="T", side=1)  # only its feet show the front: the correct way is second
+    run("canonical_form_pose_like", pose="T")
     hand.area().spaces.active.shading.color_type = "VERTEX"
     with in_view():
         bpy.ops.view3d.view_selected()
