@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..numerics.arrays import FloatArray
+from ..numerics.vectors import angle
 from .bone_fit import BoneFit
 from .reference_rig import ReferenceRig, hinges
 from .stance import unit
@@ -64,6 +65,32 @@ def unlike_sides(rig: ReferenceRig, fit: BoneFit) -> float:
     number = rig.skeleton.names.index
     long = np.log(np.maximum(np.linalg.norm(fit.tails - fit.heads, axis=1), 1e-12))
     return float(np.mean([abs(long[number(f"{name}.L")] - long[number(f"{name}.R")]) for name in _LIMBS]))
+
+
+def skin_alike(rig: ReferenceRig, areas: FloatArray, weights: FloatArray) -> float:
+    """Return the least ratio of the skin of a limb's bone to that of its partner; 0 where a limb has lost a bone.
+
+    `areas` (n,); `weights` (n, b).
+    """
+    number, skin = rig.skeleton.names.index, areas @ weights
+    pairs = [[skin[number(f"{name}.{side}")] for side in "LR"] for name in (*_LIMBS, "hand")]
+    return float(min(min(pair) / max(*pair, 1e-30) for pair in pairs))
+
+
+def strayed(rig: ReferenceRig, points: FloatArray, areas: FloatArray, weights: FloatArray, lowered: float) -> float:
+    """Return by how many degrees the skin of a limb at most lies off its way in a stance.
+
+    `points` (n, 3) in the stance; `areas` (n,); `weights` (n, b); `lowered`: degrees by which arms hang.
+    """
+    number, down = rig.skeleton.names.index, np.radians(lowered)
+    skin = areas[:, None] * weights
+    middle = skin.T @ points / np.maximum(skin.sum(axis=0), 1e-30)[:, None]
+    found = []
+    for side, sign in (("L", 1.0), ("R", -1.0)):
+        arm = np.array([sign * np.cos(down), 0.0, -np.sin(down)])
+        for upper, end, wanted in (("upper_arm", "hand", arm), ("thigh", "foot", np.array([0.0, 0, -1]))):
+            found.append(angle(middle[number(f"{end}.{side}")] - middle[number(f"{upper}.{side}")], wanted))
+    return max(found)
 
 
 def trunk_axes(rig: ReferenceRig, fit: BoneFit) -> tuple[FloatArray, FloatArray]:
