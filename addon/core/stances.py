@@ -19,6 +19,7 @@ from .posing.taken_pose import taken_pose
 from .posing.untangling import untangled
 from .results import PosedLike, Stance
 from .rigging.candidates import Candidate, candidates
+from .rigging.evidence import strayed
 from .rigging.fitted_stance import arm_turns, fitted_stance
 from .rigging.limb_bones import LimbBones, limb_bones
 from .rigging.reference_rig import ReferenceRig, mannequin_rig
@@ -209,11 +210,11 @@ def stance_by_match(
     piece = monitor.piece(_MATCHED, 1.0, {"Pose": 1})
     with piece.stage("Pose"):
         shapes = [body.points for body in pair.bodies.bodies]
-        shapes[here] = _stood(pair.surfaces[here], chosen, rig, pose, piece)
+        shapes[here], off = _stood(pair.surfaces[here], chosen, rig, ARMS_LOWERED[pose], piece)
         posed = shaped(pair.bodies, shapes, monitor)
     distortion = float(np.median(np.abs(edge_stretch(pair.bodies.vertices, posed, pair.bodies.faces) - 1)))
     areas = [surface_area(body.points, body.faces) for body in pair.bodies.bodies]
-    error = refusal(chosen, distortion, areas[here] / sum(areas))
+    error = refusal(chosen, areas[here] / sum(areas), distortion, off)
     if error is not None:
         if not anyway:
             raise error
@@ -223,21 +224,24 @@ def stance_by_match(
     return _as_posed_like(pair, posed, distortion, chosen, found, monitor)
 
 
-def _stood(one: Unfolded, chosen: Candidate, rig: ReferenceRig, pose: str, monitor: Monitor) -> FloatArray:
-    """Let a body stand by its fitted skeleton, around its own centre, in its own unit."""
+def _stood(
+    one: Unfolded, chosen: Candidate, rig: ReferenceRig, lowered: float, monitor: Monitor
+) -> tuple[FloatArray, float]:
+    """Let a body stand by its skeleton, around its own centre, in its own unit; and tell how far a limb is off."""
     own, surface, fit = one.found, one.found.surface, chosen.fit
     struts = struts_through(surface.points, surface.faces, own.limbs.to_features, monitor)
     body = ElasticBody(own.stiffness, own.mass, surface.points, surface.faces, struts)
-    places = fitted_stance(rig, fit.bones, surface.points, fit.weights, arm_turns(rig, ARMS_LOWERED[pose]))
+    places = fitted_stance(rig, fit.bones, surface.points, fit.weights, arm_turns(rig, lowered))
     trust = np.maximum(fit.sure, _LEAST) * np.exp(-((fit.residual / _TRUSTED) ** 2))
     posed = taken_pose(body, places, trust)
+    off = strayed(rig, posed, body.mass, fit.weights, lowered)
     monitor.check()
     if surface.coarse:
         posed = moved_by_frames(own.whole_points, *surface.prolong_frames(*body.frames(posed)))
     posed = untangled(own.whole_points, posed, own.whole_faces, monitor)
     areas = vertex_areas(own.whole_points, own.whole_faces)
     centred = posed + areas / areas.sum() @ (own.whole_points - posed)
-    return np.asarray(centred * own.unit + own.centre)
+    return np.asarray(centred * own.unit + own.centre), off
 
 
 def _as_posed_like(

@@ -27,6 +27,7 @@ ADVICE = {  # by message kind
     "stance_parts": "Write Anyway (--anyway in a terminal) keeps it.",
     "stance_unlike": "Write Anyway (--anyway in a terminal) keeps it.",
     "stance_unlikely": "Write Anyway (--anyway in a terminal) keeps it.",
+    "stance_limb": "Write Anyway (--anyway in a terminal) keeps it.",
     "stance_strained": "Write Anyway (--anyway in a terminal) keeps it.",
     "match_sides": "Other Side (--side in a terminal) takes the next.",
     "no_axes": f"{_MERGE} may repair it.",

@@ -13,7 +13,7 @@ from ..mesh.geometry import vertex_areas
 from ..numerics.arrays import FloatArray
 from ..run.monitor import Monitor
 from .articulated_fit import Explained, explained, turned_round
-from .evidence import beyond_limits, toes_forward, trunk_axes, unlike_sides
+from .evidence import beyond_limits, skin_alike, toes_forward, trunk_axes, unlike_sides
 from .reference_rig import ReferenceRig
 
 _STANDING = 0.3  # correlation of heights above which a match leaves the body as it stands
@@ -45,6 +45,8 @@ class Candidate(NamedTuple):
         How different left and right limbs are.
     toes : float
         How far the soles reach to the front.
+    skin : float
+        Least ratio of the skin of a limb's bone to that of its partner.
     confidence : float
         Mean confidence of the match.
     cost : float
@@ -59,6 +61,7 @@ class Candidate(NamedTuple):
     degrees: dict[str, float]
     unlike: float
     toes: float
+    skin: float
     confidence: float
     cost: float
 
@@ -98,7 +101,9 @@ def candidates(one: Unfolded, other: Unfolded, rig: ReferenceRig, monitor: Monit
                 + unlike / _UNLIKE
                 - float(np.clip(toes, -_MOST_TOES, _MOST_TOES)) / _TOES
             )
-            found.append(Candidate(way, turned, each, fit, residual, degrees, unlike, toes, float(share @ sure), cost))
+            skin = skin_alike(coarse, areas, fit.weights)
+            told = (residual, degrees, unlike, toes, skin, float(share @ sure), cost)
+            found.append(Candidate(way, turned, each, fit, *told))
         monitor.tick((number + 1) / _MAPS)
     return _facing_apart(coarse, sorted(found, key=lambda each: each.cost), bool(upright))
 

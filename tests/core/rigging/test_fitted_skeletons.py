@@ -8,7 +8,7 @@ from addon.core import mannequin
 from addon.core.mesh.geometry import vertex_areas
 from addon.core.rigging.articulated_fit import explained, turned_round
 from addon.core.rigging.bone_fit import fitted_bones
-from addon.core.rigging.evidence import beyond_limits, toes_forward, trunk_axes, unlike_sides
+from addon.core.rigging.evidence import beyond_limits, skin_alike, strayed, toes_forward, trunk_axes, unlike_sides
 from addon.core.rigging.fitted_stance import arm_turns, fitted_stance
 from addon.core.rigging.reference_rig import mannequin_rig
 from addon.core.rigging.skeleton import BoneMotions, skinned
@@ -152,3 +152,19 @@ def test_arms_hang_by_the_angle_that_is_asked_for(rig):
     arm = rig.weights[:, rig.skeleton.names.index("upper_arm.L")] > 0.9
     way = stood[hand].mean(axis=0) - stood[arm].mean(axis=0)
     assert np.degrees(np.arctan2(-way[2], way[0])) == pytest.approx(45, abs=3)
+
+
+def test_a_hand_without_skin_is_told(rig):
+    areas = vertex_areas(rig.vertices, rig.faces)
+    assert skin_alike(rig, areas, rig.weights) > 0.9
+    lost = rig.weights.copy()
+    lost[:, rig.skeleton.names.index("hand.L")] *= 0.05
+    assert skin_alike(rig, areas, lost) < 0.1
+
+
+def test_a_limb_off_its_way_is_told(rig):
+    areas = vertex_areas(rig.vertices, rig.faces)
+    assert strayed(rig, rig.vertices, areas, rig.weights, 0.0) < 8
+    assert strayed(rig, rig.vertices, areas, rig.weights, 45.0) > 35
+    raised = skinned(rig.vertices, rig.weights, posed(rig, {"thigh.R": (-40, 0, 0)}))
+    assert 30 < strayed(rig, raised, areas, rig.weights, 0.0) < 50
