@@ -12,6 +12,7 @@ from .mannequins import mannequin
 from .matches import UNFOLDED, UnfoldedPair, on_meshes, unfolded_pair
 from .matching.unfolded import Unfolded
 from .measures.form_measures import edge_stretch
+from .mesh.closest_points import closest_points
 from .mesh.geometry import moved_by_frames, surface_area, vertex_areas
 from .method_api.settings import Settings
 from .numerics.arrays import FloatArray, IntArray
@@ -221,7 +222,7 @@ def stance_by_match(
         monitor.warn("stance_doubtful")
     elif side == "auto" and is_doubtful(found):
         monitor.warn("match_sides")
-    return _as_posed_like(pair, posed, distortion, chosen, found, monitor)
+    return _as_posed_like(pair, rig, posed, distortion, chosen, found, monitor)
 
 
 def _stood(
@@ -246,6 +247,7 @@ def _stood(
 
 def _as_posed_like(
     pair: UnfoldedPair,
+    rig: ReferenceRig,
     posed: FloatArray,
     distortion: float,
     chosen: Candidate,
@@ -254,7 +256,12 @@ def _as_posed_like(
 ) -> PosedLike:
     """Gather what a pose comes with."""
     costs = [each.cost for each in found]
-    match = on_meshes(pair.bodies, pair.others, pair.pairs[:1], [chosen.found], costs, monitor, pair.other_monitor)
+    points = chosen.found
+    if chosen.turned:  # what is shown, and transferred, is of the side that was taken
+        triangles = pair.other_surfaces[pair.pairs[0][1]].found.whole_faces
+        there = points.points.on(rig.vertices, triangles) * [-1.0, -1, 1]
+        points = points._replace(points=closest_points(rig.vertices, triangles, there, monitor))
+    match = on_meshes(pair.bodies, pair.others, pair.pairs[:1], [points], costs, monitor, pair.other_monitor)
     features = gathered_features(pair.bodies, [each.found.prolonged(monitor) for each in pair.surfaces])
     return PosedLike(
         posed,

@@ -4,7 +4,15 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from addon.core import InvalidMeshError, InvalidSettingsError, Skeleton, mannequin, stance_by_bones, stance_by_match
+from addon.core import (
+    InvalidMeshError,
+    InvalidSettingsError,
+    Skeleton,
+    mannequin,
+    stance_by_bones,
+    stance_by_match,
+    transferred,
+)
 from addon.core.mannequins import A_POSE
 from addon.core.rigging.reference_rig import mannequin_rig
 from tests.core.rigging.conftest import hand_drawn
@@ -96,6 +104,8 @@ def test_a_body_without_a_rig_stands_in_a_t_pose(turned_a_pose, stood, standing)
     for way, side in zip(arms(standing.skeleton, back, standing.weights), (1, -1), strict=True):
         assert way @ [side, 0, 0] > np.cos(np.radians(5))
     assert stood.edge_distortion < 0.02
+    there = transferred(stood.match, standing.vertices)[np.argsort(order)]
+    assert np.linalg.norm(there - standing.vertices, axis=1).mean() < 0.03
     assert stood.match.sides == sorted(stood.match.sides)
 
 

@@ -122,8 +122,8 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
     "the skin by {residual:.1%} of the size). Take the pose of a mesh of a similar body instead.",
     "stance_unlikely": "No pose was made: the skeleton found in this body is unlikely (joints {degrees:.0f}° beyond "
     "what bodies can, left and right different by {unlike:.0%}). Take the pose of a mesh of a similar body instead.",
-    "stance_limb": "No pose was made: an arm or a leg was not found, perhaps as it lies on the body. Take the pose of a "
-    "mesh of a similar body instead.",
+    "stance_limb": "No pose was made: an arm or a leg was not found, perhaps as it lies on the body. Take the pose of "
+    "a mesh of a similar body instead.",
     "stance_strained": "No pose was made: the skin does not follow the skeleton found in this body (edges change by "
     "{distortion:.1%}). Take the pose of a mesh of a similar body instead.",
     "stance_doubtful": "The skeleton found in this body is unlikely. Check the pose.",

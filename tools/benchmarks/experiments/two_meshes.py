@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from addon.core import distance_field, mannequin, match, pose_like, transferred
+from addon.core import distance_field, mannequin, match, stance_by_match, transferred
 from addon.core.measures.alignment import rigid_fit
 from addon.core.mesh.geometry import surface_area
 from addon.evaluation.correspondences.work import Mesh, remeshed
@@ -113,13 +113,13 @@ def by_limb(rows: list[Row]) -> list[Row]:
 
 @experiment("t-poses", humans, table=by_limb)
 def t_poses(body: Body, _: None) -> Iterator[Row]:
-    """Humans in five poses, posed like the mannequin: degrees between their limbs and the mannequin's, from the centre
+    """Humans in five poses, in a T-pose: degrees between their limbs and the mannequin's, from the centre
     of a ring around a limb to that of the next, where the match puts the mannequin's rings. *right*: within 8°.
     """
     model = mannequin()
     rings, parts = rings_of_mannequin(*model)
     for pose in body.some(T_POSES):
-        posed = pose_like(pose, body.poses.faces, *model)
+        posed = stance_by_match(pose, body.poses.faces, anyway=True)
         rotation, shift = rigid_fit(posed.vertices, transferred(posed.match, model[0]))
         wanted = directions(model[0], rings)
         found = directions(posed.vertices @ rotation + shift, transferred(posed.match, rings))
