@@ -233,14 +233,30 @@ def unfolded_pair(
     *,
     rest: ArrayLike | None = None,
 ) -> UnfoldedPair:
-    """Find the bodies of two meshes and their forms, and pair them, the largest with the largest, and so on."""
+    """Find the bodies of two meshes and their forms, and pair them, the largest with the largest, and so on.
+
+    Parameters
+    ----------
+    vertices, faces, other_vertices, other_faces, settings, monitor, share, rest
+        As in `matched_bodies`.
+
+    Returns
+    -------
+    UnfoldedPair
+        The bodies, before they are matched.
+
+    Raises
+    ------
+    CanonicalFormError
+        As in `match`.
+    """
     settings = method_named(settings.method).settings(settings)
     require_match_memory(_count(vertices), _count(other_vertices), settings)
     one = monitor.piece(0.0, UNFOLDED / 2 * share, OPENING)
     two = monitor.piece(UNFOLDED / 2 * share, UNFOLDED * share, OPENING)
-    bodies, surfaces = unfolded_bodies(vertices, faces, settings, one, rest)
+    bodies, surfaces = _unfolded_bodies(vertices, faces, settings, one, rest)
     try:
-        others, other_surfaces = unfolded_bodies(
+        others, other_surfaces = _unfolded_bodies(
             other_vertices, other_faces, replace(settings, feature_points=None), two
         )
     except CancelledError:
@@ -248,14 +264,14 @@ def unfolded_pair(
     except CanonicalFormError as error:
         raise error.about(message("other_mesh")) from error
     monitor.extend(one.warnings)
-    order, other_order = (by_area(each) for each in (bodies, others))
+    order, other_order = (_by_area(each) for each in (bodies, others))
     if len(order) != len(other_order):
         monitor.warn("match_bodies", count=len(order), others=len(other_order))
     pairs = list(zip(order, other_order, strict=False))
     return UnfoldedPair(bodies, others, surfaces, other_surfaces, pairs, two)
 
 
-def unfolded_bodies(
+def _unfolded_bodies(
     vertices: ArrayLike, faces: ArrayLike, settings: Settings, monitor: Monitor, rest: ArrayLike | None = None
 ) -> tuple[Bodies, list[Unfolded]]:
     """Find the bodies of a mesh and their forms."""
@@ -278,7 +294,7 @@ def _count(vertices: ArrayLike) -> int:
         return 0
 
 
-def by_area(bodies: Bodies) -> list[int]:
+def _by_area(bodies: Bodies) -> list[int]:
     """Sort bodies by their area, largest first."""
     areas = [surface_area(body.points, body.faces) for body in bodies.bodies]
     return np.argsort(-np.array(areas), kind="stable").tolist()
@@ -293,7 +309,26 @@ def on_meshes(
     monitor: Monitor,
     other_monitor: Monitor,
 ) -> Match:
-    """Express the matches of bodies in terms of the whole meshes."""
+    """Express the matches of bodies in terms of the whole meshes.
+
+    Parameters
+    ----------
+    bodies, others : Bodies
+        The meshes.
+    pairs : list of (int, int)
+        Indices of the matched bodies.
+    maps : list of PointMap
+        The map of each pair.
+    scores : list of float
+        What is told of the ways to match, the likeliest first.
+    monitor, other_monitor : Monitor
+        What was said about each mesh.
+
+    Returns
+    -------
+    Match
+        The match on all vertices.
+    """
     face = [np.full(len(body.vertices), -1) for body in bodies.bodies]
     weights = [np.zeros((len(body.vertices), 3)) for body in bodies.bodies]
     confidence = [np.zeros(len(body.vertices)) for body in bodies.bodies]
