@@ -89,6 +89,19 @@ def test_a_body_that_leans_by_nature_is_not_set_straight():
     assert np.allclose(stood(leaning)[1].turns[skeleton.names.index("hips")], np.eye(3))
 
 
+def test_a_body_whose_trunk_is_level_stays_on_its_feet():
+    skeleton = hand_drawn(arms=80)
+    cos, sin = np.cos(np.radians(85)), np.sin(np.radians(85))
+    forward = np.array([[1, 0, 0], [0, cos, -sin], [0, sin, cos]])
+    upper = [bone for bone, name in enumerate(skeleton.names) if not name.startswith(("thigh", "shin", "foot"))]
+    heads, tails = skeleton.heads.copy(), skeleton.tails.copy()
+    for ends in (heads, tails):
+        ends[upper] = (ends[upper] - [0, 0, 1]) @ forward.T + [0, 0, 1]
+    limbs, motions = stood(skeleton._replace(heads=heads, tails=tails))
+    assert np.allclose(motions.turns[skeleton.names.index("hips")], np.eye(3))
+    assert len(limbs) == 4
+
+
 def test_wide_feet_stand_beside_each_other():
     skeleton = hand_drawn()
     at = skeleton.names.index
