@@ -14,7 +14,7 @@ from .assembly.gathering import gathered
 from .assembly.opening import OPENING, opened
 from .matching.point_map import PointMap, point_map
 from .matching.seam_sides import CutSurface, seam_sides
-from .matching.sides import Side, sides
+from .matching.sides import Side, index_of_side, require_side, sides
 from .matching.unfolded import Unfolded, unfolded
 from .mesh.geometry import surface_area
 from .mesh.tables import rows_in
@@ -23,7 +23,7 @@ from .method_api.costs import require_match_memory
 from .method_api.settings import Settings
 from .numerics.arrays import FloatArray, IntArray
 from .results import Match, MatchedSeams
-from .run.errors import CancelledError, CanonicalFormError, InvalidSettingsError
+from .run.errors import CancelledError, CanonicalFormError
 from .run.messages import message
 from .run.monitor import Cancelled, Monitor, Progress
 
@@ -197,8 +197,7 @@ def matched_bodies(
     1
     """
     settings = settings or Settings()
-    if side != "auto" and (isinstance(side, bool) or not isinstance(side, int | np.integer) or side < 0):
-        raise InvalidSettingsError("match_side", value=side)
+    require_side(side)
     pair = unfolded_pair(vertices, faces, other_vertices, other_faces, settings, monitor, share, rest=rest)
     bodies, others, surfaces, other_surfaces, pairs, two = pair
     maps: list[PointMap] = []
@@ -210,9 +209,7 @@ def matched_bodies(
         own = monitor.piece(begin, end, _MATCHING)
         with own.stage("Ways to match"):
             found = sides(surfaces[here], other_surfaces[there], own)
-        chosen = 0 if side == "auto" or number else int(side)
-        if chosen >= len(found):
-            raise InvalidSettingsError("match_no_side", count=len(found), last=len(found) - 1)
+        chosen = index_of_side("auto" if number else side, len(found))
         with own.stage("Match"):
             maps.append(point_map(surfaces[here], other_surfaces[there], found[chosen], own))
         used.append(found[chosen])

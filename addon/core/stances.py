@@ -10,6 +10,7 @@ from .deformation.elastic_body import ElasticBody
 from .deformation.struts import struts_through
 from .mannequins import mannequin
 from .matches import UNFOLDED, UnfoldedPair, on_meshes, unfolded_pair
+from .matching.sides import index_of_side, require_side
 from .matching.unfolded import Unfolded
 from .measures.form_measures import edge_stretch
 from .mesh.closest_points import closest_points
@@ -194,8 +195,7 @@ def stance_by_match(
     """
     if pose not in ARMS_LOWERED:
         raise InvalidSettingsError("stance_pose", value=pose)
-    if side != "auto" and (isinstance(side, bool) or not isinstance(side, int | np.integer) or side < 0):
-        raise InvalidSettingsError("match_side", value=side)
+    require_side(side)
     monitor = Monitor(progress, cancelled)
     skin, triangles = mannequin()
     pair = unfolded_pair(vertices, faces, skin, triangles, settings or Settings(), monitor, _MATCHED, rest=rest)
@@ -204,10 +204,7 @@ def stance_by_match(
     own = monitor.piece(UNFOLDED * _MATCHED, _MATCHED, _FACING)
     with own.stage("Ways to face"):
         found = candidates(pair.surfaces[here], pair.other_surfaces[there], rig, own)
-    number = 0 if side == "auto" else int(side)
-    if number >= len(found):
-        raise InvalidSettingsError("match_no_side", count=len(found), last=len(found) - 1)
-    chosen = found[number]
+    chosen = found[index_of_side(side, len(found))]
     piece = monitor.piece(_MATCHED, 1.0, {"Pose": 1})
     with piece.stage("Pose"):
         shapes = [body.points for body in pair.bodies.bodies]

@@ -32,10 +32,8 @@ from .request import Request
 if TYPE_CHECKING:
     from ...core import CanonicalForm, KeptStages
     from ...core.numerics.arrays import FloatArray
-    from ...core.results import AnyResult, Shaped
+    from ...core.results import AnyResult
     from ...core.run.monitor import Cancelled, Progress
-    from ..results.match_values import MatchValues
-    from .likeness import Likeness
 
 
 @dataclass(eq=False)
@@ -171,7 +169,14 @@ class FormItem:
             found: AnyResult
             carried = None
             if request.likeness is not None:
-                found, carried = self._posed_like(whole, request.likeness, settings, progress, cancelled)
+                self._require_no_mirror(
+                    told(
+                        "{name} has a Mirror modifier, and what is posed has to stay on the mirror. Set Mesh to As "
+                        "Shown, or apply the modifier.",
+                        name=self.name,
+                    )
+                )
+                found, carried = posed_like(self.readings, whole, request.likeness, settings, progress, cancelled)
             elif request.step == "FORM":
                 found = self._form(whole, settings, request, progress, cancelled)
             else:
@@ -342,24 +347,6 @@ class FormItem:
         self.whole_form = found
         form = found.vertices if alone else found.vertices + (posed.mean(axis=0) - found.vertices.mean(axis=0))
         return replace(found, vertices=form @ turn)
-
-    def _posed_like(
-        self,
-        whole: Combined,
-        likeness: Likeness,
-        settings: Settings,
-        progress: Progress | None,
-        cancelled: Cancelled | None,
-    ) -> tuple[Shaped, MatchValues | None]:
-        """Put the objects into the pose of another, oriented as that object is in the scene."""
-        self._require_no_mirror(
-            told(
-                "{name} has a Mirror modifier, and what is posed has to stay on the mirror. Set Mesh to As Shown, or "
-                "apply the modifier.",
-                name=self.name,
-            )
-        )
-        return posed_like(self.readings, whole, likeness, settings, progress, cancelled)
 
     def _require_no_mirror(self, reason: str) -> None:
         """Reject base meshes that have a mirror image shown by a modifier."""

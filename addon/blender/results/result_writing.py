@@ -126,7 +126,7 @@ def write_results(
         if surface_stays:
             shown = list(record.colours)[-1]
         elif isinstance(found, Stance):
-            shown = active.colour or ""
+            shown = ""
         else:
             _write_groups(obj, record, found, patches)
             shown = _write_colours(obj, record, FIELD_COLOURS, colours.field)
@@ -147,9 +147,8 @@ def write_results(
     restore_active_items(obj, active.kept(existing_items(obj), otherwise=record.active_before))
     if form is not None and active.shape_key is None:
         obj.active_shape_key_index = mesh.shape_keys.key_blocks.find(next(iter(record.keys)))
-    if shown and (
-        old is None or active.colour is None or record.active_before.colour is None
-    ):  # else the user's choice
+    kept = old is not None and active.colour is not None and record.active_before.colour is not None  # user's choice
+    if shown and not kept:
         mesh.color_attributes.active_color_name = shown
     restore_active_keys(elsewhere)
     mesh.update()

@@ -12,6 +12,7 @@ from .wording import told, told_message
 _DISSOLVE = "Mesh > Clean Up > Degenerate Dissolve"
 _MERGE = "Mesh > Merge > By Distance"
 _DECIMATE = "Apply a Decimate modifier to reduce the mesh."
+_ANYWAY = "Write Anyway (--anyway in a terminal) keeps it."
 ADVICE = {  # by message kind
     "repeated_corners": f"{_DISSOLVE} removes such faces.",
     "coincident_borders": f"{_MERGE} does this permanently.",
@@ -24,11 +25,11 @@ ADVICE = {  # by message kind
     "singular": f"{_MERGE} and {_DISSOLVE} may repair it.",
     "inaccurate_spectrum": f"{_MERGE} and {_DISSOLVE} may repair it.",
     "spectrum_diverged": f"{_MERGE} and {_DISSOLVE} may repair it.",
-    "stance_parts": "Write Anyway (--anyway in a terminal) keeps it.",
-    "stance_unlike": "Write Anyway (--anyway in a terminal) keeps it.",
-    "stance_unlikely": "Write Anyway (--anyway in a terminal) keeps it.",
-    "stance_limb": "Write Anyway (--anyway in a terminal) keeps it.",
-    "stance_strained": "Write Anyway (--anyway in a terminal) keeps it.",
+    "stance_parts": _ANYWAY,
+    "stance_unlike": _ANYWAY,
+    "stance_unlikely": _ANYWAY,
+    "stance_limb": _ANYWAY,
+    "stance_strained": _ANYWAY,
     "match_sides": "Other Side (--side in a terminal) takes the next.",
     "no_axes": f"{_MERGE} may repair it.",
     "mesh_memory": _DECIMATE,

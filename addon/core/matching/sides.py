@@ -8,6 +8,7 @@ import numpy as np
 
 from ..measures.alignment import rigid_fit
 from ..numerics.arrays import FloatArray, IntArray
+from ..run.errors import InvalidSettingsError
 from ..run.monitor import Monitor
 from .spectral_map import first_map, refined
 from .starts import Start, starts
@@ -39,6 +40,31 @@ class Side(NamedTuple):
     score: float
     start: Start
     strain: float = float("nan")
+
+
+def require_side(side: str | int) -> None:
+    """Require that a side is asked for as "auto" or by its index.
+
+    Examples
+    --------
+    >>> require_side("auto")
+    """
+    if side != "auto" and (isinstance(side, bool) or not isinstance(side, int | np.integer) or side < 0):
+        raise InvalidSettingsError("match_side", value=side)
+
+
+def index_of_side(side: str | int, count: int) -> int:
+    """Return the index of the side that is asked for, 0 for the likeliest. `count`: how many there are.
+
+    Examples
+    --------
+    >>> index_of_side("auto", 2), index_of_side(1, 2)
+    (0, 1)
+    """
+    index = 0 if side == "auto" else int(side)
+    if index >= count:
+        raise InvalidSettingsError("match_no_side", count=count, last=count - 1)
+    return index
 
 
 def sides(one: Unfolded, other: Unfolded, monitor: Monitor) -> list[Side]:

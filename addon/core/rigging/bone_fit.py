@@ -9,6 +9,7 @@ import numpy as np
 from ..deformation.rotations import nearest_rotations
 from ..numerics.arrays import FloatArray
 from .reference_rig import ReferenceRig
+from .skeleton import BoneMotions, skinned
 from .stance import swing
 
 _ROUNDS = 3  # of robust weights
@@ -39,15 +40,10 @@ class BoneFit(NamedTuple):
 
     def posed(self, rig: ReferenceRig, points: FloatArray, weights: FloatArray) -> FloatArray:
         """Carry points of the reference to the body. `points` (n, 3); `weights` (n, b); gives (n, 3)."""
-        axes, heads = rig.axes, rig.skeleton.heads
-        moved = np.zeros_like(points)
-        for bone in np.flatnonzero(weights.any(axis=0)):
-            held = np.flatnonzero(weights[:, bone])
-            apart = points[held] - heads[bone]
-            along, across = self.scales[bone]
-            apart = across * apart + (along - across) * np.outer(apart @ axes[bone], axes[bone])
-            moved[held] += weights[held, bone, None] * (self.heads[bone] + apart @ self.turns[bone].T)
-        return moved
+        line = rig.axes[:, :, None] * rig.axes[:, None, :]
+        along, across = self.scales.T[:, :, None, None]
+        stretch = across * np.eye(3) + (along - across) * line  # (b, 3, 3)
+        return skinned(points, weights, BoneMotions(rig.skeleton.heads, self.heads, self.turns @ stretch))
 
 
 class _Similarities(NamedTuple):
@@ -137,18 +133,13 @@ def _similarities(
         wanted = both @ (scales[:, :1, None] * line + scales[:, 1:, None] * (np.eye(3) - line))
         if prior is not None:
             wanted = wanted + _PRIOR * larger**2 * size[:, None, None] * prior
-        turns = _proper(wanted)
+        turns = nearest_rotations(wanted)
         back = np.einsum("bji,bjk->bik", turns, both)
         along = np.einsum("bi,bij,bj->b", axes, back, axes)
         across = np.trace(back, axis1=1, axis2=2) - along
         scales = np.column_stack([along / long, across / np.maximum(size - long, 1e-30)])
         scales = np.clip(scales, _SHORT * larger, _LONG * larger)
     return _Similarities(turns, scales, here, there)
-
-
-def _proper(covariances: FloatArray) -> FloatArray:
-    """Return the rotations (b, 3, 3), for column vectors, nearest to covariances of images with originals."""
-    return nearest_rotations(covariances)
 
 
 def _with_relatives(fits: _Similarities, known: np.ndarray, parents: np.ndarray, heads: FloatArray) -> _Similarities:

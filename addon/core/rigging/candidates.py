@@ -29,12 +29,10 @@ class Candidate(NamedTuple):
 
     Attributes
     ----------
-    side : Side
-        The match that it comes from.
     turned : bool
-        Whether that match was turned back to front.
+        Whether the match was turned back to front.
     found : PointMap
-        That match, of all vertices.
+        The match, of all vertices.
     fit : Explained
         The skeleton, on the working vertices.
     residual : float
@@ -43,8 +41,6 @@ class Candidate(NamedTuple):
         By how much each joint is bent beyond what bodies can.
     unlike : float
         How different left and right limbs are.
-    toes : float
-        How far the soles reach to the front.
     skin : float
         Least ratio of the skin of a limb's bone to that of its partner.
     confidence : float
@@ -53,14 +49,12 @@ class Candidate(NamedTuple):
         All that together; lower is likelier.
     """
 
-    side: Side
     turned: bool
     found: PointMap
     fit: Explained
     residual: float
     degrees: dict[str, float]
     unlike: float
-    toes: float
     skin: float
     confidence: float
     cost: float
@@ -102,8 +96,7 @@ def candidates(one: Unfolded, other: Unfolded, rig: ReferenceRig, monitor: Monit
                 - float(np.clip(toes, -_MOST_TOES, _MOST_TOES)) / _TOES
             )
             skin = skin_alike(coarse, areas, fit.weights)
-            told = (residual, degrees, unlike, toes, skin, float(share @ sure), cost)
-            found.append(Candidate(way, turned, each, fit, *told))
+            found.append(Candidate(turned, each, fit, residual, degrees, unlike, skin, float(share @ sure), cost))
         monitor.tick((number + 1) / _MAPS)
     return _facing_apart(coarse, sorted(found, key=lambda each: each.cost), bool(upright))
 

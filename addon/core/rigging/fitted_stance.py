@@ -8,6 +8,7 @@ from ..numerics.arrays import FloatArray
 from .bone_fit import BoneFit
 from .evidence import turned_by
 from .reference_rig import ReferenceRig
+from .skeleton import BoneMotions, skinned
 from .stance import leg_spread
 
 _FOOT, _HAND = 60.0, 100.0  # degrees beyond which an end goes with its limb
@@ -51,12 +52,7 @@ def fitted_stance(
             side = np.sign(rig.skeleton.heads[bone, 0])
             offset[bone, 0] = side * max(abs(offset[bone, 0]), _LEAST_HIPS * size)
         there[bone] = there[parent] + goal[parent] @ offset[bone]
-    moved = np.zeros_like(points)
-    for bone in np.flatnonzero(weights.any(axis=0)):
-        held = np.flatnonzero(weights[:, bone])
-        places = (points[held] - fit.heads[bone]) @ own[bone] @ goal[bone].T + there[bone]
-        moved[held] += weights[held, bone, None] * places
-    return moved
+    return skinned(points, weights, BoneMotions(fit.heads, there, goal @ own.transpose(0, 2, 1)))
 
 
 def _spread_legs(

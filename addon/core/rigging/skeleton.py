@@ -48,7 +48,7 @@ class BoneMotions(NamedTuple):
     starts, heads : (b, 3) ndarray of float
         Where each bone begins, before and after.
     turns : (b, 3, 3) ndarray of float
-        Rotation of each bone, for column vectors.
+        Linear map of each bone, for column vectors: a rotation, perhaps after a stretch.
     """
 
     starts: FloatArray
