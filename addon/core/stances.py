@@ -14,7 +14,7 @@ from .matching.sides import index_of_side, require_side
 from .matching.unfolded import Unfolded
 from .measures.form_measures import edge_stretch
 from .mesh.closest_points import closest_points
-from .mesh.geometry import moved_by_frames, surface_area, vertex_areas
+from .mesh.geometry import checked_arrays, moved_by_frames, surface_area, vertex_areas
 from .method_api.settings import Settings
 from .numerics.arrays import FloatArray, IntArray
 from .posing.taken_pose import taken_pose
@@ -90,23 +90,24 @@ def stance_by_bones(
     """
     if pose not in ARMS_LOWERED:
         raise InvalidSettingsError("stance_pose", value=pose)
-    points, triangles = np.asarray(vertices, dtype=np.float64), np.asarray(faces, dtype=np.int64)
+    points, triangles = checked_arrays(vertices, faces)
+    if not surface_area(points, triangles) > 0:
+        raise InvalidMeshError("no_area")
     held = np.asarray(weights, dtype=np.float64)
     count = len(skeleton.names)
     shapes = (np.shape(skeleton.parents), np.shape(skeleton.heads), np.shape(skeleton.tails), held.shape)
-    if shapes != ((count,), (count, 3), (count, 3), (len(points), count)):
+    if shapes != ((count,), (count, 3), (count, 3), (len(points), count)) or not (held >= 0).all():
         raise InvalidMeshError("stance_arrays", bones=count, vertices=len(points))
     monitor = Monitor()
     with monitor.stage("Pose"):
         limbs = limb_bones(skeleton, held)
         if not limbs:
             raise InvalidMeshError("stance_limbs")
-        root = skeleton.downwards()[0]
         total = held.sum(axis=1, keepdims=True)
-        held = np.where(total > 0, held / np.maximum(total, np.finfo(float).tiny), np.eye(count)[root])
-        across = points @ facing_of(skeleton, limbs)[0]
-        motions = stance(skeleton, limbs, pose, _foot_width(across, held, limbs))
-        posed = skinned(points, held, motions)
+        held = held / np.maximum(total, np.finfo(float).tiny)
+        facing = facing_of(skeleton, limbs)
+        motions = stance(skeleton, limbs, pose, _foot_width(points @ facing[0], held, limbs))
+        posed = np.where(total > 0, skinned(points, held, motions), points @ facing.T)
         areas = vertex_areas(points, triangles)
         posed += areas / areas.sum() @ (points - posed)
         distortion = float(np.median(np.abs(edge_stretch(points, posed, triangles) - 1)))

@@ -161,3 +161,70 @@ def test_a_way_to_match_that_is_asked_for_is_matched(character_rig):
     with pytest.raises(RuntimeError, match="only 6% of the mesh"):  # beads are no body
         stand(obj, side=0)
     assert obj.data.shape_keys is None
+
+
+def two_characters(character_rig):
+    rig, skeleton = character_rig
+    everything = list(range(len(skeleton.names)))
+    one = skin("Body", rig, skeleton, everything)
+    second = armature(skeleton)
+    second.name = "Second"
+    second.location = (4, 0, 0)
+    bend(second)
+    return one, skin("Other Body", second, skeleton, everything)
+
+
+@pytest.mark.parametrize("mesh", ["SHOWN", "BASE"])
+def test_each_of_several_characters_stands_by_its_own_bones(character_rig, mesh):
+    one, other = two_characters(character_rig)
+    stand(one, other, mesh=mesh, objects="TOUCHING", pieces="apart")
+    for obj in (one, other):
+        like = require_record(obj.data).report.like
+        assert like is not None
+        assert like.source == "bones"
+
+
+def test_what_shows_a_rigged_body_with_something_else_is_told(character_rig):
+    one, other = two_characters(character_rig)
+    stand(one, other, mesh="SHOWN", objects="TOGETHER", anyway=True)
+    report = require_record(one.data).report
+    assert any("bones of Rig, Second could not give the pose" in each for each in report.warnings)
+
+
+def test_a_stance_as_shown_stays_where_the_character_is(character_rig):
+    rig, skeleton = character_rig
+    obj = skin("Body", rig, skeleton, list(range(len(skeleton.names))))
+    rig.pose.bones["hips"].location = (0, 3, 0)
+    before = shown(obj).mean(axis=0)
+    stand(obj, mesh="SHOWN")
+    assert np.allclose(shown(obj).mean(axis=0), before, atol=1e-3)
+
+
+def test_a_scale_of_zero_is_told(character_rig):
+    rig, skeleton = character_rig
+    obj = skin("Body", rig, skeleton, list(range(len(skeleton.names))))
+    obj.scale.x = 0
+    with pytest.raises(RuntimeError, match="scale of 0"):
+        stand(obj)
+
+
+def test_a_mirrored_rig_does_not_tell_left_from_right(character_rig):
+    rig, skeleton = character_rig
+    rig.scale.x = -1
+    obj = skin("Body", rig, skeleton, list(range(len(skeleton.names))))
+    stand(obj, mesh="SHOWN", anyway=True)
+    like = require_record(obj.data).report.like
+    assert like is not None
+    assert like.source == "match"
+
+
+def test_a_turned_rig_faces_the_front(character_rig):
+    rig, skeleton = character_rig
+    rig.rotation_euler.z = np.radians(25)
+    everything = list(range(len(skeleton.names)))
+    obj = skin("Body", rig, skeleton, everything)
+    stand(obj, mesh="SHOWN")
+    points, bones = shown(obj), np.repeat(everything, 4)
+    shoulders = [points[bones == skeleton.names.index(f"shoulder.{side}")].mean(axis=0) for side in "LR"]
+    way = shoulders[0] - shoulders[1]
+    assert abs(way[1]) < 1e-3 * abs(way[0])

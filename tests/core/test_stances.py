@@ -68,16 +68,37 @@ def test_vertices_without_weights_stay_with_the_body(standing):
     assert np.allclose(found.vertices[bare], standing.vertices[bare], atol=1e-9)
 
 
+def test_without_a_root_of_their_own_vertices_stay_with_the_body_too():
+    skeleton = hand_drawn()
+    order = [skeleton.names.index("hand.L"), *(b for b, name in enumerate(skeleton.names) if name != "hand.L")]
+    number = {bone: index for index, bone in enumerate(order)}
+    parents = np.array([number.get(int(skeleton.parents[bone]), -1) for bone in order])
+    parents[0] = -1  # moved by a target
+    first = Skeleton([skeleton.names[bone] for bone in order], parents, skeleton.heads[order], skeleton.tails[order])
+    points = np.vstack([first.heads, [[0, -0.1, 1.8], [0, 0.1, 1.8]]])
+    weights = np.vstack([np.eye(len(order)), np.zeros((2, len(order)))])
+    bare = len(order)
+    found = stance_by_bones(points, [[0, 3, bare], [3, bare, bare + 1]], first, weights).vertices
+    chest = first.names.index("chest")
+    assert np.allclose(found[bare] - found[chest], points[bare] - points[chest])
+
+
 def test_what_is_no_rig_of_a_body_is_told():
     skeleton = hand_drawn()
     count = len(skeleton.names)
+    with pytest.raises(InvalidMeshError, match="no faces"):
+        stance_by_bones(skeleton.heads, np.empty((0, 3), dtype=int), skeleton, np.eye(count))
+    with pytest.raises(InvalidMeshError, match="no area"):
+        stance_by_bones(0 * skeleton.heads, [[0, 1, 2]], skeleton, np.eye(count))
     with pytest.raises(InvalidMeshError, match="one weight of each"):
-        stance_by_bones(skeleton.heads, [[0, 1, 2]], skeleton, np.eye(count)[:3])
+        stance_by_bones(skeleton.heads, [[0, 4, 11]], skeleton, np.full((count, count), np.nan))
+    with pytest.raises(InvalidMeshError, match="one weight of each"):
+        stance_by_bones(skeleton.heads, [[0, 4, 11]], skeleton, np.eye(count)[:3])
     with pytest.raises(InvalidSettingsError, match="'T' or 'A'"):
-        stance_by_bones(skeleton.heads, [[0, 1, 2]], skeleton, np.eye(count), "X")
+        stance_by_bones(skeleton.heads, [[0, 4, 11]], skeleton, np.eye(count), "X")
     one = Skeleton(["root"], np.array([-1]), np.zeros((1, 3)), np.ones((1, 3)))
     with pytest.raises(InvalidMeshError, match="two arms and two legs"):
-        stance_by_bones(skeleton.heads, [[0, 1, 2]], one, np.ones((count, 1)))
+        stance_by_bones(skeleton.heads, [[0, 4, 11]], one, np.ones((count, 1)))
 
 
 @pytest.fixture(scope="module")

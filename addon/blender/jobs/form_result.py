@@ -14,7 +14,7 @@ from ..objects.mesh_reading import Reading
 from ..objects.object_warnings import warnings_by_object
 from ..records.form_report import FormReport, patch_sizes
 from ..results.match_values import MatchValues
-from ..words.wording import told
+from ..words.wording import listed, told
 from .request import Request
 
 if TYPE_CHECKING:
@@ -172,11 +172,12 @@ def _report(readings: Sequence[Reading], whole: Combined, found: AnyResult, requ
         )
     if isinstance(found, PosedLike | Stance) and request.likeness is not None:
         report.like = request.likeness.report(found)
-        if isinstance(found, PosedLike) and any(each.bones is not None for each in readings):
+        rigs = sorted({each.rig for each in readings if each.rig})
+        if isinstance(found, PosedLike) and rigs:
             report.warnings.append(
                 told(
                     "The bones of {rig} could not give the pose: a mannequin was matched instead. Check the pose.",
-                    rig=next(each.bones.rig for each in readings if each.bones is not None),
+                    rig=listed(rigs),
                 )
             )
     return report

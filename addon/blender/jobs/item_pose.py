@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..objects.combining import Combined, moved
+from ...core.mesh.geometry import vertex_areas
+from ..objects.combining import Combined, moved, require_thick
 from ..objects.mesh_reading import Bones, Reading
 from ..objects.placement import world_rotation
 
@@ -56,20 +57,26 @@ def posed_like(
         As in `pose_like`.
     """
     alone = len(readings) == 1
-    bones = _common_bones(readings) if likeness.by_bones else None
-    if bones is not None and whole.rest is not None:
+    bones = _common_bones(readings, whole) if likeness.by_bones else None
+    if bones is not None:
         place = readings[0].placement if alone else np.eye(4)  # several objects are in world space
-        stance = likeness.stance(moved(whole.rest, place), whole.faces, bones)
+        if alone:
+            require_thick(readings[0].name, place, alone=True)
+        rest, shown = moved(bones.rest, place), moved(whole.vertices, place)
+        stance = likeness.stance(rest, whole.faces, bones)
         if stance is not None:
-            return replace(stance, vertices=moved(stance.vertices, np.linalg.inv(place))), None
+            areas = [vertex_areas(points, whole.faces) for points in (rest, shown)]
+            way = areas[1] / areas[1].sum() @ shown - areas[0] / areas[0].sum() @ rest  # from where it rests
+            return replace(stance, vertices=moved(stance.vertices + way, np.linalg.inv(place))), None
     turn = world_rotation(readings[0].placement) if alone else np.eye(3)
     found, carried = likeness.posed(whole.vertices @ turn.T, whole.faces, settings, whole.rest, progress, cancelled)
     return replace(found, vertices=found.vertices @ turn), carried
 
 
-def _common_bones(readings: Sequence[Reading]) -> Bones | None:
+def _common_bones(readings: Sequence[Reading], whole: Combined) -> Bones | None:
     """Return the bones of all vertices, if one armature moves all objects."""
     found = [each.bones for each in readings if each.bones is not None]
     if not found or len(found) < len(readings) or len({each.rig for each in found}) > 1:
         return None
-    return found[0]._replace(weights=np.concatenate([each.weights for each in found]))
+    rest = whole.put_together([each.rest for each in found])
+    return found[0]._replace(weights=np.concatenate([each.weights for each in found]), rest=rest)

@@ -40,7 +40,9 @@ def weights_of(obj: bpy.types.Object, names: Iterable[str], *, shown: bool = Fal
     source = obj.evaluated_get(graph) if shown else obj
     mesh = bpy.data.meshes.new_from_object(source, preserve_all_data_layers=True, depsgraph=graph)  # without shape keys
     holder = bpy.data.objects.new(mesh.name, mesh)
-    weights: dict[str, FloatArray] = {}
+    lost = [name for name in found if name not in holder.vertex_groups]  # a key is not limited by a missing group
+    weights = {name: np.zeros(len(mesh.vertices)) for name in lost}
+    found = [name for name in found if name not in lost]
     try:
         holder.vertex_groups.new(name="Any").add([0], 1.0, "REPLACE")  # a group limits no key if all groups are empty
         keys = [_add_key(holder, position) for position in np.vstack([np.zeros(3), np.eye(3)])][1:]

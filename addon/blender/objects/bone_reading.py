@@ -11,37 +11,42 @@ import numpy as np
 from ...core import Skeleton
 from ..mesh_items.weight_reading import weights_of
 from .mesh_reading import Bones, Reading
-from .rest_reading import chain_of, rigs_of
+from .rest_reading import chain_of, rigs_of, with_rests
 
 if TYPE_CHECKING:
     from ...core.numerics.arrays import FloatArray
 
 
 def with_bones(objects: Sequence[bpy.types.Object], readings: Sequence[Reading]) -> list[Reading]:
-    """Add the bones to readings of which the positions at rest are known.
+    """Add the bones to readings, for each object that one armature moves.
+
+    Each character has its own rest, whether `with_rests` knows one for all of them or not.
 
     Parameters
     ----------
     objects : sequence of bpy.types.Object
         The objects, in Object Mode.
     readings : sequence of Reading
-        Their arrays, after `with_rests`.
+        Their arrays.
 
     Returns
     -------
     list of Reading
-        The same with `bones`, for each object that one armature moves.
+        The same with `rig`, and with `bones` where they can be read.
     """
-    skeletons: dict[str, Skeleton] = {}
-    found = []
-    for obj, reading in zip(objects, readings, strict=True):
-        rig = next(iter(rigs_of(obj)), None)
-        if rig is None or reading.rest is None:
-            found.append(reading)
-            continue
-        skeleton = skeletons.setdefault(rig.name, _skeleton_of(rig))
-        weights = _weights_of(obj, rig, reading)
-        found.append(reading if weights is None else reading._replace(bones=Bones(rig.name, skeleton, weights)))
+    found = list(readings)
+    moving = [rigs_of(obj) for obj in objects]
+    for rig in {next(iter(rigs)): None for rigs in moving if len(rigs) == 1}:
+        own = [number for number, rigs in enumerate(moving) if rigs == {rig}]
+        rested = with_rests([objects[number] for number in own], [readings[number] for number in own])
+        mirrored = np.linalg.det(np.array(rig.matrix_world)[:3, :3]) <= 0  # its left bones are on the right
+        skeleton = _skeleton_of(rig)
+        for number, reading in zip(own, rested, strict=True):
+            weights = None if mirrored or reading.rest is None else _weights_of(objects[number], rig, reading)
+            bones = None
+            if weights is not None and reading.rest is not None:
+                bones = Bones(rig.name, skeleton, weights, reading.rest)
+            found[number] = readings[number]._replace(bones=bones, rig=rig.name)
     return found
 
 
@@ -59,7 +64,7 @@ def _skeleton_of(rig: bpy.types.Object) -> Skeleton:
 
 
 def _weights_of(obj: bpy.types.Object, rig: bpy.types.Object, reading: Reading) -> FloatArray | None:
-    """Read how far each vertex of an object follows each bone; None if not as many as were read have weights."""
+    """Read how far each vertex of an object follows each bone; None if the groups do not tell."""
     names = [bone.name for bone in rig.data.bones]
     weights = np.zeros((len(reading.vertices), len(names)))
     if any(each.type == "ARMATURE" and each.show_viewport and each.object == rig for each in obj.modifiers):
@@ -68,7 +73,7 @@ def _weights_of(obj: bpy.types.Object, rig: bpy.types.Object, reading: Reading) 
             if len(own) != len(weights):
                 return None
             weights[:, names.index(name)] = own
-        return weights
+        return weights if weights.any() else None
     bone = next((each.parent_bone for each in chain_of(obj) if each.parent == rig and each.parent_type == "BONE"), "")
     if bone in names:
         weights[:, names.index(bone)] = 1.0

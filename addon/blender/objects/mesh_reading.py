@@ -34,11 +34,14 @@ class Bones(NamedTuple):
         All its bones at rest, in world space.
     weights : (n, b) ndarray of float
         How far each vertex follows each bone.
+    rest : (n, 3) ndarray of float
+        Positions of the vertices with that armature at rest, in the space of the reading.
     """
 
     rig: str
     skeleton: Skeleton
     weights: FloatArray
+    rest: FloatArray
 
 
 class Reading(NamedTuple):
@@ -67,7 +70,9 @@ class Reading(NamedTuple):
     rest : (n, 3) ndarray of float or None
         Positions of the vertices with the armature at rest; None if it is not known.
     bones : Bones or None
-        The bones of that armature; None unless they were asked for.
+        The bones that move the object, and it alone; None unless they were asked for, or if they could not be read.
+    rig : str
+        Name of the armature whose bones were asked for; empty if there is none.
     """
 
     name: str
@@ -81,6 +86,7 @@ class Reading(NamedTuple):
     mirrors: Sequence[Mirror]
     rest: FloatArray | None = None
     bones: Bones | None = None
+    rig: str = ""
 
 
 def refusal(obj: bpy.types.Object | None) -> str | None:

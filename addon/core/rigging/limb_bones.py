@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
@@ -13,6 +14,7 @@ from .skeleton import Skeleton
 _SEGMENTS = {"arm": ("upper arm", "forearm", "hand"), "leg": ("thigh", "shin", "foot")}
 _SHORT = 0.03  # of a limb: shorter bones have no direction of their own
 _PARTNERS = 0.03  # of the height: distance of a mirrored bone from its partner
+_DOWN = 0.5  # of its length: how far down a leg reaches
 _COLLAR = 0.6  # of the next bone: a shorter one at a limb's root is a collarbone, or a hip
 
 
@@ -54,11 +56,12 @@ def limb_bones(skeleton: Skeleton, weights: FloatArray) -> list[LimbBones]:
     []
     """
     skin = weights.sum(axis=0)
-    return _by_names(skeleton, skin) or _by_shape(skeleton, skin)
+    named = _by_names(skeleton, skin)
+    return _by_shape(skeleton, skin) if named is None else named
 
 
-def _by_names(skeleton: Skeleton, skin: FloatArray) -> list[LimbBones]:
-    """Find the limbs by the names of their bones."""
+def _by_names(skeleton: Skeleton, skin: FloatArray) -> list[LimbBones] | None:
+    """Find the limbs by the names of their bones; None if these do not tell, empty if a limb runs to the trunk."""
     named = roles_of(skeleton.names)
     depth = [len(skeleton.ancestors(bone)) for bone in range(len(named))]
     below = _skin_below(skeleton, skin)
@@ -70,11 +73,13 @@ def _by_names(skeleton: Skeleton, skin: FloatArray) -> list[LimbBones]:
             if upper < 0 and end >= 0:  # an arm without a name of its own
                 upper = next((each for each in reversed(skeleton.ancestors(end)) if named[each].side == side), -1)
             if upper < 0:
-                return []
+                return None
             way = [lower, *skeleton.ancestors(lower)] if lower >= 0 else []
             bones = way[way.index(upper) :: -1] if upper in way else [upper, *([lower] if lower >= 0 else [])]
             if end >= 0 and end in bones:
                 end = -1
+            if any(later in skeleton.ancestors(earlier) for earlier, later in combinations([*bones, end], 2)):
+                return []
             limb = LimbBones(kind, side, bones, end)
             found.append(limb._replace(bones=_long(skeleton, limb)))
     return found
@@ -102,23 +107,29 @@ def _by_shape(skeleton: Skeleton, skin: FloatArray) -> list[LimbBones]:
     used = np.flatnonzero(_skin_below(skeleton, skin) > 0)
     if len(used) < len(_SEGMENTS):
         return []
-    partner = _partners(skeleton, used)
+    middle = float(skeleton.heads[used, 0].mean())
+    partner = _partners(skeleton, used, middle)
     size = float(np.ptp(skeleton.heads[used], axis=0).max())
     chains = []
     for bone in used[partner[used] >= 0]:
         above = skeleton.parents[bone]
-        if skeleton.heads[bone, 0] > 0 and (above < 0 or partner[above] < 0):
+        if skeleton.heads[bone, 0] > middle and (above < 0 or partner[above] < 0):
             chain = _longest_chain(skeleton, int(bone), set(used.tolist()))
             length = np.linalg.norm(skeleton.tails[chain[-1]] - skeleton.heads[chain[0]])
             if len(chain) > 1 and length > 0.2 * size:
                 chains.append((chain, float(length), float(skeleton.tails[chain[-1], 2])))
     if len(chains) < len(_SEGMENTS):
         return []
-    leg = min(chains, key=lambda each: each[2])
+    downward = [each for each in chains if skeleton.heads[each[0][0], 2] - each[2] > _DOWN * each[1]]
+    if not downward:
+        return []
+    leg = min(downward, key=lambda each: each[2])
     arm = max((each for each in chains if each is not leg), key=lambda each: each[1])
     found = []
     for kind, chain in (("arm", arm[0]), ("leg", leg[0])):
         left = _segments(skeleton, chain)
+        if (partner[left] < 0).any():
+            return []
         for side, bones in ((1, left), (-1, [int(partner[bone]) for bone in left])):
             found.append(
                 LimbBones(kind, side, bones[:-1] if len(bones) > 2 else bones, bones[-1] if len(bones) > 2 else -1)
@@ -135,10 +146,9 @@ def _skin_below(skeleton: Skeleton, skin: FloatArray) -> FloatArray:
     return total
 
 
-def _partners(skeleton: Skeleton, used: IntArray) -> IntArray:
-    """Find the mirror image of each bone across X = 0; -1 for none and for bones in the middle."""
+def _partners(skeleton: Skeleton, used: IntArray, middle: float) -> IntArray:
+    """Find the mirror image of each bone across a plane of X; -1 for none and for bones in the middle."""
     height = float(np.ptp(skeleton.heads[used], axis=0).max())
-    middle = skeleton.heads[used, 0].mean()
     image = skeleton.heads * [-1.0, 1, 1] + [2 * middle, 0, 0]
     far = np.linalg.norm(image[used][:, None] - skeleton.heads[used], axis=2)
     far[np.abs(skeleton.heads[used, 0] - middle) < _PARTNERS * height / 2] = np.inf

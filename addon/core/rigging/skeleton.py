@@ -28,9 +28,9 @@ class Skeleton(NamedTuple):
     tails: FloatArray
 
     def ancestors(self, bone: int) -> list[int]:
-        """List the parent of a bone, its parent, and so on."""
+        """List the parent of a bone, its parent, and so on; of a circle, each once."""
         found: list[int] = []
-        while (bone := int(self.parents[bone])) >= 0:
+        while (bone := int(self.parents[bone])) >= 0 and bone not in found:
             found.append(bone)
         return found
 

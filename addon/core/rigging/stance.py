@@ -14,7 +14,7 @@ from .skeleton import BoneMotions, Skeleton
 ARMS_LOWERED = {"T": 0.0, "A": 45.0}  # degrees
 _NATURAL = {"arm": (5.0, 12.0), "leg": (15.0, 25.0)}  # degrees: a limb whose line is as near to the stance, and whose
 # joint is bent no more, stands so by nature and keeps its shape
-_LEANS = 30.0  # degrees from the axes of the file up to which a body leans by nature
+_LEANS = 30.0  # degrees from the axes of the file up to which the trunk of a body that lies leans by nature
 _STANDING = 0.5  # how far down a leg reaches, over its length, of a body that stands on it
 _SPREAD = 6.0  # degrees outward up to which legs keep their way to the ground
 _APART = 1.15  # widths of a foot, from the middle of one to that of the other
@@ -120,8 +120,8 @@ def facing_of(skeleton: Skeleton, limbs: Sequence[LimbBones]) -> FloatArray:
     legs = [limb.joints(skeleton) for limb in limbs if limb.kind == "leg"]
     drop = sum(leg[0, 2] - leg[-1, 2] for leg in legs)
     if drop > _STANDING * sum(np.linalg.norm(np.diff(leg, axis=0), axis=1).sum() for leg in legs):
-        up = np.array([0.0, 0.0, 1.0])
-        left = left * [1.0, 1, 0]
+        left = unit(left * [1.0, 1, 0])
+        return np.array([left, np.cross([0.0, 0.0, 1.0], left), [0.0, 0.0, 1.0]])
     left = unit(left)
     up = unit(up - (up @ left) * left)
     axes = np.array([left, np.cross(up, left), up])

@@ -67,3 +67,41 @@ def test_a_rig_without_arms_has_no_limbs():
         tails=skeleton.tails[kept],
     )
     assert told(less) == {}
+
+
+@pytest.mark.parametrize("aside", [5.0, -5.0])
+def test_the_shape_tells_wherever_the_rig_stands(aside):
+    skeleton = hand_drawn()
+    nameless = skeleton._replace(
+        names=[f"Bone.{number:03}" for number in range(len(skeleton.names))],
+        heads=skeleton.heads + np.array([aside, 0, 0]),
+        tails=skeleton.tails + np.array([aside, 0, 0]),
+    )
+    assert {limb: bones[:2] for limb, bones in told(nameless).items()} == {
+        limb: bones[:2] for limb, bones in told(skeleton).items()
+    }
+
+
+def test_a_limb_without_its_partner_is_not_guessed_at():
+    skeleton = hand_drawn()
+    heads = skeleton.heads.copy()
+    heads[skeleton.names.index("forearm.R")] += [0, 0.4, 0]
+    nameless = [f"Bone.{number:03}" for number in range(len(skeleton.names))]
+    assert told(skeleton._replace(names=nameless, heads=heads)) == {}
+
+
+def test_a_limb_that_runs_from_the_foot_to_the_trunk_is_none():
+    skeleton = hand_drawn()
+    at = skeleton.names.index
+    parents = skeleton.parents.copy()
+    for side in "LR":
+        thigh, shin, foot = (at(f"{name}.{side}") for name in ("thigh", "shin", "foot"))
+        parents[thigh], parents[shin], parents[foot] = shin, foot, 0
+    assert told(skeleton._replace(parents=parents)) == {}
+
+
+def test_parents_in_a_circle_end():
+    skeleton = hand_drawn()
+    parents = skeleton.parents.copy()
+    parents[0] = 1
+    assert len(skeleton._replace(parents=parents).ancestors(1)) == 2

@@ -72,7 +72,7 @@ def test_hands_go_with_forearms_and_feet_stay_flat():
     assert np.allclose(motions.turns[at("head")], np.eye(3))
 
 
-@pytest.mark.parametrize("angle", [90.0, 180.0, 37.0])
+@pytest.mark.parametrize("angle", [90.0, 180.0, 37.0, 25.0, 4.0])
 def test_the_body_faces_the_front_however_it_stood(angle):
     skeleton = hand_drawn()
     cos, sin = np.cos(np.radians(angle)), np.sin(np.radians(angle))
