@@ -21,8 +21,9 @@ if TYPE_CHECKING:
     from .matches import match
     from .method_api.settings import Settings
     from .poses import pose_like
-    from .results import CanonicalForm, FeaturePatches, Match, PosedLike, Stance
+    from .results import CanonicalForm, FeaturePatches, Match, PosedLike, Rigged, Stance
     from .rigging.skeleton import Skeleton
+    from .rigs import rig
     from .run.kept_stages import KeptStages
     from .stances import stance_by_bones, stance_by_match
     from .transfers import transferred, transferred_corners, transferred_labels, transferred_shape
@@ -37,6 +38,7 @@ __all__ = [
     "KeptStages",
     "Match",
     "PosedLike",
+    "Rigged",
     "Settings",
     "Skeleton",
     "SolverError",
@@ -50,6 +52,7 @@ __all__ = [
     "mannequin",
     "match",
     "pose_like",
+    "rig",
     "stance_by_bones",
     "stance_by_match",
     "transferred",
@@ -65,6 +68,7 @@ _DOORS = {
     "KeptStages": "run.kept_stages",
     "Match": "results",
     "PosedLike": "results",
+    "Rigged": "results",
     "Skeleton": "rigging.skeleton",
     "Stance": "results",
     "canonical_form": "canonical",
@@ -75,6 +79,7 @@ _DOORS = {
     "mannequin": "mannequins",
     "match": "matches",
     "pose_like": "poses",
+    "rig": "rigs",
     "stance_by_bones": "stances",
     "stance_by_match": "stances",
     "transferred": "transfers",

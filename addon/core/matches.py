@@ -24,7 +24,7 @@ from .method_api.settings import Settings
 from .numerics.arrays import FloatArray, IntArray
 from .results import Match, MatchedSeams
 from .run.errors import CancelledError, CanonicalFormError
-from .run.messages import message
+from .run.messages import Message, message
 from .run.monitor import Cancelled, Monitor, Progress
 
 UNFOLDED = 0.8  # of the work of a match
@@ -72,7 +72,7 @@ class UnfoldedPair(NamedTuple):
         Their bodies with their forms.
     pairs : list of (int, int)
         Indices of the bodies to be matched in the two meshes, the largest first.
-    other_monitor : Monitor
+    other_warnings : list of Message
         What was said about the other mesh.
     """
 
@@ -81,7 +81,7 @@ class UnfoldedPair(NamedTuple):
     surfaces: list[Unfolded]
     other_surfaces: list[Unfolded]
     pairs: list[tuple[int, int]]
-    other_monitor: Monitor
+    other_warnings: list[Message]
 
 
 def match(
@@ -199,7 +199,7 @@ def matched_bodies(
     settings = settings or Settings()
     require_side(side)
     pair = unfolded_pair(vertices, faces, other_vertices, other_faces, settings, monitor, share, rest=rest)
-    bodies, others, surfaces, other_surfaces, pairs, two = pair
+    bodies, others, surfaces, other_surfaces, pairs, other_warnings = pair
     maps: list[PointMap] = []
     ways: list[Side] = []
     used: list[Side] = []
@@ -214,7 +214,7 @@ def matched_bodies(
             maps.append(point_map(surfaces[here], other_surfaces[there], found[chosen], own))
         used.append(found[chosen])
         ways = ways or found
-    result = on_meshes(bodies, others, pairs, maps, [each.score for each in ways], monitor, two)
+    result = on_meshes(bodies, others, pairs, maps, [each.score for each in ways], monitor, other_warnings)
     _warn([surfaces[here] for here, _ in pairs], maps, ways, used, monitor)
     return MatchedBodies(bodies, others, surfaces, other_surfaces, pairs, maps, result)
 
@@ -265,7 +265,7 @@ def unfolded_pair(
     if len(order) != len(other_order):
         monitor.warn("match_bodies", count=len(order), others=len(other_order))
     pairs = list(zip(order, other_order, strict=False))
-    return UnfoldedPair(bodies, others, surfaces, other_surfaces, pairs, two)
+    return UnfoldedPair(bodies, others, surfaces, other_surfaces, pairs, two.warnings)
 
 
 def _unfolded_bodies(
@@ -304,7 +304,7 @@ def on_meshes(
     maps: list[PointMap],
     scores: list[float],
     monitor: Monitor,
-    other_monitor: Monitor,
+    other_warnings: list[Message],
 ) -> Match:
     """Express the matches of bodies in terms of the whole meshes.
 
@@ -318,8 +318,10 @@ def on_meshes(
         The map of each pair.
     scores : list of float
         What is told of the ways to match, the likeliest first.
-    monitor, other_monitor : Monitor
-        What was said about each mesh.
+    monitor : Monitor
+        What was said about the mesh, and how long it took.
+    other_warnings : list of Message
+        What was said about the other mesh.
 
     Returns
     -------
@@ -348,7 +350,7 @@ def on_meshes(
         len(others.vertices),
         monitor.timings,
         monitor.warnings,
-        other_monitor.warnings,
+        other_warnings,
         _seams(bodies, others, faces, at),
     )
 

@@ -12,6 +12,7 @@ from .run.messages import Message
 
 if TYPE_CHECKING:
     from .matching.seam_sides import SeamSides
+    from .rigging.skeleton import Skeleton
     from .symmetry.limbs import BodyLimbs
 
 
@@ -244,6 +245,37 @@ class Stance(_Summarised):
     adf: FloatArray
     bones: list[str]
     edge_distortion: float
+    timings: dict[str, float]
+    warnings: list[Message]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Rigged(_Summarised):
+    """A skeleton for a mesh in the pose in which it is, with weights.
+
+    Attributes
+    ----------
+    skeleton : Skeleton
+        The b bones, in the unit and place of the mesh.
+    bends : (b, 3) ndarray of float
+        Unit vector across each bone: the axis about which it bends, such as that of a knee. The roll of a bone follows.
+    weights : (n, b) ndarray of float
+        How far each vertex follows each bone; rows sum to 1, of vertices of no face too.
+    confidence : (b,) ndarray of float
+        How well each bone explains the skin that it moves, 0 to 1.
+    match : Match
+        The match with the mesh that has lent the skeleton; its `sides` are the costs of the ways to face.
+    timings : dict of str to float
+        Seconds by stage.
+    warnings : list of Message
+        Sentences for the user.
+    """
+
+    skeleton: Skeleton
+    bends: FloatArray
+    weights: FloatArray
+    confidence: FloatArray
+    match: Match
     timings: dict[str, float]
     warnings: list[Message]
 

@@ -8,31 +8,28 @@ from numpy.typing import ArrayLike
 from .assembly.gathering import gathered_features, shaped
 from .deformation.elastic_body import ElasticBody
 from .deformation.struts import struts_through
-from .mannequins import mannequin
-from .matches import UNFOLDED, UnfoldedPair, on_meshes, unfolded_pair
 from .matching.sides import index_of_side, require_side
 from .matching.unfolded import Unfolded
 from .measures.form_measures import edge_stretch
-from .mesh.closest_points import closest_points
 from .mesh.geometry import checked_arrays, moved_by_frames, surface_area, vertex_areas
 from .method_api.settings import Settings
 from .numerics.arrays import FloatArray, IntArray
 from .posing.taken_pose import taken_pose
 from .posing.untangling import untangled
 from .results import PosedLike, Stance
-from .rigging.candidates import Candidate, candidates
+from .rigging.candidates import Candidate
 from .rigging.evidence import strayed
 from .rigging.fitted_stance import arm_turns, fitted_stance
 from .rigging.limb_bones import LimbBones, limb_bones
-from .rigging.reference_rig import ReferenceRig, mannequin_rig
 from .rigging.skeleton import Skeleton, skinned
 from .rigging.stance import ARMS_LOWERED, facing_of, stance
 from .rigging.stance_gate import is_doubtful, refusal
+from .rigs import FittedMannequin, fitted_mannequin
 from .run.errors import InvalidMeshError, InvalidSettingsError
+from .run.kept_stages import KeptStages
 from .run.monitor import Cancelled, Monitor, Progress
 
 _MATCHED = 0.9  # of the work
-_FACING = {"Ways to face": 1}  # stages
 _TRUSTED = 0.03  # of the size: residual of skin that hardly follows the skeleton
 _LEAST = 0.1  # least confidence of it
 _FEW = 3  # vertices of a foot, below which its width is not known
@@ -140,14 +137,16 @@ def stance_by_match(
     side: str | int = "auto",
     anyway: bool = False,
     rest: ArrayLike | None = None,
+    keep: KeptStages | None = None,
     progress: Progress | None = None,
     cancelled: Cancelled | None = None,
 ) -> PosedLike:
     """Put a human body without a rig into a T-pose or an A-pose.
 
-    A mannequin is matched to the body in every way in which the body may face, its skeleton is fitted by each of these
-    matches, as it is and turned back to front, and the likeliest skeleton stands up: bones exactly in place, left and
-    right as long as each other, the skin pulled along as an elastic body.
+    A mannequin is matched to the body in every way in which the body may face: an adult, and if that fits badly, one
+    with a larger head, a stocky one, and one that is half head. Their skeletons are fitted by these matches, as they
+    are and turned back to front, and the likeliest skeleton stands up: bones exactly in place, left and right as long
+    as each other, the skin pulled along as an elastic body.
 
     Parameters
     ----------
@@ -165,6 +164,8 @@ def stance_by_match(
         Return a stance although it is unlikely to be right.
     rest : (n, 3) array_like of float, optional
         Positions in the rest pose of a rig, as in `canonical_form`.
+    keep : KeptStages, optional
+        Results of earlier runs on this mesh: another side, or `anyway`, takes but the time to stand up.
     progress : callable, optional
         Called with the fraction done (0 to 1) and the name of the stage.
     cancelled : callable, optional
@@ -197,37 +198,35 @@ def stance_by_match(
     if pose not in ARMS_LOWERED:
         raise InvalidSettingsError("stance_pose", value=pose)
     require_side(side)
+    settings, kept = settings or Settings(), keep or KeptStages()
     monitor = Monitor(progress, cancelled)
-    skin, triangles = mannequin()
-    pair = unfolded_pair(vertices, faces, skin, triangles, settings or Settings(), monitor, _MATCHED, rest=rest)
-    rig = mannequin_rig(skin, triangles)
-    here, there = pair.pairs[0]
-    own = monitor.piece(UNFOLDED * _MATCHED, _MATCHED, _FACING)
-    with own.stage("Ways to face"):
-        found = candidates(pair.surfaces[here], pair.other_surfaces[there], rig, own)
-    chosen = found[index_of_side(side, len(found))]
-    piece = monitor.piece(_MATCHED, 1.0, {"Pose": 1})
-    with piece.stage("Pose"):
-        shapes = [body.points for body in pair.bodies.bodies]
-        shapes[here], off = _stood(pair.surfaces[here], chosen, rig, ARMS_LOWERED[pose], piece)
-        posed = shaped(pair.bodies, shapes, monitor)
+    fitted = fitted_mannequin(vertices, faces, settings, kept, monitor, _MATCHED, rest=rest)
+    pair, found, here = fitted.pair, fitted.found, fitted.pair.pairs[0][0]
+    number = index_of_side(side, len(found))
+    chosen = found[number]
+
+    def stand() -> tuple[FloatArray, float]:
+        piece = monitor.piece(_MATCHED, 1.0, {"Pose": 1})
+        with piece.stage("Pose"):
+            shapes = [body.points for body in pair.bodies.bodies]
+            shapes[here], off = _stood(fitted.body, chosen, ARMS_LOWERED[pose], piece)
+            return shaped(pair.bodies, shapes, monitor), off
+
+    posed, off = kept.take("Pose", [found, number, pose], stand, monitor.warnings)
     distortion = float(np.median(np.abs(edge_stretch(pair.bodies.vertices, posed, pair.bodies.faces) - 1)))
-    areas = [surface_area(body.points, body.faces) for body in pair.bodies.bodies]
-    error = refusal(chosen, areas[here] / sum(areas), distortion, off)
+    error = refusal(chosen, fitted.share, distortion, off)
     if error is not None:
         if not anyway:
             raise error
         monitor.warn("stance_doubtful")
     elif side == "auto" and is_doubtful(found):
         monitor.warn("match_sides")
-    return _as_posed_like(pair, rig, posed, distortion, chosen, found, monitor)
+    return _as_posed_like(fitted, posed, distortion, chosen, monitor)
 
 
-def _stood(
-    one: Unfolded, chosen: Candidate, rig: ReferenceRig, lowered: float, monitor: Monitor
-) -> tuple[FloatArray, float]:
+def _stood(one: Unfolded, chosen: Candidate, lowered: float, monitor: Monitor) -> tuple[FloatArray, float]:
     """Let a body stand by its skeleton, around its own centre, in its own unit; and tell how far a limb is off."""
-    own, surface, fit = one.found, one.found.surface, chosen.fit
+    own, surface, fit, rig = one.found, one.found.surface, chosen.fit, chosen.reference.rig
     struts = struts_through(surface.points, surface.faces, own.limbs.to_features, monitor)
     body = ElasticBody(own.stiffness, own.mass, surface.points, surface.faces, struts)
     places = fitted_stance(rig, fit.bones, surface.points, fit.weights, arm_turns(rig, lowered))
@@ -244,22 +243,11 @@ def _stood(
 
 
 def _as_posed_like(
-    pair: UnfoldedPair,
-    rig: ReferenceRig,
-    posed: FloatArray,
-    distortion: float,
-    chosen: Candidate,
-    found: list[Candidate],
-    monitor: Monitor,
+    fitted: FittedMannequin, posed: FloatArray, distortion: float, chosen: Candidate, monitor: Monitor
 ) -> PosedLike:
     """Gather what a pose comes with."""
-    costs = [each.cost for each in found]
-    points = chosen.found
-    if chosen.turned:  # what is shown, and transferred, is of the side that was taken
-        triangles = pair.other_surfaces[pair.pairs[0][1]].found.whole_faces
-        there = points.points.on(rig.vertices, triangles) * [-1.0, -1, 1]
-        points = points._replace(points=closest_points(rig.vertices, triangles, there, monitor))
-    match = on_meshes(pair.bodies, pair.others, pair.pairs[:1], [points], costs, monitor, pair.other_monitor)
+    pair = fitted.pair
+    match = fitted.match(chosen, monitor)
     features = gathered_features(pair.bodies, [each.found.prolonged(monitor) for each in pair.surfaces])
     return PosedLike(
         posed,

@@ -12,7 +12,7 @@ from ..blender.jobs.meant_objects import meant_object
 from ..blender.objects.mesh_reading import refusal
 from ..blender.words.wording import CONTEXT, told
 from ..core import CanonicalFormError
-from .job_operator import JobOperator
+from .job_operator import JobOperator, kept_stages
 from .operators import allowed, chosen_objects, tell_results
 from .properties import TRANSFER_ITEMS, MethodProperties, RequestProperties, settings_of
 from .viewport import show_colours
@@ -99,6 +99,7 @@ class OBJECT_OT_canonical_form_pose_like(JobOperator, MethodProperties, RequestP
             new_object=self.result == "OBJECT",
             objects=self.objects,
             likeness=likeness,
+            keep=kept_stages(objects),
         )
         return FormTask(objects, request)
 

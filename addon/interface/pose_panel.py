@@ -92,7 +92,10 @@ def draw_other_side(layout: bpy.types.UILayout, chosen: bpy.types.PropertyGroup,
     if like is None or len(like.sides) < 2:
         return
     side = (like.side + 1) % len(like.sides)
-    text = told("Other Side ({side} of {count})", side=side + 1, count=len(like.sides))
+    if like.pose in MANNEQUINS and len(like.sides) == 2:  # a body that stands faces one way or the other
+        text = told("Flip Front/Back")
+    else:
+        text = told("Other Side ({side} of {count})", side=side + 1, count=len(like.sides))
     _pose_button(layout, chosen, like.pose, like.name, text).side = side
 
 

@@ -176,7 +176,8 @@ class FormItem:
                         name=self.name,
                     )
                 )
-                found, carried = posed_like(self.readings, whole, request.likeness, settings, progress, cancelled)
+                keep = None if request.keep is None else request.keep.part(("pose", names_of(self.readings)))
+                found, carried = posed_like(self.readings, whole, request.likeness, settings, progress, cancelled, keep)
             elif request.step == "FORM":
                 found = self._form(whole, settings, request, progress, cancelled)
             else:

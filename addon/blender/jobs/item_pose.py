@@ -14,7 +14,7 @@ from ..objects.mesh_reading import Bones, Reading
 from ..objects.placement import world_rotation
 
 if TYPE_CHECKING:
-    from ...core import Settings
+    from ...core import KeptStages, Settings
     from ...core.results import Shaped
     from ...core.run.monitor import Cancelled, Progress
     from ..results.match_values import MatchValues
@@ -28,6 +28,7 @@ def posed_like(
     settings: Settings,
     progress: Progress | None,
     cancelled: Cancelled | None,
+    keep: KeptStages | None = None,
 ) -> tuple[Shaped, MatchValues | None]:
     """Put objects into a pose, oriented as in the scene; does not access Blender's data.
 
@@ -43,6 +44,8 @@ def posed_like(
         Options of a match.
     progress, cancelled : callable, optional
         As in `canonical_form`.
+    keep : KeptStages, optional
+        Results of earlier runs on these objects.
 
     Returns
     -------
@@ -69,7 +72,9 @@ def posed_like(
             way = areas[1] / areas[1].sum() @ shown - areas[0] / areas[0].sum() @ rest  # from where it rests
             return replace(stance, vertices=moved(stance.vertices + way, np.linalg.inv(place))), None
     turn = world_rotation(readings[0].placement) if alone else np.eye(3)
-    found, carried = likeness.posed(whole.vertices @ turn.T, whole.faces, settings, whole.rest, progress, cancelled)
+    found, carried = likeness.posed(
+        whole.vertices @ turn.T, whole.faces, settings, whole.rest, progress, cancelled, keep
+    )
     return replace(found, vertices=found.vertices @ turn), carried
 
 

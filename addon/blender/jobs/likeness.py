@@ -12,7 +12,7 @@ from ..records.form_report import LikeReport
 from ..results.match_values import MatchValues
 
 if TYPE_CHECKING:
-    from ...core import PosedLike, Settings, Stance
+    from ...core import KeptStages, PosedLike, Settings, Stance
     from ...core.run.monitor import Cancelled, Progress
     from ..objects.mesh_reading import Bones
 
@@ -128,6 +128,7 @@ class Likeness:
         rest: FloatArray | None = None,
         progress: Progress | None = None,
         cancelled: Cancelled | None = None,
+        keep: KeptStages | None = None,
     ) -> tuple[PosedLike, MatchValues]:
         """Put a mesh into the pose; may run in any thread.
 
@@ -143,6 +144,8 @@ class Likeness:
             Positions in the rest pose of a rig.
         progress, cancelled : callable, optional
             As in `pose_like`.
+        keep : KeptStages, optional
+            Results of earlier runs on this mesh, of which a T-pose or an A-pose the other way round is made.
 
         Returns
         -------
@@ -170,6 +173,7 @@ class Likeness:
                 side=side,
                 anyway=self.anyway,
                 rest=rest,
+                keep=keep,
                 progress=progress,
                 cancelled=cancelled,
             )

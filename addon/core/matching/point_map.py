@@ -45,6 +45,28 @@ class PointMap(NamedTuple):
     score: float
 
 
+class WorkingMap(NamedTuple):
+    """For every working vertex of a surface, the corresponding point of another's working surface.
+
+    Attributes
+    ----------
+    points : SurfacePoints
+        Points on the triangles of the other working surface.
+    confidence : (c,) ndarray of float
+        Confidence of each, 0 to 1.
+    placed : (c, 3) ndarray of float
+        The form, moved onto the other.
+    rotation, shift : (3, 3), (3,) ndarray of float
+        The rigid part of that motion, ``x ↦ x R + t``.
+    """
+
+    points: SurfacePoints
+    confidence: FloatArray
+    placed: FloatArray
+    rotation: FloatArray
+    shift: FloatArray
+
+
 def point_map(one: Unfolded, other: Unfolded, side: Side, monitor: Monitor) -> PointMap:
     """Match all vertices of a surface with points of another.
 
@@ -66,6 +88,22 @@ def point_map(one: Unfolded, other: Unfolded, side: Side, monitor: Monitor) -> P
     >>> point_map(body, body, sides(body, body, Monitor())[0], Monitor()).points.weights.max(axis=1).round(6).tolist()
     [1.0, 1.0, 1.0, 1.0]
     """
+    found = working_map(one, other, side, monitor)
+    way = found.placed - (one.form @ found.rotation + found.shift)
+    normals = vertex_normals(one.whole_form, one.found.whole_faces) @ found.rotation
+    wanted = one.whole_form @ found.rotation + found.shift + one.found.surface.prolong(way)  # (n, 3)
+    whole = other.found.whole_faces
+    monitor.check()
+    others = with_normals(other.whole_form, vertex_normals(other.whole_form, whole))
+    points = closest_points(others, whole, with_normals(wanted, normals), monitor)
+    return PointMap(points, np.clip(one.found.surface.prolong(found.confidence), 0.0, 1.0), side.score)
+
+
+def working_map(one: Unfolded, other: Unfolded, side: Side, monitor: Monitor) -> WorkingMap:
+    """Match the working vertices of a surface with points of another: the part of `point_map` that takes long.
+
+    `one, other`: the surfaces; `side`: the side on which they are matched.
+    """
     from scipy.sparse import diags
 
     body = ElasticBody(one.found.stiffness, one.found.mass, one.form, one.faces)
@@ -76,20 +114,12 @@ def point_map(one: Unfolded, other: Unfolded, side: Side, monitor: Monitor) -> P
         placed, there = elastic_fit(body, one, other, there, monitor)
         partner = there.nearest_corners(other.faces)
     rotation, shift = rigid_fit(one.form, other.form[partner], one.areas)
-    way = placed - (one.form @ rotation + shift)
-
-    normals = vertex_normals(one.whole_form, one.found.whole_faces) @ rotation
-    wanted = one.whole_form @ rotation + shift + one.found.surface.prolong(way)  # (n, 3)
-    whole = other.found.whole_faces
-    monitor.check()
-    others = with_normals(other.whole_form, vertex_normals(other.whole_form, whole))
-    points = closest_points(others, whole, with_normals(wanted, normals), monitor)
     monitor.check()
     time = _SMOOTH * one.found.mass.sum()
     smooth = factored(diags(one.found.mass) + time * one.found.stiffness).solve
     reached = there.on(other.form, other.faces)
     sure = np.clip(smooth(one.found.mass * _confidence(one, other, partner, reached, rotation, monitor)), 0.0, 1.0)
-    return PointMap(points, np.clip(one.found.surface.prolong(sure), 0.0, 1.0), side.score)
+    return WorkingMap(there, sure, placed, rotation, shift)
 
 
 def _confidence(

@@ -89,6 +89,14 @@ def sides(one: Unfolded, other: Unfolded, monitor: Monitor) -> list[Side]:
     >>> sides(body, body, Monitor())[0].score < -4
     True
     """
+    return _by_strain(one, other, scored_sides(one, other, monitor), monitor)
+
+
+def scored_sides(one: Unfolded, other: Unfolded, monitor: Monitor) -> list[Side]:
+    """Find the possible matches as `sides` does, by their scores alone.
+
+    `one, other`: the surfaces.
+    """
     rows = _spread(one.form, _SAMPLES)
     tried: list[tuple[float, Start, FloatArray]] = []
     ways = starts(one, other, rows, monitor)
@@ -101,7 +109,7 @@ def sides(one: Unfolded, other: Unfolded, monitor: Monitor) -> list[Side]:
     for score, start, places in sorted(tried, key=lambda each: each[0]):
         if all(np.linalg.norm(places - known, axis=1).mean() > _SAME for _, known in found):
             found.append((Side(score, start), places))
-    return _by_strain(one, other, [side for side, _ in found], monitor)
+    return [side for side, _ in found]
 
 
 def _by_strain(one: Unfolded, other: Unfolded, found: list[Side], monitor: Monitor) -> list[Side]:

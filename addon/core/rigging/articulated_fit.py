@@ -8,7 +8,7 @@ import numpy as np
 
 from ..mesh.closest_points import closest_points
 from ..mesh.geometry import vertex_normals
-from ..numerics.arrays import FloatArray, IntArray
+from ..numerics.arrays import FloatArray
 from ..run.monitor import Monitor
 from .bone_fit import BoneFit, fitted_bones
 from .reference_rig import ReferenceRig
@@ -47,7 +47,7 @@ class Explained(NamedTuple):
 def explained(
     rig: ReferenceRig,
     points: FloatArray,
-    faces: IntArray,
+    normals: FloatArray,
     areas: FloatArray,
     at: FloatArray,
     weights: FloatArray,
@@ -56,8 +56,8 @@ def explained(
 ) -> Explained:
     """Fit a skeleton to a body, from a match.
 
-    `points` (n, 3), `faces`, `areas` (n,): the body; `at` (n, 3), `weights` (n, b): the matching points of the
-    reference; `sure` (n,): their confidence.
+    `points` (n, 3), `normals` (n, 3), `areas` (n,): the body, or samples of it; `at` (n, 3), `weights` (n, b): the
+    matching points of the reference; `sure` (n,): their confidence.
 
     References
     ----------
@@ -65,7 +65,7 @@ def explained(
     """
     size = float(np.ptp(points, axis=0).max())
     scale = float(np.ptp(rig.vertices, axis=0).max())
-    own = _FACING * size * vertex_normals(points, faces)
+    own = _FACING * size * normals
     known = np.maximum(sure, _DOUBTFUL)
     bones = fitted_bones(rig, points, areas, at, weights, sure)
     matched, matched_weights = at, weights

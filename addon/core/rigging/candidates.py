@@ -2,24 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from ..matching.point_map import PointMap, point_map
-from ..matching.sides import Side, sides
+from ..matching.point_map import WorkingMap, working_map
+from ..matching.sides import Side, scored_sides
 from ..matching.unfolded import Unfolded
-from ..mesh.geometry import vertex_areas
-from ..numerics.arrays import FloatArray
+from ..mesh.geometry import vertex_areas, vertex_normals
+from ..numerics.arrays import FloatArray, IntArray
 from ..run.monitor import Monitor
 from .articulated_fit import Explained, explained, turned_round
-from .evidence import beyond_limits, skin_alike, toes_forward, trunk_axes, unlike_sides
-from .reference_rig import ReferenceRig
+from .evidence import beyond_limits, skin_alike, toes_forward, trunk_axes, uneven_limbs, unlike_sides
+from .references import Reference
 
 _STANDING = 0.3  # correlation of heights above which a match leaves the body as it stands
 _SAME = 0.5  # cosine between axes of two skeletons below which they face different ways
-_MAPS = 4  # matches that are completed, at most
-_RESIDUAL, _DEGREES, _UNLIKE, _TOES = 0.01, 100.0, 0.1, 0.1  # what weighs as much as each other
+_MAPS = 2  # matches with a reference that are completed: the second rescues what the score misjudged
+_ROWS = 700  # vertices on which fits are compared
+_SAMPLES = 6000  # by which toes are measured
+_GOOD = 1.5  # cost up to which no other build is tried
+_ALONE = 0.4  # of the work, then done
+_RESIDUAL, _DEGREES, _UNLIKE, _UNEVEN, _TOES = 0.01, 100.0, 0.1, 0.1, 0.1  # what weighs as much as each other
 _MOST_DEGREES, _MOST_TOES = 400.0, 0.2  # beyond which more tells nothing
 _SPREAD = 0.2  # residual of a vertex beyond which more tells nothing
 
@@ -29,18 +34,24 @@ class Candidate(NamedTuple):
 
     Attributes
     ----------
+    reference : Reference
+        Whose skeleton it is.
+    found : WorkingMap
+        The match with it.
     turned : bool
         Whether the match was turned back to front.
-    found : PointMap
-        The match, of all vertices.
+    stands : bool
+        Whether the body stays as it stands in its file.
     fit : Explained
-        The skeleton, on the working vertices.
+        The skeleton.
     residual : float
         Mean distance of the skin from where the skeleton puts it, in sizes of the body.
     degrees : dict of str to float
         By how much each joint is bent beyond what bodies can.
     unlike : float
         How different left and right limbs are.
+    uneven : float
+        How far elbows and knees have slid along limbs.
     skin : float
         Least ratio of the skin of a limb's bone to that of its partner.
     confidence : float
@@ -49,80 +60,132 @@ class Candidate(NamedTuple):
         All that together; lower is likelier.
     """
 
+    reference: Reference
+    found: WorkingMap
     turned: bool
-    found: PointMap
+    stands: bool
     fit: Explained
     residual: float
     degrees: dict[str, float]
     unlike: float
+    uneven: float
     skin: float
     confidence: float
     cost: float
 
 
-def candidates(one: Unfolded, other: Unfolded, rig: ReferenceRig, monitor: Monitor) -> list[Candidate]:
+class _Skin(NamedTuple):
+    """The skin of a body, or samples of it."""
+
+    rows: IntArray  # (r,) of its working vertices
+    points: FloatArray  # (r, 3)
+    normals: FloatArray  # (r, 3)
+    areas: FloatArray  # (r,) of all vertices, by their nearest row
+    samples: FloatArray  # (s, 3) spread evenly
+
+
+def candidates(
+    one: Unfolded, adult: Reference, builds: Callable[[], Sequence[Reference]], monitor: Monitor
+) -> list[Candidate]:
     """Fit the skeleton of a reference to a body in every way in which it may face, the likeliest first.
 
-    Every match is fitted as it is and turned back to front. What decides is how well the skeleton explains the skin,
-    joints that bend the wrong way, sides of different lengths, and toes, measured on the skin: none of them alone tells
-    all bodies.
+    The likeliest matches are fitted as they are and turned back to front. What decides is how well the skeleton
+    explains the skin, joints that bend the wrong way or lie elsewhere, sides of different lengths, and toes, measured
+    on the skin: none of them alone tells all bodies. Where no fit of the adult is good, other builds are tried.
 
-    `one`: the body; `other`: the reference; `rig`: its skeleton, on all its vertices.
+    `one`: the body; `builds`: gives the reference in other proportions.
     """
-    own = one.found
-    surface, kept = own.surface, own.surface.kept
-    coarse = rig.at(other.found.surface.kept, other.found.surface.faces)
+    some, whole = _skin(one, _ROWS), _skin(one, None)
+    found = _fits(one, some, adult, monitor)
+    monitor.tick(_ALONE)
+    if min(each.cost for each in found) > _GOOD:
+        others = builds()
+        for number, build in enumerate(others, start=1):
+            found += _fits(one, some, build, monitor)
+            monitor.tick(_ALONE + (1 - _ALONE) * number / len(others))
+    apart = _facing_apart(sorted(found, key=lambda each: each.cost))
+    again = [_fit(whole, each.reference, each.found, each.turned, each.stands, monitor) for each in apart]
+    return sorted(again, key=lambda each: each.cost)
+
+
+def _skin(one: Unfolded, count: int | None) -> _Skin:
+    """Gather the skin of a body. `count`: how many samples of it; None for all working vertices."""
+    from scipy.spatial import cKDTree
+
+    surface = one.found.surface
     areas = vertex_areas(surface.points, surface.faces)
     share = areas / areas.sum()
-    samples = surface.points[_spread(share)]
-    ways = sides(one, other, monitor)
-    upright = [way for way in ways if _standing(one, other, rig, way) > _STANDING]
-    found: list[Candidate] = []
-    for number, way in enumerate((upright or ways)[:_MAPS]):
-        each = point_map(one, other, way, monitor)
-        at, weights = (each.points.on(values, other.found.whole_faces)[kept] for values in (rig.vertices, rig.weights))
-        sure = each.confidence[kept]
-        for turned in (False, True):
-            match = turned_round(coarse, at, weights) if turned else (at, weights)
-            fit = explained(coarse, surface.points, surface.faces, areas, *match, sure, monitor)
-            residual = float(share @ np.minimum(fit.residual, _SPREAD))
-            degrees = beyond_limits(coarse, fit.bones)
-            unlike = unlike_sides(coarse, fit.bones)
-            toes = toes_forward(coarse, fit.bones, samples)
-            cost = (
-                residual / _RESIDUAL
-                + min(sum(degrees.values()), _MOST_DEGREES) / _DEGREES
-                + unlike / _UNLIKE
-                - float(np.clip(toes, -_MOST_TOES, _MOST_TOES)) / _TOES
-            )
-            skin = skin_alike(coarse, areas, fit.weights)
-            found.append(Candidate(turned, each, fit, residual, degrees, unlike, skin, float(share @ sure), cost))
-        monitor.tick((number + 1) / _MAPS)
-    return _facing_apart(coarse, sorted(found, key=lambda each: each.cost), bool(upright))
+    rows = np.arange(len(areas)) if count is None else np.unique(_spread(share, count))
+    nearest = cKDTree(surface.points[rows]).query(surface.points)[1]
+    lumped = np.bincount(nearest, areas, len(rows)).astype(np.float64)
+    return _Skin(
+        rows,
+        surface.points[rows],
+        vertex_normals(surface.points, surface.faces)[rows],
+        lumped,
+        surface.points[_spread(share, _SAMPLES)],
+    )
 
 
-def _facing_apart(rig: ReferenceRig, found: list[Candidate], upright: bool) -> list[Candidate]:
+def _fits(one: Unfolded, skin: _Skin, reference: Reference, monitor: Monitor) -> list[Candidate]:
+    """Fit the skeleton of one reference by its likeliest matches, both ways round."""
+    quiet = Monitor(cancelled=monitor.is_cancelled)  # what is counted is references
+    ways = scored_sides(one, reference.body, quiet)
+    upright = [way for way in ways if _standing(one, way, reference) > _STANDING]
+    maps = [working_map(one, reference.body, way, quiet) for way in (upright or ways)[:_MAPS]]
+    return [_fit(skin, reference, found, turned, bool(upright), quiet) for found in maps for turned in (False, True)]
+
+
+def _fit(
+    skin: _Skin, reference: Reference, found: WorkingMap, turned: bool, stands: bool, monitor: Monitor
+) -> Candidate:
+    """Fit the skeleton of a reference by one match, and weigh what speaks against it."""
+    rig, rows, share = reference.rig, skin.rows, skin.areas / skin.areas.sum()
+    at, weights = (found.points.on(values, rig.faces)[rows] for values in (rig.vertices, rig.weights))
+    if turned:
+        at, weights = turned_round(rig, at, weights)
+    sure = found.confidence[rows]
+    fit = explained(rig, skin.points, skin.normals, skin.areas, at, weights, sure, monitor)
+    residual = float(share @ np.minimum(fit.residual, _SPREAD))
+    degrees = beyond_limits(rig, fit.bones)
+    unlike = unlike_sides(rig, fit.bones)
+    uneven = uneven_limbs(rig, fit.bones)
+    toes = toes_forward(rig, fit.bones, skin.samples)
+    cost = (
+        residual / _RESIDUAL
+        + min(sum(degrees.values()), _MOST_DEGREES) / _DEGREES
+        + unlike / _UNLIKE
+        + uneven / _UNEVEN
+        - float(np.clip(toes, -_MOST_TOES, _MOST_TOES)) / _TOES
+    )
+    alike = skin_alike(rig, skin.areas, fit.weights)
+    return Candidate(
+        reference, found, turned, stands, fit, residual, degrees, unlike, uneven, alike, float(share @ sure), cost
+    )
+
+
+def _facing_apart(found: list[Candidate]) -> list[Candidate]:
     """Keep the likeliest of those that face one way, and of a body that stands, what does not fall."""
-    axes = [np.array(trunk_axes(rig, each.fit.bones)) for each in found]  # (2, 3) each
+    axes = [np.array(trunk_axes(each.reference.rig, each.fit.bones)) for each in found]  # (2, 3) each: left, up
+    standing = [number for number, own in enumerate(axes) if found[number].stands and own[1, 2] > 0]
     chosen: list[int] = []
-    for number, own in enumerate(axes):
-        falls = upright and own[1, 2] <= 0
-        if not falls and all(((own * axes[other]).sum(axis=1) < _SAME).any() for other in chosen):
+    for number in standing or range(len(found)):
+        if all(((axes[number] * axes[other]).sum(axis=1) < _SAME).any() for other in chosen):
             chosen.append(number)
-    return [found[number] for number in chosen or range(len(found))]
+    return [found[number] for number in chosen]
 
 
-def _standing(one: Unfolded, other: Unfolded, rig: ReferenceRig, way: Side) -> float:
+def _standing(one: Unfolded, way: Side, reference: Reference) -> float:
     """Correlate the heights of a body in its file with those of the reference where its form lies on that one's."""
     from scipy.spatial import cKDTree
 
     place = one.form @ way.start.rotation + way.start.shift
-    there = cKDTree(other.form).query(place)[1]
-    heights = one.found.surface.points[:, 2], rig.vertices[other.found.surface.kept[there], 2]
+    there = cKDTree(reference.body.form).query(place)[1]
+    heights = one.found.surface.points[:, 2], reference.rig.vertices[there, 2]
     return float(np.corrcoef(*heights)[0, 1])
 
 
-def _spread(share: FloatArray, count: int = 6000) -> np.ndarray:
+def _spread(share: FloatArray, count: int) -> IntArray:
     """Choose vertices as often as their area asks for."""
     steps = (np.arange(count) + 0.5) / count
     return np.minimum(np.searchsorted(np.cumsum(share), steps), len(share) - 1)

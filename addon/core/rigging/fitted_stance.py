@@ -6,12 +6,11 @@ import numpy as np
 
 from ..numerics.arrays import FloatArray
 from .bone_fit import BoneFit
-from .evidence import turned_by
+from .fitted_rig import settled_turns
 from .reference_rig import ReferenceRig
 from .skeleton import BoneMotions, skinned
 from .stance import leg_spread
 
-_FOOT, _HAND = 60.0, 100.0  # degrees beyond which an end goes with its limb
 _LEAST_HIPS = 0.02  # of the body's size: half the distance between the hips
 _FEW = 3  # vertices of a foot, below which its width is not known
 
@@ -23,16 +22,8 @@ def fitted_stance(
 
     `points` (n, 3); `weights` (n, b); `turns` (b, 3, 3): of the reference's bones from its rest; gives (n, 3).
     """
-    number, parents, axes = rig.skeleton.names.index, rig.skeleton.parents, rig.axes
-    own = fit.turns.copy()
-    for side in "LR":
-        for end, limb, most in (("foot", "shin", _FOOT), ("hand", "forearm", _HAND)):
-            bone, above = number(f"{end}.{side}"), number(f"{limb}.{side}")
-            if turned_by(own[above].T @ own[bone]) > most:
-                own[bone] = own[above]
-        toe, foot = number(f"toe.{side}"), number(f"foot.{side}")
-        if turned_by(own[foot].T @ own[toe]) > _FOOT:
-            own[toe] = own[foot]
+    parents, axes = rig.skeleton.parents, rig.axes
+    own = settled_turns(rig, fit)
     size, mates = float(np.ptp(points, axis=0).max()), rig.mates
     offset = np.zeros((len(parents), 3))
     for bone, parent in enumerate(parents):

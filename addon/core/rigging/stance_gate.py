@@ -16,7 +16,7 @@ _STRAINED = 0.035  # median change of edge lengths above which the skin does not
 _CLOSE = 0.5  # of cost: another way to face is about as likely
 
 
-def refusal(chosen: Candidate, share: float, distortion: float, off: float) -> InvalidMeshError | None:
+def refusal(chosen: Candidate, share: float, distortion: float = 0.0, off: float = 0.0) -> InvalidMeshError | None:
     """Return the error that says why a stance cannot be right; None if nothing speaks against it.
 
     `share`: of the mesh's area, that of the body; `distortion`: median change of the lengths of edges in the stance;

@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from addon.core import mannequin
-from addon.core.mesh.geometry import vertex_areas
+from addon.core.mesh.geometry import vertex_areas, vertex_normals
 from addon.core.rigging.articulated_fit import explained, turned_round
 from addon.core.rigging.bone_fit import fitted_bones
 from addon.core.rigging.evidence import beyond_limits, skin_alike, strayed, toes_forward, trunk_axes, unlike_sides
@@ -97,7 +97,7 @@ def test_closest_points_find_the_skeleton_from_a_match_that_slid(rig, walker):
     at = rig.vertices + np.array([0.0, 0.02, 0.03])
     sure = np.full(len(points), 0.8)
     before = fitted_bones(rig, points, areas, at, rig.weights, sure)
-    after = explained(rig, points, rig.faces, areas, at, rig.weights, sure, Monitor())
+    after = explained(rig, points, vertex_normals(points, rig.faces), areas, at, rig.weights, sure, Monitor())
     error = [np.linalg.norm(each.heads - motions.heads, axis=1).mean() for each in (before, after.bones)]
     assert error[1] < error[0] / 2
     assert after.residual.mean() < 0.01

@@ -1,0 +1,95 @@
+"""A skeleton that was fitted to a body, made ready to move it: sides equal, bones with a bend, weights everywhere."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..numerics.arrays import FloatArray
+from ..numerics.factoring import factored
+from ..numerics.ramps import ramp
+from .bone_fit import BoneFit
+from .evidence import turned_by
+from .reference_rig import ReferenceRig
+
+_FOOT, _HAND = 60.0, 100.0  # degrees beyond which an end goes with its limb
+_STRAIGHT, _BENT = 12.0, 35.0  # degrees: a joint bent less tells no hinge, one bent more tells it alone
+_SOFT = 2e-4  # share of the skin's area: diffusion time of weights, about a finger's breadth
+_FORGOTTEN = 1e-6  # trust that every vertex keeps, so that a body without any is not lost
+_LIMBS = (("upper_arm", "forearm"), ("thigh", "shin"))
+
+
+def settled_turns(rig: ReferenceRig, fit: BoneFit) -> FloatArray:
+    """Return the turns of the bones, where feet, toes and hands beyond their limits go with their limbs, (b, 3, 3)."""
+    number, turns = rig.skeleton.names.index, fit.turns.copy()
+    for side in "LR":
+        for end, limb, most in (("foot", "shin", _FOOT), ("hand", "forearm", _HAND), ("toe", "foot", _FOOT)):
+            bone, above = number(f"{end}.{side}"), number(f"{limb}.{side}")
+            if turned_by(turns[above].T @ turns[bone]) > most:
+                turns[bone] = turns[above]
+    return turns
+
+
+def with_equal_sides(rig: ReferenceRig, fit: BoneFit) -> BoneFit:
+    """Give bones of both sides the mean of their lengths; they stay joined, and keep their directions."""
+    bones, mates = rig.skeleton, rig.mates
+    ways = fit.tails - fit.heads
+    long = np.linalg.norm(ways, axis=1)
+    ways *= ((long + long[mates]) / 2 / np.maximum(long, 1e-12))[:, None]
+    heads, tails = fit.heads.copy(), fit.heads + ways
+    for bone in bones.downwards():
+        above = bones.parents[bone]
+        if above >= 0:
+            joined = np.allclose(bones.heads[bone], bones.tails[above])
+            heads[bone] = tails[above] if joined else heads[above] + fit.heads[bone] - fit.heads[above]
+            tails[bone] = heads[bone] + ways[bone]
+    return fit._replace(heads=heads, tails=tails)
+
+
+def bend_axes(rig: ReferenceRig, fit: BoneFit) -> FloatArray:
+    """Find the axis about which each bone bends: across it, to its left where it points up or down, (b, 3).
+
+    Elbows and knees that are bent tell theirs; a straight leg takes that of its foot, and what else is straight follows
+    the skin.
+    """
+    number, front = rig.skeleton.names.index, np.array([0.0, -1, 0])
+    rest = np.cross(rig.axes, front)
+    rest[np.linalg.norm(rest, axis=1) < 0.5] = [1.0, 0, 0]  # feet point to the front
+    for name in ("thigh", "shin"):
+        for side in "LR":
+            rest[number(f"{name}.{side}")] *= -1
+    found = np.einsum("bij,bj->bi", fit.turns, rest)
+    ways = _unit(fit.tails - fit.heads)
+    for side in "LR":
+        foot = ways[number(f"foot.{side}")]
+        for upper, lower in _LIMBS:
+            pair = [number(f"{name}.{side}") for name in (upper, lower)]
+            hinge = np.cross(*ways[pair])
+            bend = np.degrees(np.arcsin(min(float(np.linalg.norm(hinge)), 1.0)))
+            share = float(ramp(np.array([bend]), _STRAIGHT, _BENT)[0])
+            for bone in pair:
+                straight = found[bone] if lower == "forearm" else _unit(np.cross(foot, ways[bone]))
+                found[bone] = (1 - share) * straight + share * _unit(hinge)
+    return _unit(found - np.einsum("bi,bi->b", found, ways)[:, None] * ways)
+
+
+def filled_in(weights: FloatArray, trust: FloatArray, stiffness: object, mass: FloatArray) -> FloatArray:
+    """Keep weights where they are trusted, and let them flow over the skin to where they are not.
+
+    So what a match misses, such as the inside of a mouth, moves with what is around it.
+
+    `weights` (n, b); `trust` (n,): 0 to 1; `stiffness` (n, n), `mass` (n,): of a surface of unit area.
+
+    References
+    ----------
+    Abdrashitov and others, "Robust Skin Weights Transfer via Weight Inpainting", 2023, doi:10.1145/3610543.3626180.
+    """
+    from scipy.sparse import diags
+
+    held = mass * np.maximum(trust, _FORGOTTEN)
+    found = factored(diags(held) + _SOFT * mass.sum() * stiffness).solve(held[:, None] * weights)
+    found = np.maximum(found, 0.0)
+    return np.asarray(found / found.sum(axis=1, keepdims=True))
+
+
+def _unit(ways: FloatArray) -> FloatArray:
+    return np.asarray(ways / np.maximum(np.linalg.norm(ways, axis=-1, keepdims=True), 1e-12))
