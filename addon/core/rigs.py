@@ -13,34 +13,37 @@ from .matches import UNFOLDED, UnfoldedPair, on_meshes, unfolded_pair
 from .matching.point_map import PointMap
 from .matching.sides import index_of_side, require_side
 from .matching.unfolded import Unfolded
-from .mesh.closest_points import closest_points
-from .mesh.geometry import surface_area
+from .mesh.closest_points import SurfacePoints
+from .mesh.geometry import checked_arrays, surface_area, vertex_normals
 from .method_api.settings import Settings
 from .numerics.arrays import FloatArray
 from .results import Match, Rigged
-from .rigging.candidates import Candidate, candidates
+from .rigging.articulated_fit import explained_whole
+from .rigging.candidates import Candidate, candidates, candidates_of
 from .rigging.fitted_rig import bend_axes, filled_in, settled_turns, with_equal_sides
 from .rigging.reference_rig import ReferenceRig, mannequin_rig
 from .rigging.references import adult, other_builds
 from .rigging.skeleton import Skeleton
 from .rigging.stance_gate import is_doubtful, refusal
+from .run.errors import InvalidMeshError
 from .run.kept_stages import KeptStages
 from .run.monitor import Cancelled, Monitor, Progress
 
 _FACING = {"Ways to face": 1}  # stages
 _TRUSTED = 0.03  # of the size: residual of skin that hardly follows the skeleton
+_LEAST = 0.1  # least belief in a point
 _FORGOTTEN = 0.01  # weights below which a bone does not hold a vertex
 
 
-class FittedMannequin(NamedTuple):
-    """A body with the mannequin's skeleton in every way in which it may face.
+class Fitted(NamedTuple):
+    """A body with the skeleton of a reference in every way in which it may face.
 
     Attributes
     ----------
     pair : UnfoldedPair
-        The mesh and the mannequin.
+        The mesh and the reference.
     rig : ReferenceRig
-        That of the whole mannequin.
+        That of the whole reference.
     found : list of Candidate
         The skeletons of the largest body, the likeliest first.
     """
@@ -61,7 +64,7 @@ class FittedMannequin(NamedTuple):
         return areas[self.pair.pairs[0][0]] / sum(areas)
 
     def match(self, chosen: Candidate, monitor: Monitor) -> Match:
-        """Express a candidate as a match with the whole mannequin, an adult, whichever build has lent the skeleton.
+        """Express a candidate as a match with the whole reference, whichever build of it has lent the skeleton.
 
         Parameters
         ----------
@@ -75,30 +78,51 @@ class FittedMannequin(NamedTuple):
         Match
             The match; its `sides` are the costs of all candidates.
         """
-        fit, own, surface = chosen.fit, chosen.reference, self.body.found.surface
-        on_build = closest_points(own.rig.vertices, own.rig.faces, fit.at, monitor)
-        there = on_build.on(self.rig.vertices[own.kept], own.rig.faces)  # all builds have the adult's triangles
-        points = closest_points(self.rig.vertices, self.rig.faces, surface.prolong(there), monitor)
-        whole = PointMap(points, np.clip(surface.prolong(fit.sure), 0.0, 1.0), chosen.cost)
+        points, belief = self.points(chosen, monitor)
+        sure = self.body.found.surface.prolong(chosen.fit.sure) * np.maximum(belief, _LEAST)
+        whole = PointMap(points, np.clip(sure, 0.0, 1.0), chosen.cost)
         pair, costs = self.pair, [each.cost for each in self.found]
         return on_meshes(pair.bodies, pair.others, pair.pairs[:1], [whole], costs, monitor, pair.other_warnings)
 
+    def points(self, chosen: Candidate, monitor: Monitor) -> tuple[SurfacePoints, FloatArray]:
+        """Find the points of the reference's body for all vertices of the body, and how far each is believed.
 
-def fitted_mannequin(
+        Parameters
+        ----------
+        chosen : Candidate
+            One of those found.
+        monitor : Monitor
+            Of the whole run.
+
+        Returns
+        -------
+        points : SurfacePoints
+            On the triangles of that body, which are the same in every build.
+        belief : (n,) ndarray of float
+            0 to 1.
+        """
+        own, fit, bones = self.body.found, chosen.fit, chosen.fit.bones
+        normals = vertex_normals(own.whole_points, own.whole_faces)
+        at = own.surface.prolong(fit.at)
+        return explained_whole(chosen.reference.whole, bones, own.whole_points, normals, at, monitor)
+
+
+def fitted_skeleton(
     vertices: ArrayLike,
     faces: ArrayLike,
+    reference: ReferenceRig | None,
     settings: Settings,
     kept: KeptStages,
     monitor: Monitor,
     share: float,
     *,
     rest: ArrayLike | None = None,
-) -> FittedMannequin:
-    """Fit the mannequin's skeleton to the largest body of a mesh.
+) -> Fitted:
+    """Fit the skeleton of a reference to the largest body of a mesh.
 
     Parameters
     ----------
-    vertices, faces, settings, rest
+    vertices, faces, reference, settings, rest
         As in `rig`.
     kept : KeptStages
         Results of earlier runs.
@@ -109,7 +133,7 @@ def fitted_mannequin(
 
     Returns
     -------
-    FittedMannequin
+    Fitted
         The skeletons.
 
     Raises
@@ -117,26 +141,47 @@ def fitted_mannequin(
     CanonicalFormError
         As in `match`.
     """
-    whole = mannequin_rig(*mannequin())
+    whole = mannequin_rig(*mannequin()) if reference is None else _checked(reference)
 
     def unfold() -> UnfoldedPair:
         return unfolded_pair(vertices, faces, whole.vertices, whole.faces, settings, monitor, share, rest=rest)
 
-    pair = kept.take("Forms", [vertices, faces, repr(settings), rest], unfold, monitor.warnings)
+    pair = kept.take("Forms", [vertices, faces, repr(settings), rest, *whole[:2]], unfold, monitor.warnings)
     here, there = pair.pairs[0]
 
     def look() -> list[Candidate]:
         own = monitor.piece(UNFOLDED * share, share, _FACING)
         with own.stage("Ways to face"):
-            reference = adult(whole, pair.other_surfaces[there])
-            return candidates(pair.surfaces[here], reference, lambda: other_builds(reference, settings, own), own)
+            lender = adult(whole, pair.other_surfaces[there], pair.others.bodies[there].vertices)
+            if reference is not None:
+                return candidates_of(pair.surfaces[here], lender, own)
+            return candidates(pair.surfaces[here], lender, lambda: other_builds(lender, settings, own), own)
 
-    return FittedMannequin(pair, whole, kept.take("Ways to face", [pair], look, monitor.warnings))
+    return Fitted(pair, whole, kept.take("Ways to face", [pair, whole.weights], look, monitor.warnings))
+
+
+def _checked(reference: ReferenceRig) -> ReferenceRig:
+    """Check a reference, and sort its bones, each after its parent."""
+    points, triangles = checked_arrays(reference.vertices, reference.faces)
+    bones, held = reference.skeleton, np.asarray(reference.weights, dtype=np.float64)
+    count = len(bones.names)
+    shapes = (np.shape(bones.parents), np.shape(bones.heads), np.shape(bones.tails), held.shape)
+    if shapes != ((count,), (count, 3), (count, 3), (len(points), count)) or not (held >= 0).all():
+        raise InvalidMeshError("stance_arrays", bones=count, vertices=len(points))
+    order = np.array(bones.downwards())
+    new = np.append(np.argsort(order), -1)  # the parent of none is -1
+    skeleton = Skeleton([bones.names[bone] for bone in order], new[bones.parents[order]], *bones[2:])
+    skeleton = skeleton._replace(heads=skeleton.heads[order], tails=skeleton.tails[order])
+    total = held.sum(axis=1, keepdims=True)
+    root = np.eye(count)[0]  # holds what nothing holds
+    held = np.where(total > 0, held[:, order] / np.maximum(total, np.finfo(float).tiny), root)
+    return ReferenceRig(points, triangles, skeleton, held)
 
 
 def rig(
     vertices: ArrayLike,
     faces: ArrayLike,
+    reference: ReferenceRig | None = None,
     settings: Settings | None = None,
     *,
     side: str | int = "auto",
@@ -147,10 +192,10 @@ def rig(
     progress: Progress | None = None,
     cancelled: Cancelled | None = None,
 ) -> Rigged:
-    """Give a human body in any pose a skeleton, with weights for its skin.
+    """Give a body in any pose a skeleton, with weights for its skin.
 
-    The skeleton is the mannequin's, in Rigify's names, as `stance_by_match` fits it, where the body stands, sits or
-    lies. Weights are those of the matching points, and flow over the skin to where the match is not trusted.
+    The skeleton is that of a rigged body, or else the mannequin's, in Rigify's names, as `stance_by_match` fits it.
+    Weights are those of the matching points, and flow over the skin to where the match is not trusted.
 
     Parameters
     ----------
@@ -158,6 +203,8 @@ def rig(
         Vertex positions, any unit of length.
     faces : (m, 3) array_like of int
         Triangles, in any state that docs/any-mesh.md lists.
+    reference : ReferenceRig, optional
+        A rigged body at rest, of a similar shape, in any unit; without one, a mannequin, which is human.
     settings : Settings, optional
         Options of the forms; chosen feature points refer to this mesh.
     side : str or int
@@ -200,7 +247,8 @@ def rig(
     """
     require_side(side)
     monitor = Monitor(progress, cancelled)
-    fitted = fitted_mannequin(vertices, faces, settings or Settings(), keep or KeptStages(), monitor, 1.0, rest=rest)
+    kept = keep or KeptStages()
+    fitted = fitted_skeleton(vertices, faces, reference, settings or Settings(), kept, monitor, 1.0, rest=rest)
     chosen = fitted.found[index_of_side(side, len(fitted.found))]
     error = refusal(chosen, fitted.share)
     if error is not None:
@@ -212,7 +260,7 @@ def rig(
     return _rigged(fitted, chosen, equal, monitor)
 
 
-def _rigged(fitted: FittedMannequin, chosen: Candidate, equal: bool, monitor: Monitor) -> Rigged:
+def _rigged(fitted: Fitted, chosen: Candidate, equal: bool, monitor: Monitor) -> Rigged:
     """Gather the rig of a mesh, in its own unit."""
     own, fit, reference = fitted.body.found, chosen.fit, chosen.reference.rig
     trust = fit.sure * np.exp(-((fit.residual / _TRUSTED) ** 2))
@@ -220,7 +268,11 @@ def _rigged(fitted: FittedMannequin, chosen: Candidate, equal: bool, monitor: Mo
     if equal:
         bones = with_equal_sides(reference, bones)
     skin = own.mass[:, None] * fit.weights
-    weights = filled_in(fit.weights, trust, own.stiffness, own.mass)
+    filled = own.surface.prolong(filled_in(fit.weights, trust, own.stiffness, own.mass))
+    points, belief = fitted.points(chosen, monitor)
+    share = (np.clip(own.surface.prolong(trust), 0.0, 1.0) * belief)[:, None]
+    whole = chosen.reference.whole
+    weights = share * points.on(whole.weights, whole.faces) + (1 - share) * filled
     skeleton = Skeleton(
         list(reference.skeleton.names),
         reference.skeleton.parents,
@@ -238,13 +290,13 @@ def _rigged(fitted: FittedMannequin, chosen: Candidate, equal: bool, monitor: Mo
     )
 
 
-def _on_all(fitted: FittedMannequin, weights: FloatArray) -> FloatArray:
-    """Carry weights of the working vertices to all of the mesh; vertices of other bodies take those of the nearest."""
+def _on_all(fitted: Fitted, weights: FloatArray) -> FloatArray:
+    """Carry weights of the body to all of the mesh; vertices of other bodies take those of the nearest."""
     from scipy.spatial import cKDTree
 
     bodies, here = fitted.pair.bodies, fitted.pair.pairs[0][0]
     values = [np.zeros((len(body.vertices), weights.shape[1])) for body in bodies.bodies]
-    values[here] = fitted.body.found.surface.prolong(weights)
+    values[here] = weights
     whole = gathered(bodies, values, np.zeros((len(bodies.vertices), weights.shape[1])))
     held = whole.any(axis=1)
     whole[~held] = whole[held][cKDTree(bodies.vertices[held]).query(bodies.vertices[~held])[1]]

@@ -24,7 +24,7 @@ from .rigging.limb_bones import LimbBones, limb_bones
 from .rigging.skeleton import Skeleton, skinned
 from .rigging.stance import ARMS_LOWERED, facing_of, stance
 from .rigging.stance_gate import is_doubtful, refusal
-from .rigs import FittedMannequin, fitted_mannequin
+from .rigs import Fitted, fitted_skeleton
 from .run.errors import InvalidMeshError, InvalidSettingsError
 from .run.kept_stages import KeptStages
 from .run.monitor import Cancelled, Monitor, Progress
@@ -200,7 +200,7 @@ def stance_by_match(
     require_side(side)
     settings, kept = settings or Settings(), keep or KeptStages()
     monitor = Monitor(progress, cancelled)
-    fitted = fitted_mannequin(vertices, faces, settings, kept, monitor, _MATCHED, rest=rest)
+    fitted = fitted_skeleton(vertices, faces, None, settings, kept, monitor, _MATCHED, rest=rest)
     pair, found, here = fitted.pair, fitted.found, fitted.pair.pairs[0][0]
     number = index_of_side(side, len(found))
     chosen = found[number]
@@ -243,7 +243,7 @@ def _stood(one: Unfolded, chosen: Candidate, lowered: float, monitor: Monitor) -
 
 
 def _as_posed_like(
-    fitted: FittedMannequin, posed: FloatArray, distortion: float, chosen: Candidate, monitor: Monitor
+    fitted: Fitted, posed: FloatArray, distortion: float, chosen: Candidate, monitor: Monitor
 ) -> PosedLike:
     """Gather what a pose comes with."""
     pair = fitted.pair

@@ -140,7 +140,7 @@ def test_what_is_asked_for_must_exist(turned_a_pose):
 
 def test_what_is_no_human_is_refused_and_made_anyway_if_asked_for():
     vertices, faces = shapes.figure(13)
-    with pytest.raises(InvalidMeshError, match="No pose was made"):
+    with pytest.raises(InvalidMeshError, match="Nothing was made"):
         stance_by_match(vertices, faces)
     found = stance_by_match(vertices, faces, anyway=True)
     assert "stance_doubtful" in [each.kind for each in found.warnings]

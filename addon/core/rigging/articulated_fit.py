@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..mesh.closest_points import closest_points
+from ..mesh.closest_points import SurfacePoints, closest_points
 from ..mesh.geometry import vertex_normals
 from ..numerics.arrays import FloatArray
 from ..run.monitor import Monitor
@@ -81,6 +81,28 @@ def explained(
         bones = fitted_bones(rig, points, areas, at, weights, known * np.maximum(belief, _LEAST))
     residual = np.linalg.norm(bones.posed(rig, at, weights) - points, axis=1) / size
     return Explained(bones, at, weights, sure, residual)
+
+
+def explained_whole(
+    rig: ReferenceRig, bones: BoneFit, points: FloatArray, normals: FloatArray, at: FloatArray, monitor: Monitor
+) -> tuple[SurfacePoints, FloatArray]:
+    """Find the point of the whole reference that each vertex of the whole body is, and how far it is believed.
+
+    The reference, posed by the bones, has what samples of it lack, such as fingers.
+
+    `points` (n, 3), `normals` (n, 3): the body; `at` (n, 3): about where the points of the reference are.
+    """
+    size, scale = float(np.ptp(points, axis=0).max()), float(np.ptp(rig.vertices, axis=0).max())
+    laid = bones.posed(rig, rig.vertices, rig.weights)
+    others = np.column_stack([laid, _FACING * size * vertex_normals(laid, rig.faces)])
+    found = closest_points(others, rig.faces, np.column_stack([points, _FACING * size * normals]), monitor)
+    apart = np.linalg.norm(found.on(rig.vertices, rig.faces) - at, axis=1) / scale
+    belief = np.exp(-((apart / _STRAYED) ** 2))
+    lost = belief <= _BELIEVED
+    near = closest_points(rig.vertices, rig.faces, at[lost], monitor)
+    for own, other in zip(found, near, strict=True):
+        own[lost] = other
+    return found, belief
 
 
 def turned_round(rig: ReferenceRig, at: FloatArray, weights: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..matching.point_map import WorkingMap, working_map
-from ..matching.sides import Side, scored_sides
+from ..matching.sides import Side, scored_sides, sides
 from ..matching.unfolded import Unfolded
 from ..mesh.geometry import vertex_areas, vertex_normals
 from ..numerics.arrays import FloatArray, IntArray
@@ -22,9 +22,9 @@ _SAME = 0.5  # cosine between axes of two skeletons below which they face differ
 _MAPS = 2  # matches with a reference that are completed: the second rescues what the score misjudged
 _ROWS = 700  # vertices on which fits are compared
 _SAMPLES = 6000  # by which toes are measured
-_GOOD = 1.5  # cost up to which no other build is tried
+_GOOD = 2.5  # cost up to which no other build is tried
 _ALONE = 0.4  # of the work, then done
-_RESIDUAL, _DEGREES, _UNLIKE, _UNEVEN, _TOES = 0.01, 100.0, 0.1, 0.1, 0.1  # what weighs as much as each other
+_RESIDUAL, _DEGREES, _UNLIKE, _UNEVEN, _TOES = 0.005, 200.0, 0.2, 0.1, 0.1  # what weighs as much as each other
 _MOST_DEGREES, _MOST_TOES = 400.0, 0.2  # beyond which more tells nothing
 _SPREAD = 0.2  # residual of a vertex beyond which more tells nothing
 
@@ -108,6 +108,18 @@ def candidates(
     return sorted(again, key=lambda each: each.cost)
 
 
+def candidates_of(one: Unfolded, reference: Reference, monitor: Monitor) -> list[Candidate]:
+    """Fit the skeleton of any rigged body by its likeliest matches; first comes what explains the skin best.
+
+    `one`: the body.
+    """
+    skin = _skin(one, None)
+    ways = sides(one, reference.body, monitor)[:_MAPS]
+    maps = [working_map(one, reference.body, way, monitor) for way in ways]
+    found = [_fit(skin, reference, each, False, False, monitor) for each in maps]
+    return sorted(found, key=lambda each: each.cost)
+
+
 def _skin(one: Unfolded, count: int | None) -> _Skin:
     """Gather the skin of a body. `count`: how many samples of it; None for all working vertices."""
     from scipy.spatial import cKDTree
@@ -147,10 +159,13 @@ def _fit(
     sure = found.confidence[rows]
     fit = explained(rig, skin.points, skin.normals, skin.areas, at, weights, sure, monitor)
     residual = float(share @ np.minimum(fit.residual, _SPREAD))
-    degrees = beyond_limits(rig, fit.bones)
-    unlike = unlike_sides(rig, fit.bones)
-    uneven = uneven_limbs(rig, fit.bones)
-    toes = toes_forward(rig, fit.bones, skin.samples)
+    degrees, unlike, uneven, toes, alike = {}, 0.0, 0.0, 0.0, 1.0
+    if rig.is_human:
+        degrees = beyond_limits(rig, fit.bones)
+        unlike = unlike_sides(rig, fit.bones)
+        uneven = uneven_limbs(rig, fit.bones)
+        toes = toes_forward(rig, fit.bones, skin.samples)
+        alike = skin_alike(rig, skin.areas, fit.weights)
     cost = (
         residual / _RESIDUAL
         + min(sum(degrees.values()), _MOST_DEGREES) / _DEGREES
@@ -158,7 +173,6 @@ def _fit(
         + uneven / _UNEVEN
         - float(np.clip(toes, -_MOST_TOES, _MOST_TOES)) / _TOES
     )
-    alike = skin_alike(rig, skin.areas, fit.weights)
     return Candidate(
         reference, found, turned, stands, fit, residual, degrees, unlike, uneven, alike, float(share @ sure), cost
     )

@@ -21,7 +21,7 @@ _LIMBS = (("upper_arm", "forearm"), ("thigh", "shin"))
 def settled_turns(rig: ReferenceRig, fit: BoneFit) -> FloatArray:
     """Return the turns of the bones, where feet, toes and hands beyond their limits go with their limbs, (b, 3, 3)."""
     number, turns = rig.skeleton.names.index, fit.turns.copy()
-    for side in "LR":
+    for side in "LR" if rig.is_human else "":
         for end, limb, most in (("foot", "shin", _FOOT), ("hand", "forearm", _HAND), ("toe", "foot", _FOOT)):
             bone, above = number(f"{end}.{side}"), number(f"{limb}.{side}")
             if turned_by(turns[above].T @ turns[bone]) > most:
@@ -48,18 +48,18 @@ def with_equal_sides(rig: ReferenceRig, fit: BoneFit) -> BoneFit:
 def bend_axes(rig: ReferenceRig, fit: BoneFit) -> FloatArray:
     """Find the axis about which each bone bends: across it, to its left where it points up or down, (b, 3).
 
-    Elbows and knees that are bent tell theirs; a straight leg takes that of its foot, and what else is straight follows
-    the skin.
+    Elbows and knees that are bent tell theirs; a straight leg takes that of its foot, and all else follows the skin.
     """
     number, front = rig.skeleton.names.index, np.array([0.0, -1, 0])
     rest = np.cross(rig.axes, front)
     rest[np.linalg.norm(rest, axis=1) < 0.5] = [1.0, 0, 0]  # feet point to the front
+    sides = "LR" if rig.is_human else ""
     for name in ("thigh", "shin"):
-        for side in "LR":
+        for side in sides:
             rest[number(f"{name}.{side}")] *= -1
     found = np.einsum("bij,bj->bi", fit.turns, rest)
     ways = _unit(fit.tails - fit.heads)
-    for side in "LR":
+    for side in sides:
         foot = ways[number(f"foot.{side}")]
         for upper, lower in _LIMBS:
             pair = [number(f"{name}.{side}") for name in (upper, lower)]

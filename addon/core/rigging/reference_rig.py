@@ -57,13 +57,20 @@ class ReferenceRig(NamedTuple):
     def axes(self) -> FloatArray:
         """Directions of the bones, (b, 3)."""
         ways = self.skeleton.tails - self.skeleton.heads
-        return np.asarray(ways / np.linalg.norm(ways, axis=1, keepdims=True))
+        long = np.linalg.norm(ways, axis=1, keepdims=True)
+        return np.where(long > 0, ways / np.maximum(long, np.finfo(float).tiny), [0.0, 0, 1])
+
+    @property
+    def is_human(self) -> bool:
+        """Whether its bones are those of the mannequin: two arms and two legs whose joints have limits."""
+        return set(_JOINTS) <= set(self.skeleton.names)
 
     @property
     def mates(self) -> IntArray:
         """For each bone that of the other side, itself in the middle."""
         names = self.skeleton.names
-        return np.array([names.index(mirror_name(name)) for name in names])
+        mirrored = [mirror_name(name) for name in names]
+        return np.array([names.index(each) if each in names else own for own, each in enumerate(mirrored)])
 
     def at(self, vertices: IntArray, faces: IntArray) -> ReferenceRig:
         """Return the rig on some of its vertices, with triangles of their own. `vertices` (c,); `faces` (d, 3)."""

@@ -26,19 +26,22 @@ class Reference(NamedTuple):
         Its skeleton, on the working vertices.
     body : Unfolded
         Its form, and what a match compares.
-    kept : (c,) ndarray of int
-        Which vertices of the adult its working vertices are.
+    whole : ReferenceRig
+        The same skeleton on all vertices of that body.
     """
 
     rig: ReferenceRig
     body: Unfolded
-    kept: IntArray
+    whole: ReferenceRig
 
 
-def adult(rig: ReferenceRig, body: Unfolded) -> Reference:
-    """Take a reference as it is, on its working vertices. `rig`: on all its vertices; `body`: it, unfolded."""
-    kept = body.found.surface.kept
-    return Reference(rig.at(kept, body.found.surface.faces), body, kept)
+def adult(rig: ReferenceRig, body: Unfolded, vertices: IntArray) -> Reference:
+    """Take a reference as it is, on its working vertices.
+
+    `rig`: on all its vertices; `body`: the part that lends the skeleton, unfolded; `vertices` (n',): of that part.
+    """
+    whole = rig.at(vertices, body.found.whole_faces)
+    return Reference(whole.at(body.found.surface.kept, body.found.surface.faces), body, whole)
 
 
 def other_builds(adult: Reference, settings: Settings, monitor: Monitor) -> list[Reference]:
@@ -46,8 +49,12 @@ def other_builds(adult: Reference, settings: Settings, monitor: Monitor) -> list
 
     `settings`: of their forms.
     """
-    rigs = [reshaped(adult.rig, scales_of(adult.rig, build)) for build in BUILDS.values()]
-    return [Reference(rig, _unfolded(rig, settings, monitor), adult.kept) for rig in rigs]
+    found = []
+    for build in BUILDS.values():
+        scales = scales_of(adult.rig, build)
+        rig = reshaped(adult.rig, scales)
+        found.append(Reference(rig, _unfolded(rig, settings, monitor), reshaped(adult.whole, scales)))
+    return found
 
 
 def _unfolded(rig: ReferenceRig, settings: Settings, monitor: Monitor) -> Unfolded:

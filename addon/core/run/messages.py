@@ -116,15 +116,15 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
     "stance_arrays": "The rig needs a head, a tail and a parent for each of its {bones} bones, and one weight of each "
     "for each of the {vertices} vertices.",
     "stance_limbs": "Neither the names nor the shape of these bones tell two arms and two legs.",
-    "stance_parts": "No pose was made: the largest body is only {share:.0%} of the mesh, and the others would stay "
+    "stance_parts": "Nothing was made: the largest body is only {share:.0%} of the mesh, and the others would stay "
     "where they are. Join what belongs together first.",
-    "stance_unlike": "No pose was made: this body is not like the mannequin, or the match with it failed (it misses "
+    "stance_unlike": "Nothing was made: this body is not like the mannequin, or the match with it failed (it misses "
     "the skin by {residual:.1%} of the size). Take the pose of a mesh of a similar body instead.",
-    "stance_unlikely": "No pose was made: the skeleton found in this body is unlikely (joints {degrees:.0f}° beyond "
+    "stance_unlikely": "Nothing was made: the skeleton found in this body is unlikely (joints {degrees:.0f}° beyond "
     "what bodies can, left and right different by {unlike:.0%}). Take the pose of a mesh of a similar body instead.",
-    "stance_limb": "No pose was made: an arm or a leg was not found, perhaps as it lies on the body. Take the pose of "
+    "stance_limb": "Nothing was made: an arm or a leg was not found, perhaps as it lies on the body. Take the pose of "
     "a mesh of a similar body instead.",
-    "stance_strained": "No pose was made: the skin does not follow the skeleton found in this body (edges change by "
+    "stance_strained": "Nothing was made: the skin does not follow the skeleton found in this body (edges change by "
     "{distortion:.1%}). Take the pose of a mesh of a similar body instead.",
     "stance_doubtful": "The skeleton found in this body is unlikely. Check the pose.",
     "mannequin_arms": "The arms of the mannequin can be lowered by -90 to 90 degrees; got {value!r}.",

@@ -51,10 +51,10 @@ def chibi(rig):
 
 
 def test_a_large_head_is_fitted_by_another_build(rig, chibi):
-    other, vertices, joints = chibi
+    _, vertices, joints = chibi
     monitor, settings = Monitor(), Settings()
     pair = unfolded_pair(vertices, rig.faces, rig.vertices, rig.faces, settings, monitor, 1.0)
-    whole, asked = adult(rig, pair.other_surfaces[0]), []
+    whole, asked = adult(rig, pair.other_surfaces[0], np.arange(len(rig.vertices))), []
 
     def builds():
         asked.append(True)
@@ -74,7 +74,7 @@ def test_a_large_head_is_fitted_by_another_build(rig, chibi):
 
 def test_an_adult_is_not_compared_with_other_builds(rig):
     pair = unfolded_pair(rig.vertices, rig.faces, rig.vertices, rig.faces, Settings(), Monitor(), 1.0)
-    whole = adult(rig, pair.other_surfaces[0])
+    whole = adult(rig, pair.other_surfaces[0], np.arange(len(rig.vertices)))
     found = candidates(pair.surfaces[0], whole, lambda: pytest.fail("other builds were asked for"), Monitor())
     assert found[0].residual < 0.01
     assert [each.cost for each in found] == sorted(each.cost for each in found)
@@ -84,8 +84,8 @@ def test_a_kept_fit_is_not_computed_again(chibi, rig, monkeypatch):
     _, vertices, _ = chibi
     keep = KeptStages()
     first = stance_by_match(vertices, rig.faces, keep=keep)
-    monkeypatch.setattr("addon.core.stances.candidates", lambda *_: pytest.fail("fitted again"))
-    monkeypatch.setattr("addon.core.stances.unfolded_pair", lambda *_, **__: pytest.fail("unfolded again"))
+    monkeypatch.setattr("addon.core.rigs.candidates", lambda *_: pytest.fail("fitted again"))
+    monkeypatch.setattr("addon.core.rigs.unfolded_pair", lambda *_, **__: pytest.fail("unfolded again"))
     other = stance_by_match(vertices, rig.faces, side=1, anyway=True, keep=keep)
     again = stance_by_match(vertices, rig.faces, side=0, keep=keep)
     assert np.array_equal(again.vertices, first.vertices)
