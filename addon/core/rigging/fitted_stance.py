@@ -12,6 +12,8 @@ from .skeleton import BoneMotions, skinned
 from .stance import leg_spread
 
 _LEAST_HIPS = 0.02  # of the body's size: half the distance between the hips
+_SOLE, _ROUNDS = 6, 3  # parts of a foot from heel to toe
+_STRAIGHT, _TIPPED = 0.03, 50.0  # lengths of a foot, and degrees, beyond which it is no sole that was found
 _FEW = 3  # vertices of a foot, below which its width is not known
 
 
@@ -24,6 +26,7 @@ def fitted_stance(
     """
     parents, axes = rig.skeleton.parents, rig.axes
     own = settled_turns(rig, fit)
+    _level_soles(rig, fit, own, points, weights)
     size, mates = float(np.ptp(points, axis=0).max()), rig.mates
     offset = np.zeros((len(parents), 3))
     for bone, parent in enumerate(parents):
@@ -36,10 +39,11 @@ def fitted_stance(
     for bone, parent in enumerate(parents):
         if parent < 0:
             continue
-        if np.allclose(rig.skeleton.heads[bone], rig.skeleton.tails[parent]):
+        name = rig.skeleton.names[bone]
+        if np.allclose(rig.skeleton.heads[bone], rig.skeleton.tails[parent]) and not name.startswith("toe"):
             long = np.linalg.norm(fit.tails - fit.heads, axis=1)[[parent, mates[parent]]].mean()
             offset[bone] = long * axes[parent]
-        elif rig.skeleton.names[bone].startswith("thigh"):
+        elif name.startswith("thigh"):
             side = np.sign(rig.skeleton.heads[bone, 0])
             offset[bone, 0] = side * max(abs(offset[bone, 0]), _LEAST_HIPS * size)
         there[bone] = there[parent] + goal[parent] @ offset[bone]
@@ -71,6 +75,36 @@ def _spread_legs(
             goal[number(f"{name}.{side}")] = about_y(sign * spread)
 
 
+def _level_soles(rig: ReferenceRig, fit: BoneFit, own: FloatArray, points: FloatArray, weights: FloatArray) -> None:
+    """Lay the soles flat: hems and shoes hide what tells how a foot is turned, and its bone is often tipped."""
+    number, most = rig.skeleton.names.index, weights.argmax(axis=1)
+    for side in "LR":
+        foot, toe = number(f"foot.{side}"), number(f"toe.{side}")
+        skin = points[np.isin(most, [foot, toe])] - fit.heads[foot]
+        if len(skin) < _SOLE * _FEW:
+            continue
+        limb = own[number(f"shin.{side}")]
+        for guess, tip in ((own[foot], own[toe]), (limb, limb)):  # as it was found, or as it is at rest
+            pitch, uneven = 0.0, np.inf
+            for _ in range(_ROUNDS):  # the parts that are lowest change as it is turned
+                more, uneven = _slope(skin @ guess @ about_x(-pitch).T)
+                pitch += more
+            if uneven < _STRAIGHT and abs(pitch) < np.radians(_TIPPED):
+                own[foot], own[toe] = guess @ about_x(pitch), tip @ about_x(pitch)
+                break
+
+
+def _slope(skin: FloatArray) -> tuple[float, float]:
+    """Measure how a sole is tipped, in radians, and how far it is from straight, in lengths. `skin` (s, 3)."""
+    along = skin[:, 1] - skin[:, 1].min()
+    long = max(float(np.ptp(along)), 1e-12)
+    part = np.minimum((along / long * _SOLE).astype(int), _SOLE - 1)
+    lowest = np.array([skin[part == each][skin[part == each, 2].argmin()] for each in np.unique(part)])
+    line = np.polyfit(lowest[:, 1], lowest[:, 2], 1)
+    off = np.polyval(line, lowest[:, 1]) - lowest[:, 2]
+    return float(np.arctan(line[0])), float(np.sqrt((off**2).mean())) / long
+
+
 def arm_turns(rig: ReferenceRig, lowered: float) -> FloatArray:
     """Return the turns of the reference's bones that lower its arms by some degrees, (b, 3, 3)."""
     turns = np.broadcast_to(np.eye(3), (len(rig.skeleton.names), 3, 3)).copy()
@@ -79,6 +113,12 @@ def arm_turns(rig: ReferenceRig, lowered: float) -> FloatArray:
             side = 1.0 if name.endswith(".L") else -1.0
             turns[bone] = about_y(side * np.radians(lowered))
     return turns
+
+
+def about_x(angle: float) -> FloatArray:
+    """Return the rotation about X by an angle, (3, 3)."""
+    cos, sin = np.cos(angle), np.sin(angle)
+    return np.array([[1.0, 0.0, 0.0], [0.0, cos, -sin], [0.0, sin, cos]])
 
 
 def about_y(angle: float) -> FloatArray:

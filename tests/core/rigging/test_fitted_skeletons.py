@@ -168,3 +168,13 @@ def test_a_limb_off_its_way_is_told(rig):
     assert strayed(rig, rig.vertices, areas, rig.weights, 45.0) > 35
     raised = skinned(rig.vertices, rig.weights, posed(rig, {"thigh.R": (-40, 0, 0)}))
     assert 30 < strayed(rig, raised, areas, rig.weights, 0.0) < 50
+
+
+def test_soles_are_flat_although_the_bones_of_the_feet_are_tipped(rig):
+    tipped = fit_of(rig, rig.vertices)
+    turns = tipped.turns.copy()
+    feet = [rig.skeleton.names.index(f"{name}.{side}") for name in ("foot", "toe") for side in "LR"]
+    turns[feet] = Rotation.from_euler("x", 25, degrees=True).as_matrix()
+    stood = fitted_stance(rig, tipped._replace(turns=turns), rig.vertices, rig.weights)
+    sole = rig.vertices[:, 2] < 0.012
+    assert np.ptp(stood[sole, 2]) < 0.03
