@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from addon.blender.jobs.likeness import Likeness
-from addon.blender.records.form_report import FormReport
+from addon.blender.records.form_report import FormReport, LikeReport
 from addon.blender.records.record import require_record
 from addon.blender.results.in_betweens import PROPERTY
 from addon.core import Settings, mannequin, pose_like
@@ -296,3 +296,11 @@ def test_a_new_object_is_called_after_the_pose(pair):
     added = bpy.data.objects["Figure Like Other"]
     assert names_of(added)[0] == ["Basis", "Like Other"]
     assert snapshot(figure) == before
+
+
+@pytest.mark.parametrize(("pose", "sides", "text"), [("T", 2, "Flip Front/Back"), ("T", 3, "Other Side (2 of 3)")])
+def test_a_body_that_stands_is_flipped(pair, pose, sides, text):
+    texts: list[str] = []
+    like = LikeReport(pose, "", "T-Pose", 0, [float(each) for each in range(sides)], 0.9)
+    pose_panel.draw_other_side(MenuLayout(texts, []), bpy.context.scene.canonical_form, like)
+    assert texts == [text]

@@ -17,6 +17,7 @@ _ROUNDS = 4  # more drift
 _FACING = 0.05  # weight of normals, in sizes of the body
 _STRAYED = 0.06  # of the reference's size: as far from the match, a closest point is not believed
 _BELIEVED, _LEAST = 0.1, 0.02  # least belief in one, and weight of a point that keeps its match
+_FAR, _NEARER = 0.08, 3.0  # of the body's size: what a match misses by that much goes to a point so many times nearer
 _DOUBTFUL = 0.1  # least confidence of a point
 
 
@@ -76,6 +77,10 @@ def explained(
         near = closest_points(others, rig.faces, np.column_stack([points, own]), monitor)
         found, found_weights = near.on(rig.vertices, rig.faces), near.on(rig.weights, rig.faces)
         belief = np.exp(-((np.linalg.norm(found - matched, axis=1) / scale / _STRAYED) ** 2))
+        missed = np.linalg.norm(bones.posed(rig, matched, matched_weights) - points, axis=1) / size
+        apart = np.linalg.norm(bones.posed(rig, found, found_weights) - points, axis=1) / size
+        lost = (missed > _FAR) & (apart < missed / _NEARER)  # such as a head of its own that was matched with an arm
+        belief = np.where(lost, 1.0, belief)
         taken = (belief > _BELIEVED)[:, None]
         at, weights = np.where(taken, found, matched), np.where(taken, found_weights, matched_weights)
         bones = fitted_bones(rig, points, areas, at, weights, known * np.maximum(belief, _LEAST))
