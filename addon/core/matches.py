@@ -350,7 +350,7 @@ def on_meshes(
         len(others.vertices),
         monitor.timings,
         monitor.warnings,
-        other_warnings,
+        list(other_warnings),
         _seams(bodies, others, faces, at),
     )
 

@@ -30,6 +30,8 @@ from .run.kept_stages import KeptStages
 from .run.monitor import Cancelled, Monitor, Progress
 
 _FACING = {"Ways to face": 1}  # stages
+_FITTED = 0.9  # of the work
+_ROWS = 1 << 16  # vertices whose weights are found at once: a tenth of a second
 _TRUSTED = 0.03  # of the size: residual of skin that hardly follows the skeleton
 _LEAST = 0.1  # least belief in a point
 _FORGOTTEN = 0.01  # weights below which a bone does not hold a vertex
@@ -63,13 +65,15 @@ class Fitted(NamedTuple):
         areas = [surface_area(body.points, body.faces) for body in self.pair.bodies.bodies]
         return areas[self.pair.pairs[0][0]] / sum(areas)
 
-    def match(self, chosen: Candidate, monitor: Monitor) -> Match:
+    def match(self, chosen: Candidate, points: SurfacePoints, belief: FloatArray, monitor: Monitor) -> Match:
         """Express a candidate as a match with the whole reference, whichever build of it has lent the skeleton.
 
         Parameters
         ----------
         chosen : Candidate
             One of those found.
+        points, belief
+            As `points` gives them.
         monitor : Monitor
             Of the whole run.
 
@@ -78,7 +82,6 @@ class Fitted(NamedTuple):
         Match
             The match; its `sides` are the costs of all candidates.
         """
-        points, belief = self.points(chosen, monitor)
         sure = self.body.found.surface.prolong(chosen.fit.sure) * np.maximum(belief, _LEAST)
         whole = PointMap(points, np.clip(sure, 0.0, 1.0), chosen.cost)
         pair, costs = self.pair, [each.cost for each in self.found]
@@ -144,7 +147,8 @@ def fitted_skeleton(
     whole = mannequin_rig(*mannequin()) if reference is None else _checked(reference)
 
     def unfold() -> UnfoldedPair:
-        return unfolded_pair(vertices, faces, whole.vertices, whole.faces, settings, monitor, share, rest=rest)
+        own, triangles = _own(vertices), _own(faces)  # they are kept
+        return unfolded_pair(own, triangles, whole.vertices, whole.faces, settings, monitor, share, rest=rest)
 
     pair = kept.take("Forms", [vertices, faces, repr(settings), rest, *whole[:2]], unfold, monitor.warnings)
     here, there = pair.pairs[0]
@@ -157,17 +161,36 @@ def fitted_skeleton(
                 return candidates_of(pair.surfaces[here], lender, own)
             return candidates(pair.surfaces[here], lender, lambda: other_builds(lender, settings, own), own)
 
-    return Fitted(pair, whole, kept.take("Ways to face", [pair, whole.weights], look, monitor.warnings))
+    return Fitted(
+        pair,
+        whole,
+        kept.take("Ways to face", [pair, reference is None, *whole.skeleton, whole.weights], look, monitor.warnings),
+    )
+
+
+def _own(values: ArrayLike) -> ArrayLike:
+    """Copy an array that may be changed in place later."""
+    return values.copy() if isinstance(values, np.ndarray) else values
 
 
 def _checked(reference: ReferenceRig) -> ReferenceRig:
     """Check a reference, and sort its bones, each after its parent."""
     points, triangles = checked_arrays(reference.vertices, reference.faces)
-    bones, held = reference.skeleton, np.asarray(reference.weights, dtype=np.float64)
-    count = len(bones.names)
-    shapes = (np.shape(bones.parents), np.shape(bones.heads), np.shape(bones.tails), held.shape)
-    if shapes != ((count,), (count, 3), (count, 3), (len(points), count)) or not (held >= 0).all():
+    names, *arrays = reference.skeleton
+    parents, heads, tails, held = (np.asarray(each) for each in (*arrays, reference.weights))
+    count = len(names)
+    shapes = (parents.shape, heads.shape, tails.shape, held.shape)
+    if (
+        count == 0
+        or shapes != ((count,), (count, 3), (count, 3), (len(points), count))
+        or parents.dtype.kind != "i"
+        or not all(np.isfinite(each).all() for each in (heads, tails, held))
+        or not ((parents >= -1) & (parents < count)).all()
+        or not (held >= 0).all()
+        or any(bone in Skeleton(names, parents, heads, tails).ancestors(bone) for bone in range(count))
+    ):
         raise InvalidMeshError("stance_arrays", bones=count, vertices=len(points))
+    bones = Skeleton(list(names), parents, heads.astype(np.float64), tails.astype(np.float64))
     order = np.array(bones.downwards())
     new = np.append(np.argsort(order), -1)  # the parent of none is -1
     skeleton = Skeleton([bones.names[bone] for bone in order], new[bones.parents[order]], *bones[2:])
@@ -248,7 +271,7 @@ def rig(
     require_side(side)
     monitor = Monitor(progress, cancelled)
     kept = keep or KeptStages()
-    fitted = fitted_skeleton(vertices, faces, reference, settings or Settings(), kept, monitor, 1.0, rest=rest)
+    fitted = fitted_skeleton(vertices, faces, reference, settings or Settings(), kept, monitor, _FITTED, rest=rest)
     chosen = fitted.found[index_of_side(side, len(fitted.found))]
     error = refusal(chosen, fitted.share)
     if error is not None:
@@ -257,7 +280,9 @@ def rig(
         monitor.warn("stance_doubtful")
     elif side == "auto" and is_doubtful(fitted.found):
         monitor.warn("match_sides")
-    return _rigged(fitted, chosen, equal, monitor)
+    piece = monitor.piece(_FITTED, 1.0, {"Weights": 1})
+    with piece.stage("Weights"):
+        return _rigged(fitted, chosen, equal, monitor)
 
 
 def _rigged(fitted: Fitted, chosen: Candidate, equal: bool, monitor: Monitor) -> Rigged:
@@ -268,29 +293,33 @@ def _rigged(fitted: Fitted, chosen: Candidate, equal: bool, monitor: Monitor) ->
     if equal:
         bones = with_equal_sides(reference, bones)
     skin = own.mass[:, None] * fit.weights
-    filled = own.surface.prolong(filled_in(fit.weights, trust, own.stiffness, own.mass))
+    weights = own.surface.prolong(filled_in(fit.weights, trust, own.stiffness, own.mass))
     points, belief = fitted.points(chosen, monitor)
     share = (np.clip(own.surface.prolong(trust), 0.0, 1.0) * belief)[:, None]
     whole = chosen.reference.whole
-    weights = share * points.on(whole.weights, whole.faces) + (1 - share) * filled
+    for start in range(0, len(weights), _ROWS):
+        monitor.check()
+        some = slice(start, start + _ROWS)
+        there = SurfacePoints(points.faces[some], points.weights[some], points.distances[some])
+        weights[some] += share[some] * (there.on(whole.weights, whole.faces) - weights[some])
     skeleton = Skeleton(
         list(reference.skeleton.names),
-        reference.skeleton.parents,
+        reference.skeleton.parents.copy(),
         bones.heads * own.unit + own.centre,
         bones.tails * own.unit + own.centre,
     )
     return Rigged(
         skeleton,
         bend_axes(reference, bones),
-        _on_all(fitted, weights),
+        _on_all(fitted, weights, monitor),
         trust @ skin / np.maximum(skin.sum(axis=0), 1e-30),
-        fitted.match(chosen, monitor),
+        fitted.match(chosen, points, belief, monitor),
         monitor.timings,
         monitor.warnings,
     )
 
 
-def _on_all(fitted: Fitted, weights: FloatArray) -> FloatArray:
+def _on_all(fitted: Fitted, weights: FloatArray, monitor: Monitor) -> FloatArray:
     """Carry weights of the body to all of the mesh; vertices of other bodies take those of the nearest."""
     from scipy.spatial import cKDTree
 
@@ -298,7 +327,11 @@ def _on_all(fitted: Fitted, weights: FloatArray) -> FloatArray:
     values = [np.zeros((len(body.vertices), weights.shape[1])) for body in bodies.bodies]
     values[here] = weights
     whole = gathered(bodies, values, np.zeros((len(bodies.vertices), weights.shape[1])))
-    held = whole.any(axis=1)
-    whole[~held] = whole[held][cKDTree(bodies.vertices[held]).query(bodies.vertices[~held])[1]]
-    whole[whole < _FORGOTTEN] = 0.0
+    held, others = whole.any(axis=1), np.flatnonzero(~whole.any(axis=1))
+    near, source = cKDTree(bodies.vertices[held]), whole[held]
+    for start in range(0, len(others), _ROWS):
+        monitor.check()
+        some = others[start : start + _ROWS]
+        whole[some] = source[near.query(bodies.vertices[some])[1]]
+    whole[whole < np.minimum(_FORGOTTEN, whole.max(axis=1, keepdims=True))] = 0.0
     return np.asarray(whole / whole.sum(axis=1, keepdims=True))

@@ -212,7 +212,7 @@ def stance_by_match(
             shapes[here], off = _stood(fitted.body, chosen, ARMS_LOWERED[pose], piece)
             return shaped(pair.bodies, shapes, monitor), off
 
-    posed, off = kept.take("Pose", [found, number, pose], stand, monitor.warnings)
+    posed, off = kept.take("Pose", [pair, number, pose], stand, monitor.warnings)
     distortion = float(np.median(np.abs(edge_stretch(pair.bodies.vertices, posed, pair.bodies.faces) - 1)))
     error = refusal(chosen, fitted.share, distortion, off)
     if error is not None:
@@ -247,11 +247,11 @@ def _as_posed_like(
 ) -> PosedLike:
     """Gather what a pose comes with."""
     pair = fitted.pair
-    match = fitted.match(chosen, monitor)
+    match = fitted.match(chosen, *fitted.points(chosen, monitor), monitor)
     features = gathered_features(pair.bodies, [each.found.prolonged(monitor) for each in pair.surfaces])
     return PosedLike(
-        posed,
-        pair.bodies.faces,
+        posed.copy(),  # the other is kept
+        pair.bodies.faces.copy(),
         features.points,
         features.patches,
         features.adf,

@@ -122,6 +122,44 @@ def test_any_rigged_body_lends_its_skeleton(walker, lender):
     assert np.allclose(found.weights.sum(axis=1), 1)
 
 
+def test_another_skeleton_of_the_same_skin_is_another_rig(walker, lender, keep):
+    found = rig(walker[0], walker[1], lender, keep=keep)
+    bones = lender.skeleton
+    names = [f"bone {name}" for name in bones.names]
+    aside = np.array([0.02, 0, 0])
+    moved = Skeleton(names, bones.parents, bones.heads + aside, bones.tails + aside)
+    other = rig(walker[0], walker[1], lender._replace(skeleton=moved), keep=keep)
+    assert other.skeleton.names[0].startswith("bone")
+    assert np.abs(other.skeleton.heads[0] - found.skeleton.heads[0]).max() > 5
+
+
+def test_a_joint_may_lie_on_the_skin(walker, lender):
+    bones = lender.skeleton
+    heads = bones.heads.copy()
+    heads[5] = lender.vertices[1000]
+    found = rig(walker[0], walker[1], lender._replace(skeleton=bones._replace(heads=heads)), anyway=True)
+    assert np.isfinite(found.skeleton.heads).all()
+    assert np.isfinite(found.weights).all()
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"parents": np.array([-1, 5])},
+        {"parents": np.array([1, 0])},
+        {"parents": np.array([-1.0, 0.0])},
+        {"heads": np.full((2, 3), np.nan)},
+        {"names": ["one"]},
+    ],
+)
+def test_what_is_no_skeleton_is_told(lender, wrong):
+    heads, tails = np.array([[0.0, 0, 0], [0, 0, 1]]), np.array([[0.0, 0, 1], [0, 0, 2]])
+    bones = Skeleton(["one", "two"], np.array([-1, 0]), heads, tails)._replace(**wrong)
+    given = ReferenceRig(lender.vertices, lender.faces, bones, np.ones((len(lender.vertices), 2)))
+    with pytest.raises(InvalidMeshError, match="one weight of each"):
+        rig(lender.vertices, lender.faces, given)
+
+
 def test_what_is_no_human_is_refused(lender):
     vertices, faces = shapes.figure(13)
     with pytest.raises(InvalidMeshError, match="Nothing was made"):

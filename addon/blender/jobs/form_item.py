@@ -176,7 +176,9 @@ class FormItem:
                         name=self.name,
                     )
                 )
-                keep = None if request.keep is None else request.keep.part(("pose", names_of(self.readings)))
+                keep = None  # as below: not with all vertices
+                if request.keep is not None and not settings.whole:
+                    keep = request.keep.part(("pose", names_of(self.readings)))
                 found, carried = posed_like(self.readings, whole, request.likeness, settings, progress, cancelled, keep)
             elif request.step == "FORM":
                 found = self._form(whole, settings, request, progress, cancelled)

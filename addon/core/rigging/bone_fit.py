@@ -16,6 +16,7 @@ _ROUNDS = 3  # of robust weights
 _ALTERNATIONS = 4  # of rotation and scales
 _ENOUGH = 1e-5  # share of the skin below which a bone follows its parent
 _LOCAL = 1.5  # radii of a limb: reach of the skin that tells where a joint is
+_THIN = 1e-3  # of the reference's size: least radius of a limb
 _PRIOR = 0.3  # weight of a bone's own rotation where only the skin near a joint is used
 _LONG, _SHORT = 5.0, 0.2  # bounds of a bone's scales, relative to the body's
 
@@ -88,6 +89,7 @@ def fitted_bones(
     known = mass.sum(axis=0) > _ENOUGH * mass.sum()
     whole = _with_relatives(whole, known, parents, heads)
     radius = np.linalg.norm(rig.vertices[:, None] - heads, axis=2).min(axis=0)  # (b,) of the limb at each joint
+    radius = np.maximum(radius, _THIN * np.ptp(rig.vertices, axis=0).max())  # a joint may lie on the skin
     near = np.exp(-(((at[:, None] - heads) ** 2).sum(axis=2)) / (2 * (_LOCAL * radius) ** 2))  # (n, b)
     above = np.where(parents < 0, np.arange(len(parents)), parents)
     guesses, shares = [], []

@@ -196,7 +196,7 @@ def _standing(one: Unfolded, way: Side, reference: Reference) -> float:
     place = one.form @ way.start.rotation + way.start.shift
     there = cKDTree(reference.body.form).query(place)[1]
     heights = one.found.surface.points[:, 2], reference.rig.vertices[there, 2]
-    return float(np.corrcoef(*heights)[0, 1])
+    return float(np.corrcoef(*heights)[0, 1]) if all(np.ptp(each) > 0 for each in heights) else 0.0
 
 
 def _spread(share: FloatArray, count: int) -> IntArray:
