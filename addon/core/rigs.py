@@ -24,7 +24,7 @@ from .rigging.fitted_rig import bend_axes, filled_in, settled_turns, with_equal_
 from .rigging.reference_rig import ReferenceRig, mannequin_rig
 from .rigging.references import adult, other_builds
 from .rigging.skeleton import Skeleton
-from .rigging.stance_gate import is_doubtful, refusal
+from .rigging.stance_gate import pass_gate, refusal
 from .run.errors import InvalidMeshError
 from .run.kept_stages import KeptStages
 from .run.monitor import Cancelled, Monitor, Progress
@@ -32,7 +32,6 @@ from .run.monitor import Cancelled, Monitor, Progress
 _FACING = {"Ways to face": 1}  # stages
 _FITTED = 0.9  # of the work
 _ROWS = 1 << 16  # vertices whose weights are found at once: a tenth of a second
-_TRUSTED = 0.03  # of the size: residual of skin that hardly follows the skeleton
 _LEAST = 0.1  # least belief in a point
 _FORGOTTEN = 0.01  # weights below which a bone does not hold a vertex
 
@@ -144,7 +143,10 @@ def fitted_skeleton(
     CanonicalFormError
         As in `match`.
     """
-    whole = mannequin_rig(*mannequin()) if reference is None else _checked(reference)
+    if reference is None:
+        whole = kept.take("Mannequin", [], lambda: mannequin_rig(*mannequin()), monitor.warnings)
+    else:
+        whole = _checked(reference)
 
     def unfold() -> UnfoldedPair:
         own, triangles = _own(vertices), _own(faces)  # they are kept
@@ -273,13 +275,7 @@ def rig(
     kept = keep or KeptStages()
     fitted = fitted_skeleton(vertices, faces, reference, settings or Settings(), kept, monitor, _FITTED, rest=rest)
     chosen = fitted.found[index_of_side(side, len(fitted.found))]
-    error = refusal(chosen, fitted.share)
-    if error is not None:
-        if not anyway:
-            raise error
-        monitor.warn("stance_doubtful")
-    elif side == "auto" and is_doubtful(fitted.found):
-        monitor.warn("match_sides")
+    pass_gate(refusal(chosen, fitted.share), fitted.found, side, anyway, monitor)
     piece = monitor.piece(_FITTED, 1.0, {"Weights": 1})
     with piece.stage("Weights"):
         return _rigged(fitted, chosen, equal, monitor)
@@ -288,7 +284,7 @@ def rig(
 def _rigged(fitted: Fitted, chosen: Candidate, equal: bool, monitor: Monitor) -> Rigged:
     """Gather the rig of a mesh, in its own unit."""
     own, fit, reference = fitted.body.found, chosen.fit, chosen.reference.rig
-    trust = fit.sure * np.exp(-((fit.residual / _TRUSTED) ** 2))
+    trust = fit.trust()
     bones = fit.bones._replace(turns=settled_turns(reference, fit.bones))
     if equal:
         bones = with_equal_sides(reference, bones)
@@ -327,7 +323,8 @@ def _on_all(fitted: Fitted, weights: FloatArray, monitor: Monitor) -> FloatArray
     values = [np.zeros((len(body.vertices), weights.shape[1])) for body in bodies.bodies]
     values[here] = weights
     whole = gathered(bodies, values, np.zeros((len(bodies.vertices), weights.shape[1])))
-    held, others = whole.any(axis=1), np.flatnonzero(~whole.any(axis=1))
+    held = whole.any(axis=1)
+    others = np.flatnonzero(~held)
     near, source = cKDTree(bodies.vertices[held]), whole[held]
     for start in range(0, len(others), _ROWS):
         monitor.check()

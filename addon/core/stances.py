@@ -23,15 +23,14 @@ from .rigging.fitted_stance import arm_turns, fitted_stance
 from .rigging.limb_bones import LimbBones, limb_bones
 from .rigging.skeleton import Skeleton, skinned
 from .rigging.stance import ARMS_LOWERED, facing_of, stance
-from .rigging.stance_gate import is_doubtful, refusal
+from .rigging.stance_gate import pass_gate, refusal
 from .rigs import Fitted, fitted_skeleton
 from .run.errors import InvalidMeshError, InvalidSettingsError
 from .run.kept_stages import KeptStages
 from .run.monitor import Cancelled, Monitor, Progress
 
 _MATCHED = 0.9  # of the work
-_TRUSTED = 0.03  # of the size: residual of skin that hardly follows the skeleton
-_LEAST = 0.1  # least confidence of it
+_LEAST = 0.1  # least confidence of skin that follows the skeleton
 _FEW = 3  # vertices of a foot, below which its width is not known
 
 
@@ -214,13 +213,7 @@ def stance_by_match(
 
     posed, off = kept.take("Pose", [pair, number, pose], stand, monitor.warnings)
     distortion = float(np.median(np.abs(edge_stretch(pair.bodies.vertices, posed, pair.bodies.faces) - 1)))
-    error = refusal(chosen, fitted.share, distortion, off)
-    if error is not None:
-        if not anyway:
-            raise error
-        monitor.warn("stance_doubtful")
-    elif side == "auto" and is_doubtful(found):
-        monitor.warn("match_sides")
+    pass_gate(refusal(chosen, fitted.share, distortion, off), found, side, anyway, monitor)
     return _as_posed_like(fitted, posed, distortion, chosen, monitor)
 
 
@@ -230,8 +223,7 @@ def _stood(one: Unfolded, chosen: Candidate, lowered: float, monitor: Monitor) -
     struts = struts_through(surface.points, surface.faces, own.limbs.to_features, monitor)
     body = ElasticBody(own.stiffness, own.mass, surface.points, surface.faces, struts)
     places = fitted_stance(rig, fit.bones, surface.points, fit.weights, arm_turns(rig, lowered))
-    trust = np.maximum(fit.sure, _LEAST) * np.exp(-((fit.residual / _TRUSTED) ** 2))
-    posed = taken_pose(body, places, trust)
+    posed = taken_pose(body, places, fit.trust(_LEAST))
     off = strayed(rig, posed, body.mass, fit.weights, lowered)
     monitor.check()
     if surface.coarse:

@@ -18,6 +18,7 @@ _FACING = 0.05  # weight of normals, in sizes of the body
 _STRAYED = 0.06  # of the reference's size: as far from the match, a closest point is not believed
 _BELIEVED, _LEAST = 0.1, 0.02  # least belief in one, and weight of a point that keeps its match
 _FAR, _NEARER = 0.08, 3.0  # of the body's size: what a match misses by that much goes to a point so many times nearer
+_TRUSTED = 0.03  # of the body's size: residual of skin that hardly follows the skeleton
 _DOUBTFUL = 0.1  # least confidence of a point
 
 
@@ -44,6 +45,10 @@ class Explained(NamedTuple):
     sure: FloatArray
     residual: FloatArray
 
+    def trust(self, least: float = 0.0) -> FloatArray:
+        """Return how far each vertex follows the skeleton, 0 to 1, (n,). `least`: confidence that all of them have."""
+        return np.asarray(np.maximum(self.sure, least) * np.exp(-((self.residual / _TRUSTED) ** 2)))
+
 
 def explained(
     rig: ReferenceRig,
@@ -66,15 +71,12 @@ def explained(
     """
     size = float(np.ptp(points, axis=0).max())
     scale = float(np.ptp(rig.vertices, axis=0).max())
-    own = _FACING * size * normals
     known = np.maximum(sure, _DOUBTFUL)
     bones = fitted_bones(rig, points, areas, at, weights, sure)
     matched, matched_weights = at, weights
     for _ in range(_ROUNDS):
         monitor.check()
-        laid = bones.posed(rig, rig.vertices, rig.weights)
-        others = np.column_stack([laid, _FACING * size * vertex_normals(laid, rig.faces)])
-        near = closest_points(others, rig.faces, np.column_stack([points, own]), monitor)
+        near = _nearest(rig, bones, points, normals, monitor)
         found, found_weights = near.on(rig.vertices, rig.faces), near.on(rig.weights, rig.faces)
         belief = np.exp(-((np.linalg.norm(found - matched, axis=1) / scale / _STRAYED) ** 2))
         missed = np.linalg.norm(bones.posed(rig, matched, matched_weights) - points, axis=1) / size
@@ -97,10 +99,8 @@ def explained_whole(
 
     `points` (n, 3), `normals` (n, 3): the body; `at` (n, 3): about where the points of the reference are.
     """
-    size, scale = float(np.ptp(points, axis=0).max()), float(np.ptp(rig.vertices, axis=0).max())
-    laid = bones.posed(rig, rig.vertices, rig.weights)
-    others = np.column_stack([laid, _FACING * size * vertex_normals(laid, rig.faces)])
-    found = closest_points(others, rig.faces, np.column_stack([points, _FACING * size * normals]), monitor)
+    scale = float(np.ptp(rig.vertices, axis=0).max())
+    found = _nearest(rig, bones, points, normals, monitor)
     apart = np.linalg.norm(found.on(rig.vertices, rig.faces) - at, axis=1) / scale
     belief = np.exp(-((apart / _STRAYED) ** 2))
     lost = belief <= _BELIEVED
@@ -108,6 +108,16 @@ def explained_whole(
     for own, other in zip(found, near, strict=True):
         own[lost] = other
     return found, belief
+
+
+def _nearest(
+    rig: ReferenceRig, bones: BoneFit, points: FloatArray, normals: FloatArray, monitor: Monitor
+) -> SurfacePoints:
+    """Find the points of the posed reference that are closest to those of a body, and face the same way."""
+    facing = _FACING * float(np.ptp(points, axis=0).max())
+    laid = bones.posed(rig, rig.vertices, rig.weights)
+    others = np.column_stack([laid, facing * vertex_normals(laid, rig.faces)])
+    return closest_points(others, rig.faces, np.column_stack([points, facing * normals]), monitor)
 
 
 def turned_round(rig: ReferenceRig, at: FloatArray, weights: FloatArray) -> tuple[FloatArray, FloatArray]:

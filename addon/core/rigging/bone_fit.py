@@ -41,10 +41,15 @@ class BoneFit(NamedTuple):
 
     def posed(self, rig: ReferenceRig, points: FloatArray, weights: FloatArray) -> FloatArray:
         """Carry points of the reference to the body. `points` (n, 3); `weights` (n, b); gives (n, 3)."""
-        line = rig.axes[:, :, None] * rig.axes[:, None, :]
-        along, across = self.scales.T[:, :, None, None]
-        stretch = across * np.eye(3) + (along - across) * line  # (b, 3, 3)
-        return skinned(points, weights, BoneMotions(rig.skeleton.heads, self.heads, self.turns @ stretch))
+        turns = self.turns @ stretches(rig.axes, self.scales)
+        return skinned(points, weights, BoneMotions(rig.skeleton.heads, self.heads, turns))
+
+
+def stretches(axes: FloatArray, scales: FloatArray) -> FloatArray:
+    """Return the maps that scale along bones and across them, (b, 3, 3). `axes` (b, 3); `scales` (b, 2)."""
+    line = axes[:, :, None] * axes[:, None, :]
+    along, across = scales.T[:, :, None, None]
+    return np.asarray(across * np.eye(3) + (along - across) * line)
 
 
 class _Similarities(NamedTuple):

@@ -50,8 +50,6 @@ class Candidate(NamedTuple):
         By how much each joint is bent beyond what bodies can.
     unlike : float
         How different left and right limbs are.
-    uneven : float
-        How far elbows and knees have slid along limbs.
     skin : float
         Least ratio of the skin of a limb's bone to that of its partner.
     confidence : float
@@ -68,7 +66,6 @@ class Candidate(NamedTuple):
     residual: float
     degrees: dict[str, float]
     unlike: float
-    uneven: float
     skin: float
     confidence: float
     cost: float
@@ -173,9 +170,7 @@ def _fit(
         + uneven / _UNEVEN
         - float(np.clip(toes, -_MOST_TOES, _MOST_TOES)) / _TOES
     )
-    return Candidate(
-        reference, found, turned, stands, fit, residual, degrees, unlike, uneven, alike, float(share @ sure), cost
-    )
+    return Candidate(reference, found, turned, stands, fit, residual, degrees, unlike, alike, float(share @ sure), cost)
 
 
 def _facing_apart(found: list[Candidate]) -> list[Candidate]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..numerics.arrays import FloatArray
-from .bone_fit import BoneFit
+from .bone_fit import BoneFit, stretches
 from .reference_rig import ReferenceRig
 from .skeleton import Skeleton
 
@@ -74,10 +74,7 @@ def reshaped(rig: ReferenceRig, scales: FloatArray) -> ReferenceRig:
     >>> bool(np.ptp(child.vertices[:, 2]) < np.ptp(rig.vertices[:, 2]))
     True
     """
-    bones, axes = rig.skeleton, rig.axes
-    along, across = scales.T[:, :, None, None]
-    line = axes[:, :, None] * axes[:, None, :]
-    stretch = across * np.eye(3) + (along - across) * line  # (b, 3, 3)
+    bones, stretch = rig.skeleton, stretches(rig.axes, scales)
     heads = bones.heads.copy()
     for bone, parent in enumerate(bones.parents):
         if parent >= 0:

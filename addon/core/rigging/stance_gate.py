@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ..run.errors import InvalidMeshError
+from ..run.monitor import Monitor
 from .candidates import Candidate
 
 _EXPLAINED = 0.045  # residual above which the skin is not that of the skeleton
@@ -61,3 +62,18 @@ def refusal(chosen: Candidate, share: float, distortion: float = 0.0, off: float
 def is_doubtful(found: Sequence[Candidate]) -> bool:
     """Return whether another way to face is about as likely as the first."""
     return len(found) > 1 and found[1].cost - found[0].cost < _CLOSE
+
+
+def pass_gate(
+    error: InvalidMeshError | None, found: Sequence[Candidate], side: str | int, anyway: bool, monitor: Monitor
+) -> None:
+    """Refuse what cannot be right, unless it is wanted anyway; tell what is doubtful.
+
+    `error`: what `refusal` returned; `found`: all ways to face; `side`: the one that was asked for.
+    """
+    if error is not None:
+        if not anyway:
+            raise error
+        monitor.warn("stance_doubtful")
+    elif side == "auto" and is_doubtful(found):
+        monitor.warn("match_sides")
