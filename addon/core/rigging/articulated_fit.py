@@ -10,10 +10,11 @@ from ..mesh.closest_points import SurfacePoints, closest_points
 from ..mesh.geometry import vertex_normals
 from ..numerics.arrays import FloatArray
 from ..run.monitor import Monitor
-from .bone_fit import BoneFit, fitted_bones
+from .bone_fit import BoneFit, connected, fitted_bones
 from .reference_rig import ReferenceRig
+from .skin_fit import laid_bones
 
-_ROUNDS = 4  # more drift
+_ROUNDS = 4  # more change little
 _FACING = 0.05  # weight of normals, in sizes of the body
 _STRAYED = 0.06  # of the reference's size: as far from the match, a closest point is not believed
 _BELIEVED, _LEAST = 0.1, 0.02  # least belief in one, and weight of a point that keeps its match
@@ -85,7 +86,8 @@ def explained(
         belief = np.where(lost, 1.0, belief)
         taken = (belief > _BELIEVED)[:, None]
         at, weights = np.where(taken, found, matched), np.where(taken, found_weights, matched_weights)
-        bones = fitted_bones(rig, points, areas, at, weights, known * np.maximum(belief, _LEAST))
+        bones = laid_bones(rig, bones, points, normals, areas, at, weights, known * np.maximum(belief, _LEAST))
+    bones = connected(rig, bones)
     residual = np.linalg.norm(bones.posed(rig, at, weights) - points, axis=1) / size
     return Explained(bones, at, weights, sure, residual)
 

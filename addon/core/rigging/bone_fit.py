@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..deformation.rotations import nearest_rotations
-from ..numerics.arrays import FloatArray
+from ..numerics.arrays import BoolArray, FloatArray
 from .reference_rig import ReferenceRig
 from .skeleton import BoneMotions, skinned
 from .stance import swing
@@ -91,7 +91,7 @@ def fitted_bones(
         error = np.linalg.norm(whole.of(at, axes) - points[:, None], axis=2)  # (n, b)
         typical = np.sqrt((mass * error**2).sum(axis=0) / np.maximum(mass.sum(axis=0), 1e-30)) + 1e-9
         whole = _similarities(at, points, mass / (1 + (error / typical) ** 2), axes)
-    known = mass.sum(axis=0) > _ENOUGH * mass.sum()
+    known = known_bones(mass)
     whole = _with_relatives(whole, known, parents, heads)
     radius = np.linalg.norm(rig.vertices[:, None] - heads, axis=2).min(axis=0)  # (b,) of the limb at each joint
     radius = np.maximum(radius, _THIN * np.ptp(rig.vertices, axis=0).max())  # a joint may lie on the skin
@@ -109,14 +109,29 @@ def fitted_bones(
     total = shares[0] + shares[1]
     placed = (shares[0][:, None] * guesses[0] + shares[1][:, None] * guesses[1]) / total[:, None]
     ends = whole.of(tails, axes) + placed - whole.of(heads, axes)
-    for bone, parent in enumerate(parents):
-        if parent >= 0 and np.allclose(heads[bone], tails[parent]):
-            ends[parent] = placed[bone]
-    turns = whole.turns.copy()
-    for bone, way in enumerate(ends - placed):
+    return connected(rig, BoneFit(placed, ends, whole.turns, whole.scales))
+
+
+def known_bones(mass: FloatArray) -> BoolArray:
+    """Tell which bones have skin enough to be fitted by it, (b,). `mass` (n, b): of the skin that each bone holds."""
+    return np.asarray(mass.sum(axis=0) > _ENOUGH * mass.sum())
+
+
+def connected(rig: ReferenceRig, fit: BoneFit) -> BoneFit:
+    """Let bones end where the next begins if they do in the reference, and point there."""
+    ends, turns, axes = fit.tails.copy(), fit.turns.copy(), rig.axes
+    for bone, parent in enumerate(rig.skeleton.parents):
+        if parent >= 0 and np.allclose(rig.skeleton.heads[bone], rig.skeleton.tails[parent]):
+            ends[parent] = fit.heads[bone]
+    for bone, way in enumerate(ends - fit.heads):
         if np.linalg.norm(way) > 0:
             turns[bone] = swing(turns[bone] @ axes[bone], way) @ turns[bone]
-    return BoneFit(placed, ends, turns, whole.scales)
+    return fit._replace(tails=ends, turns=turns)
+
+
+def within_bounds(scales: FloatArray, larger: float) -> FloatArray:
+    """Keep the scales of bones in what bodies have. `larger`: how much larger one body is than the other."""
+    return np.clip(scales, _SHORT * larger, _LONG * larger)
 
 
 def _taken(some: _Similarities, bones: np.ndarray) -> _Similarities:
@@ -145,7 +160,7 @@ def _similarities(
         along = np.einsum("bi,bij,bj->b", axes, back, axes)
         across = np.trace(back, axis1=1, axis2=2) - along
         scales = np.column_stack([along / long, across / np.maximum(size - long, 1e-30)])
-        scales = np.clip(scales, _SHORT * larger, _LONG * larger)
+        scales = within_bounds(scales, larger)
     return _Similarities(turns, scales, here, there)
 
 

@@ -9,10 +9,12 @@ import numpy as np
 from ..modelling.body_plan import SHOULDER
 from ..numerics.arrays import FloatArray, IntArray
 from ..numerics.factoring import factored
-from .skeleton import Skeleton, mirror_name
+from .skeleton import Skeleton, mirror_name, partners
 
-_ELBOW, _WRIST, _TIPS = 0.28, 0.53, 0.615  # metres from the shoulder
+_ELBOW, _WRIST, _TIPS = 0.27, 0.52, 0.615  # metres from the shoulder
 _X, _Y, _Z = SHOULDER
+_HIP_AT, _KNEE_AT = (0.106, 0.024, 0.93), (0.095, -0.01, 0.52)
+_ELBOW_AT, _WRIST_AT = (_X + _ELBOW, _Y + 0.012, _Z + 0.01), (_X + _WRIST, _Y, _Z + 0.008)
 _JOINTS = {  # of the left side and the middle, in Rigify's names: head, tail, parent
     "spine": ((0, 0.035, 0.97), (0, 0.03, 1.07), ""),
     "spine.001": ((0, 0.03, 1.07), (0, 0.03, 1.19), "spine"),
@@ -21,16 +23,16 @@ _JOINTS = {  # of the left side and the middle, in Rigify's names: head, tail, p
     "spine.004": ((0, 0.035, 1.45), (0, 0.015, 1.56), "spine.003"),
     "spine.006": ((0, 0.015, 1.56), (0, 0.015, 1.747), "spine.004"),
     "shoulder.L": ((0.02, -0.02, 1.42), (0.14, 0.02, 1.425), "spine.003"),
-    "upper_arm.L": (SHOULDER, (_X + _ELBOW, _Y + 0.012, _Z), "shoulder.L"),
-    "forearm.L": ((_X + _ELBOW, _Y + 0.012, _Z), (_X + _WRIST, _Y, _Z), "upper_arm.L"),
-    "hand.L": ((_X + _WRIST, _Y, _Z), (_X + _TIPS, _Y, _Z), "forearm.L"),
-    "thigh.L": ((0.09, 0.005, 0.93), (0.095, -0.002, 0.5), "spine"),
-    "shin.L": ((0.095, -0.002, 0.5), (0.1, 0.025, 0.085), "thigh.L"),
+    "upper_arm.L": (SHOULDER, _ELBOW_AT, "shoulder.L"),
+    "forearm.L": (_ELBOW_AT, _WRIST_AT, "upper_arm.L"),
+    "hand.L": (_WRIST_AT, (_X + _TIPS, _Y, _Z), "forearm.L"),
+    "thigh.L": (_HIP_AT, _KNEE_AT, "spine"),
+    "shin.L": (_KNEE_AT, (0.1, 0.025, 0.085), "thigh.L"),
     "foot.L": ((0.1, 0.025, 0.085), (0.112, -0.1, 0.025), "shin.L"),
     "toe.L": ((0.112, -0.1, 0.025), (0.114, -0.175, 0.02), "foot.L"),
 }
 _SOFT = 2e-4  # m²: diffusion time of the weights, about a hand's breadth across a joint
-_COLLAR, _HIP = 0.075, 0.93  # metres: where collarbones and thighs begin
+_COLLAR, _HIP, _KNEE = 0.075, 0.93, 0.52  # metres: where collarbones, thighs and shins begin
 
 
 class ReferenceRig(NamedTuple):
@@ -67,10 +69,16 @@ class ReferenceRig(NamedTuple):
 
     @property
     def mates(self) -> IntArray:
-        """For each bone that of the other side, itself in the middle."""
+        """For each bone that of the other side, itself in the middle: by Blender's endings, else by where it lies."""
         names = self.skeleton.names
         mirrored = [mirror_name(name) for name in names]
-        return np.array([names.index(each) if each in names else own for own, each in enumerate(mirrored)])
+        own = np.arange(len(names))
+        near = partners(self.skeleton, own, 0.0)
+        found = np.where(near < 0, own, near)
+        for bone, other in enumerate(mirrored):
+            if other != names[bone] and other in names:
+                found[bone] = names.index(other)
+        return found
 
     def at(self, vertices: IntArray, faces: IntArray) -> ReferenceRig:
         """Return the rig on some of its vertices, with triangles of their own. `vertices` (c,); `faces` (d, 3)."""
@@ -132,7 +140,7 @@ def _segments(vertices: FloatArray) -> list[str]:
         (arm & (out > _X + _ELBOW), "forearm"),
         (arm & (out > _X + _WRIST), "hand"),
         (legs, "thigh"),
-        (legs & (z < 0.5), "shin"),
+        (legs & (z < _KNEE), "shin"),
         (legs & (z + 0.35 * np.clip(y - 0.02, -0.05, 0.05) < 0.085), "foot"),
         (legs & (z < 0.12) & (y < -0.1), "toe"),
     ):

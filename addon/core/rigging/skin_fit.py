@@ -1,0 +1,150 @@
+"""The bones of a reference moved so that the skin that they carry lies on another body, and slides along it freely."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..deformation.rotations import nearest_rotations
+from ..numerics.arrays import FloatArray, IntArray
+from .bone_fit import BoneFit, known_bones, stretches, within_bounds
+from .reference_rig import ReferenceRig
+
+_SLIDING = 0.02  # weight of what lies along the skin: closest points tell nothing of it
+_RIGID = 0.02  # of its skin's weight: how much each bone keeps its rotation, and scales like its partner's
+_JOINED = 1.0  # of its skin's weight: how much each bone keeps to its joint
+_LEAST_SKIN = 1e-4  # of the body's: weight of a joint whose bones hold less
+_HELD = 1e-7  # of the body's: how much each joint stays where it is
+_LEAST_SPREAD = 1e-6  # of the largest bone's: so that bones of no extent keep their rotation
+_ALTERNATIONS = 4  # of rotation and scales
+
+
+class _Equations(NamedTuple):
+    """Normal equations for the motions of bones: ``x ↦ M (x - head) + p``, stacked as rows (Mᵀ, p)."""
+
+    matrix: FloatArray  # (4 b, 3, 4 b, 3)
+    right: FloatArray  # (4 b, 3)
+
+    def solved(self) -> FloatArray:
+        """Solve for the motions, (b, 4, 3)."""
+        count = self.right.size
+        found = np.linalg.solve(self.matrix.reshape(count, count), self.right.ravel())
+        return np.asarray(found.reshape(-1, 4, 3))
+
+
+def laid_bones(
+    rig: ReferenceRig,
+    bones: BoneFit,
+    points: FloatArray,
+    normals: FloatArray,
+    areas: FloatArray,
+    at: FloatArray,
+    weights: FloatArray,
+    sure: FloatArray,
+) -> BoneFit:
+    """Move the bones of a reference by one step, so that its skin comes to lie on another body.
+
+    All bones are solved for together, as linear blend skinning combines them: distances along the normals count, and
+    the skin may slide; bones meet at their joints, and keep their turns and the scales of both sides, softly. A body
+    that is the reference in another pose is met exactly; bones fitted one by one err wherever the skin blends them.
+
+    `bones`: as they lie so far; `points` (n, 3), `normals` (n, 3), `areas` (n,): the body; `at` (n, 3), `weights`
+    (n, b): the points of the reference that are closest; `sure` (n,): how far each is believed.
+
+    References
+    ----------
+    Chen and Medioni, "Object modelling by registration of multiple range images", 1992,
+    doi:10.1016/0262-8856(92)90066-C; Le and Deng, "Smooth Skinning Decomposition with Rigid Bones", 2012,
+    doi:10.1145/2366145.2366218 (bones solved from what they move).
+    """
+    mass = areas * sure
+    mass /= max(float(mass.sum()), np.finfo(float).tiny)
+    some = np.flatnonzero(known_bones(mass[:, None] * weights))
+    if len(some) == 0:
+        return bones
+    held, heads, axes = weights[:, some], rig.skeleton.heads[some], rig.axes[some]
+    apart = at[:, None] - heads  # (n, s, 3)
+    carried = np.concatenate([held[:, :, None] * apart, held[:, :, None]], axis=2).reshape(len(at), -1)  # (n, 4 s)
+    alike = (bones.scales + bones.scales[rig.mates]) / 2
+    motions = (bones.turns @ stretches(rig.axes, alike))[some]
+    before = np.concatenate([motions.transpose(0, 2, 1), bones.heads[some, None]], axis=1).reshape(-1, 3)  # (4 s, 3)
+    system = _skin(carried, points, normals, mass)
+    skin = mass @ held  # (s,)
+    _join(system, _nearest_ancestors(rig, some), heads, skin)
+    spread = np.einsum("n,nb,nbi->b", mass, held**2, apart**2)
+    spread = np.maximum(spread, _LEAST_SPREAD * spread.max())
+    keep = np.column_stack([*(_RIGID * spread,) * 3, np.full(len(some), _HELD)]).ravel()
+    for axis in range(3):
+        system.matrix[:, axis, :, axis] += np.diag(keep)
+        system.right[:, axis] += keep * before[:, axis]
+    found = system.solved()
+    larger = np.sqrt(points.var(axis=0).sum() / max(float(at.var(axis=0).sum()), 1e-30))
+    turns, scales = _turned_and_scaled(found[:, :3].transpose(0, 2, 1), axes, larger)
+    return _with_the_rest(rig, bones, some, found[:, 3], turns, scales)
+
+
+def _skin(carried: FloatArray, points: FloatArray, normals: FloatArray, mass: FloatArray) -> _Equations:
+    """Ask that what the bones carry lies on the points, along their normals. `carried` (n, 4 s)."""
+    metric = (1 - _SLIDING) * normals[:, :, None] * normals[:, None, :] + _SLIDING * np.eye(3)  # (n, 3, 3)
+    count = carried.shape[1]
+    matrix = np.empty((count, 3, count, 3))
+    for one in range(3):
+        for two in range(one, 3):
+            block = carried.T @ ((mass * metric[:, one, two])[:, None] * carried)
+            matrix[:, one, :, two] = matrix[:, two, :, one] = block
+    return _Equations(matrix, carried.T @ (mass[:, None] * np.einsum("nij,nj->ni", metric, points)))
+
+
+def _join(system: _Equations, above: IntArray, heads: FloatArray, skin: FloatArray) -> None:
+    """Ask that every bone begins where the one above it carries its head. `above` (s,): -1 for none."""
+    count = len(heads)
+    rows = np.zeros((count, 4 * count))
+    lower = np.flatnonzero(above >= 0)
+    upper = above[lower]
+    rows[lower, 4 * lower + 3] = 1.0
+    rows[lower, 4 * upper + 3] = -1.0
+    for axis in range(3):
+        rows[lower, 4 * upper + axis] = heads[upper, axis] - heads[lower, axis]
+    strength = _JOINED * np.maximum(np.minimum(skin, skin[above]), _LEAST_SKIN)
+    block = rows.T @ (strength[:, None] * rows)
+    for axis in range(3):
+        system.matrix[:, axis, :, axis] += block
+
+
+def _nearest_ancestors(rig: ReferenceRig, some: IntArray) -> IntArray:
+    """For each of some bones the nearest one of them above it, as its position among them; -1 for none."""
+    place = {int(bone): number for number, bone in enumerate(some)}
+    return np.array([next((place[a] for a in rig.skeleton.ancestors(int(b)) if a in place), -1) for b in some])
+
+
+def _turned_and_scaled(motions: FloatArray, axes: FloatArray, larger: float) -> tuple[FloatArray, FloatArray]:
+    """Find the rotation with a scale along and one across that is nearest to each map, (b, 3, 3) and (b, 2)."""
+    scales = np.full((len(axes), 2), larger)
+    for _ in range(_ALTERNATIONS):
+        turns = nearest_rotations(motions @ stretches(axes, scales))
+        back = turns.transpose(0, 2, 1) @ motions
+        along = np.einsum("bi,bij,bj->b", axes, back, axes)
+        across = (np.trace(back, axis1=1, axis2=2) - along) / 2
+        scales = within_bounds(np.column_stack([along, across]), larger)
+    return turns, scales
+
+
+def _with_the_rest(
+    rig: ReferenceRig, bones: BoneFit, some: IntArray, heads: FloatArray, turns: FloatArray, scales: FloatArray
+) -> BoneFit:
+    """Put bones that were found among those without skin, which move with the bone above them, or the first."""
+    found = [each.copy() for each in (bones.heads, bones.turns, bones.scales)]
+    for each, new in zip(found, (heads, turns, scales), strict=True):
+        each[some] = new
+    places, ways, sizes = found
+    rest, known = rig.skeleton, set(some.tolist())
+    for bone in rest.downwards():
+        if bone in known:
+            continue
+        parent = rest.parents[bone] if rest.parents[bone] >= 0 else some[0]
+        ways[bone], sizes[bone] = ways[parent], sizes[parent]
+        carried = stretches(rig.axes[[parent]], sizes[[parent]])[0] @ (rest.heads[bone] - rest.heads[parent])
+        places[bone] = places[parent] + ways[parent] @ carried
+    maps = ways @ stretches(rig.axes, sizes)
+    return BoneFit(places, places + np.einsum("bij,bj->bi", maps, rest.tails - rest.heads), ways, sizes)
