@@ -199,6 +199,8 @@ class PosedLike(_Summarised):
         Seconds by stage, both meshes together.
     warnings : list of Message
         Sentences for the user.
+    bones : dict of str to float
+        How far the skin of each fitted bone follows it, 0 to 1; empty where no skeleton was fitted.
     """
 
     vertices: FloatArray
@@ -210,6 +212,7 @@ class PosedLike(_Summarised):
     edge_distortion: float
     timings: dict[str, float]
     warnings: list[Message]
+    bones: dict[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

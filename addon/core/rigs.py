@@ -288,7 +288,6 @@ def _rigged(fitted: Fitted, chosen: Candidate, equal: bool, monitor: Monitor) ->
     bones = fit.bones._replace(turns=settled_turns(reference, fit.bones))
     if equal:
         bones = with_equal_sides(reference, bones)
-    skin = own.mass[:, None] * fit.weights
     weights = own.surface.prolong(filled_in(fit.weights, trust, own.stiffness, own.mass))
     points, belief = fitted.points(chosen, monitor)
     share = (np.clip(own.surface.prolong(trust), 0.0, 1.0) * belief)[:, None]
@@ -308,7 +307,7 @@ def _rigged(fitted: Fitted, chosen: Candidate, equal: bool, monitor: Monitor) ->
         skeleton,
         bend_axes(reference, bones),
         _on_all(fitted, weights, monitor),
-        trust @ skin / np.maximum(skin.sum(axis=0), 1e-30),
+        fit.bone_confidence(own.mass),
         fitted.match(chosen, points, belief, monitor),
         monitor.timings,
         monitor.warnings,

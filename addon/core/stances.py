@@ -241,6 +241,8 @@ def _as_posed_like(
     pair = fitted.pair
     match = fitted.match(chosen, *fitted.points(chosen, monitor), monitor)
     features = gathered_features(pair.bodies, [each.found.prolonged(monitor) for each in pair.surfaces])
+    confidence = chosen.fit.bone_confidence(fitted.body.found.mass)
+    bones = dict(zip(chosen.reference.rig.skeleton.names, confidence.tolist(), strict=True))
     return PosedLike(
         posed.copy(),  # the other is kept
         pair.bodies.faces.copy(),
@@ -251,4 +253,5 @@ def _as_posed_like(
         distortion,
         monitor.timings,
         monitor.warnings,
+        bones,
     )

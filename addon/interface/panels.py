@@ -26,7 +26,7 @@ from .limb_operators import (
 )
 from .live_update import OBJECT_OT_canonical_form_live
 from .operators import OBJECT_OT_canonical_form, OBJECT_OT_canonical_form_clear
-from .pose_panel import VIEW3D_PT_canonical_form_pose_like
+from .pose_panel import VIEW3D_PT_canonical_form_pose_like, least_sure
 from .properties import METHOD_NAMES, chosen_value, hand_over
 from .sidebar import Tab, record_of
 from .tool_operators import OBJECT_OT_canonical_form_choose, OBJECT_OT_canonical_form_distance
@@ -296,7 +296,7 @@ def _draw_report(column: bpy.types.UILayout, record: Record) -> None:
                     seconds=seconds)  # fmt: skip
         if report.like.source == "bones":
             sure = told("By the bones of its rig, {seconds:.1f} s", seconds=seconds)
-        lines = [sure, distortion]
+        lines = [sure, *least_sure(report.like.bones), distortion]
     else:
         found = counted_points(len(report.feature_points), record.has_patches)
         lines = [told("{points}, {seconds:.1f} s", points=found, seconds=seconds)]

@@ -18,6 +18,8 @@ from .pose_operators import (
 from .properties import TRANSFER_ITEMS, chosen_value, hand_over, hand_over_transfer, transfer_flag
 from .sidebar import Tab, record_of
 
+_HARDLY = 0.2  # confidence of a bone below which it is named
+
 
 class VIEW3D_PT_canonical_form_pose_like(Tab, bpy.types.Panel):
     """Another's pose: that of an object, or of a mannequin."""
@@ -75,6 +77,24 @@ def shown_likeness(context: bpy.types.Context) -> LikeReport | None:
     """
     record = record_of(context)
     return None if record is None else record.report.like
+
+
+def least_sure(bones: dict[str, float]) -> list[str]:
+    """Name the bone that fits worst, if it hardly fits.
+
+    Parameters
+    ----------
+    bones : dict of str to float
+        How well each bone fits, 0 to 1.
+
+    Returns
+    -------
+    list of str
+        One line, or none.
+    """
+    name = min(bones, key=lambda each: bones[each], default="")
+    sure = bones.get(name, 1.0)
+    return [told("Fits worst: {bone}, {sure:.0%}", bone=name, sure=sure)] if sure < _HARDLY else []
 
 
 def draw_other_side(layout: bpy.types.UILayout, chosen: bpy.types.PropertyGroup, like: LikeReport | None) -> None:

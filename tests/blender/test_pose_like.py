@@ -304,3 +304,12 @@ def test_a_body_that_stands_is_flipped(pair, pose, sides, text):
     like = LikeReport(pose, "", "T-Pose", 0, [float(each) for each in range(sides)], 0.9)
     pose_panel.draw_other_side(MenuLayout(texts, []), bpy.context.scene.canonical_form, like)
     assert texts == [text]
+
+
+@pytest.mark.parametrize(
+    ("bones", "told"), [({}, []), ({"hand.L": 0.5}, []), ({"hand.L": 0.5, "toe.R": 0.12}, ["toe.R", "12%"])]
+)
+def test_a_bone_that_hardly_fits_is_named(bones, told):
+    lines = pose_panel.least_sure(bones)
+    assert len(lines) == bool(told)
+    assert all(word in lines[0] for word in told)

@@ -1,9 +1,12 @@
 """A rigged character stands in a T-pose by its own bones: shown or as modelled, of one object or more."""
 
+import json
+
 import bpy
 import numpy as np
 import pytest
 
+from addon.blender.records.form_report import FormReport
 from addon.blender.records.record import require_record
 from addon.core import Skeleton
 from addon.interface import panels
@@ -153,6 +156,9 @@ def test_bones_that_tell_nothing_are_told_and_a_match_takes_over(blender):
     assert report.like is not None
     assert report.like.source == "match"
     assert any("bones of Rig could not give the pose" in each for each in report.warnings)
+    assert {"hand.L", "spine.006", "toe.R"} <= set(report.like.bones)
+    assert all(0 <= sure <= 1 for sure in report.like.bones.values())
+    assert FormReport.from_json(json.loads(json.dumps(report.as_json()))) == report
 
 
 def test_a_way_to_match_that_is_asked_for_is_matched(character_rig):

@@ -92,7 +92,9 @@ class Likeness:
         if isinstance(found, Stance):
             return LikeReport(self.pose, self.name, self.key, 0, [], 1.0, "bones")
         confidence = round(float(found.match.confidence.mean()), 3)
-        return LikeReport(self.pose, self.name, self.key, max(self.side, 0), found.match.sides, confidence)
+        bones = {name: round(sure, 3) for name, sure in found.bones.items()}
+        sides = found.match.sides
+        return LikeReport(self.pose, self.name, self.key, max(self.side, 0), sides, confidence, bones=bones)
 
     def stance(self, rest: FloatArray, faces: IntArray, bones: Bones) -> Stance | None:
         """Put a rigged mesh into the stance by its own bones.

@@ -51,6 +51,8 @@ class LikeReport(NamedTuple):
         Mean confidence of the match.
     source : {'match', 'bones'}
         Whether a match with the other body told the pose, or the bones of the mesh's own rig.
+    bones : dict of str to float
+        How far the skin of each fitted bone follows it, 0 to 1; empty where no skeleton was fitted.
     """
 
     pose: str
@@ -60,6 +62,7 @@ class LikeReport(NamedTuple):
     sides: list[float]
     confidence: float
     source: str = "match"
+    bones: dict[str, float] = {}
 
 
 @dataclass
@@ -233,6 +236,7 @@ class FormReport:
                 sides=listed(real, like["sides"]),
                 confidence=real(like["confidence"]),
                 source=words(like.get("source", "match")),
+                bones=named(real, like.get("bones", {})),
             )
             report.pieces = words(data["pieces"])
         if "measures" in data:

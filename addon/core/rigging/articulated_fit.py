@@ -50,6 +50,11 @@ class Explained(NamedTuple):
         """Return how far each vertex follows the skeleton, 0 to 1, (n,). `least`: confidence that all of them have."""
         return np.asarray(np.maximum(self.sure, least) * np.exp(-((self.residual / _TRUSTED) ** 2)))
 
+    def bone_confidence(self, areas: FloatArray) -> FloatArray:
+        """Return how far the skin of each bone follows it, 0 to 1, (b,). `areas` (n,) of the vertices."""
+        skin = areas[:, None] * self.weights
+        return np.asarray(self.trust() @ skin / np.maximum(skin.sum(axis=0), 1e-30))
+
 
 def explained(
     rig: ReferenceRig,

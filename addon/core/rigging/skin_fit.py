@@ -23,14 +23,16 @@ _ALTERNATIONS = 4  # of rotation and scales
 class _Equations(NamedTuple):
     """Normal equations for the motions of bones: ``x ↦ M (x - head) + p``, stacked as rows (Mᵀ, p)."""
 
-    matrix: FloatArray  # (4 b, 3, 4 b, 3)
-    right: FloatArray  # (4 b, 3)
+    matrix: FloatArray  # (3, 4 b, 3, 4 b)
+    right: FloatArray  # (3, 4 b)
 
     def solved(self) -> FloatArray:
         """Solve for the motions, (b, 4, 3)."""
+        from scipy.linalg import solve
+
         count = self.right.size
-        found = np.linalg.solve(self.matrix.reshape(count, count), self.right.ravel())
-        return np.asarray(found.reshape(-1, 4, 3))
+        found = solve(self.matrix.reshape(count, count), self.right.ravel(), assume_a="pos", overwrite_a=True)
+        return np.asarray(found.reshape(3, -1, 4).transpose(1, 2, 0))
 
 
 def laid_bones(
@@ -59,7 +61,7 @@ def laid_bones(
     doi:10.1145/2366145.2366218 (bones solved from what they move).
     """
     mass = areas * sure
-    mass /= max(float(mass.sum()), np.finfo(float).tiny)
+    mass = mass / max(float(mass.sum()), 1e-30)
     some = np.flatnonzero(known_bones(mass[:, None] * weights))
     if len(some) == 0:
         return bones
@@ -76,8 +78,8 @@ def laid_bones(
     spread = np.maximum(spread, _LEAST_SPREAD * spread.max())
     keep = np.column_stack([*(_RIGID * spread,) * 3, np.full(len(some), _HELD)]).ravel()
     for axis in range(3):
-        system.matrix[:, axis, :, axis] += np.diag(keep)
-        system.right[:, axis] += keep * before[:, axis]
+        system.matrix[axis, :, axis] += np.diag(keep)
+        system.right[axis] += keep * before[:, axis]
     found = system.solved()
     larger = np.sqrt(points.var(axis=0).sum() / max(float(at.var(axis=0).sum()), 1e-30))
     turns, scales = _turned_and_scaled(found[:, :3].transpose(0, 2, 1), axes, larger)
@@ -88,12 +90,12 @@ def _skin(carried: FloatArray, points: FloatArray, normals: FloatArray, mass: Fl
     """Ask that what the bones carry lies on the points, along their normals. `carried` (n, 4 s)."""
     metric = (1 - _SLIDING) * normals[:, :, None] * normals[:, None, :] + _SLIDING * np.eye(3)  # (n, 3, 3)
     count = carried.shape[1]
-    matrix = np.empty((count, 3, count, 3))
+    matrix = np.empty((3, count, 3, count))
     for one in range(3):
         for two in range(one, 3):
             block = carried.T @ ((mass * metric[:, one, two])[:, None] * carried)
-            matrix[:, one, :, two] = matrix[:, two, :, one] = block
-    return _Equations(matrix, carried.T @ (mass[:, None] * np.einsum("nij,nj->ni", metric, points)))
+            matrix[one, :, two] = matrix[two, :, one] = block
+    return _Equations(matrix, (mass[:, None] * np.einsum("nij,nj->ni", metric, points)).T @ carried)
 
 
 def _join(system: _Equations, above: IntArray, heads: FloatArray, skin: FloatArray) -> None:
@@ -109,7 +111,7 @@ def _join(system: _Equations, above: IntArray, heads: FloatArray, skin: FloatArr
     strength = _JOINED * np.maximum(np.minimum(skin, skin[above]), _LEAST_SKIN)
     block = rows.T @ (strength[:, None] * rows)
     for axis in range(3):
-        system.matrix[:, axis, :, axis] += block
+        system.matrix[axis, :, axis] += block
 
 
 def _nearest_ancestors(rig: ReferenceRig, some: IntArray) -> IntArray:
