@@ -14,7 +14,7 @@ from ..mesh.geometry import vertex_areas, vertex_normals
 from ..numerics.arrays import FloatArray, IntArray
 from ..run.monitor import Monitor
 from .articulated_fit import Explained, explained, turned_round
-from .evidence import beyond_limits, skin_alike, toes_forward, trunk_axes, uneven_limbs, unlike_sides
+from .evidence import beyond_limits, skin_alike, toes_forward, trunk_axes, unlike_sides
 from .references import Reference
 
 _STANDING = 0.3  # correlation of heights above which a match leaves the body as it stands
@@ -22,9 +22,9 @@ _SAME = 0.5  # cosine between axes of two skeletons below which they face differ
 _MAPS = 2  # matches with a reference that are completed: the second rescues what the score misjudged
 _ROWS = 700  # vertices on which fits are compared
 _SAMPLES = 6000  # by which toes are measured
-_GOOD = 3.0  # cost up to which no other build is tried
+_GOOD = 2.0  # cost up to which no other build is tried
 _ALONE = 0.4  # of the work, then done
-_RESIDUAL, _DEGREES, _UNLIKE, _UNEVEN, _TOES = 0.005, 200.0, 0.2, 0.1, 0.1  # what weighs as much as each other
+_RESIDUAL, _DEGREES, _TOES = 0.005, 200.0, 0.1  # what weighs as much as each other
 _MOST_DEGREES, _MOST_TOES = 400.0, 0.2  # beyond which more tells nothing
 _SPREAD = 0.2  # residual of a vertex beyond which more tells nothing
 
@@ -55,7 +55,7 @@ class Candidate(NamedTuple):
     confidence : float
         Mean confidence of the match.
     cost : float
-        All that together; lower is likelier.
+        Residual, degrees and toes together; lower is likelier.
     """
 
     reference: Reference
@@ -87,8 +87,8 @@ def candidates(
     """Fit the skeleton of a reference to a body in every way in which it may face, the likeliest first.
 
     The likeliest matches are fitted as they are and turned back to front. What decides is how well the skeleton
-    explains the skin, joints that bend the wrong way or lie elsewhere, sides of different lengths, and toes, measured
-    on the skin: none of them alone tells all bodies. Where no fit of the adult is good, other builds are tried.
+    explains the skin, joints that bend the wrong way, and toes, measured on the skin: none of them alone tells all
+    bodies. Where no fit of the adult is good, other builds are tried.
 
     `one`: the body; `builds`: gives the reference in other proportions.
     """
@@ -156,18 +156,15 @@ def _fit(
     sure = found.confidence[rows]
     fit = explained(rig, skin.points, skin.normals, skin.areas, at, weights, sure, monitor)
     residual = float(share @ np.minimum(fit.residual, _SPREAD))
-    degrees, unlike, uneven, toes, alike = {}, 0.0, 0.0, 0.0, 1.0
+    degrees, unlike, toes, alike = {}, 0.0, 0.0, 1.0
     if rig.is_human:
         degrees = beyond_limits(rig, fit.bones)
         unlike = unlike_sides(rig, fit.bones)
-        uneven = uneven_limbs(rig, fit.bones)
         toes = toes_forward(rig, fit.bones, skin.samples)
         alike = skin_alike(rig, skin.areas, fit.weights)
     cost = (
         residual / _RESIDUAL
         + min(sum(degrees.values()), _MOST_DEGREES) / _DEGREES
-        + unlike / _UNLIKE
-        + uneven / _UNEVEN
         - float(np.clip(toes, -_MOST_TOES, _MOST_TOES)) / _TOES
     )
     return Candidate(reference, found, turned, stands, fit, residual, degrees, unlike, alike, float(share @ sure), cost)

@@ -68,18 +68,6 @@ def unlike_sides(rig: ReferenceRig, fit: BoneFit) -> float:
     return float(np.mean([abs(long[number(f"{name}.L")] - long[number(f"{name}.R")]) for name in _LIMBS]))
 
 
-def uneven_limbs(rig: ReferenceRig, fit: BoneFit) -> float:
-    """Measure how far joints have slid along limbs: mean difference of the logarithm of lower to upper lengths.
-
-    Forearms and shins are about as long as upper arms and thighs in a child, an adult and a figure that is half head.
-    """
-    number, joints = rig.skeleton.names.index, rig.skeleton
-    grown = np.linalg.norm(fit.tails - fit.heads, axis=1) / np.linalg.norm(joints.tails - joints.heads, axis=1)
-    long = np.log(np.maximum(grown, 1e-12))
-    pairs = [(f"{lower}.{side}", f"{upper}.{side}") for lower, upper in _HALVES for side in "LR"]
-    return float(np.mean([abs(long[number(lower)] - long[number(upper)]) for lower, upper in pairs]))
-
-
 def skin_alike(rig: ReferenceRig, areas: FloatArray, weights: FloatArray) -> float:
     """Return the least ratio of the skin of a limb's bone to that of its partner; 0 where a limb has lost a bone.
 

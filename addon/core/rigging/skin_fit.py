@@ -11,8 +11,8 @@ from ..numerics.arrays import FloatArray, IntArray
 from .bone_fit import BoneFit, known_bones, stretches, within_bounds
 from .reference_rig import ReferenceRig
 
-_SLIDING = 0.02  # weight of what lies along the skin: closest points tell nothing of it
-_RIGID = 0.02  # of its skin's weight: how much each bone keeps its rotation, and scales like its partner's
+_SLIDING = 0.1  # weight of what lies along the skin: closest points tell nothing of it
+_RIGID = 0.1  # of its skin's weight: how much each bone keeps its rotation, and scales like its partner's
 _JOINED = 1.0  # of its skin's weight: how much each bone keeps to its joint
 _LEAST_SKIN = 1e-4  # of the body's: weight of a joint whose bones hold less
 _HELD = 1e-7  # of the body's: how much each joint stays where it is
