@@ -14,7 +14,7 @@ from .bone_fit import BoneFit, connected, fitted_bones
 from .reference_rig import ReferenceRig
 from .skin_fit import laid_bones
 
-_ROUNDS = 4  # more change little
+_ROUNDS = 6  # more change little
 _FACING = 0.05  # weight of normals, in sizes of the body
 _STRAYED = 0.06  # of the reference's size: as far from the match, a closest point is not believed
 _BELIEVED, _LEAST = 0.1, 0.02  # least belief in one, and weight of a point that keeps its match
