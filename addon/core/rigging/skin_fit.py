@@ -8,6 +8,7 @@ import numpy as np
 
 from ..deformation.rotations import nearest_rotations
 from ..numerics.arrays import FloatArray, IntArray
+from ..numerics.factoring import factored
 from .bone_fit import BoneFit, known_bones, stretches, within_bounds
 from .reference_rig import ReferenceRig
 
@@ -28,10 +29,8 @@ class _Equations(NamedTuple):
 
     def solved(self) -> FloatArray:
         """Solve for the motions, (b, 4, 3)."""
-        from scipy.linalg import solve
-
         count = self.right.size
-        found = solve(self.matrix.reshape(count, count), self.right.ravel(), assume_a="pos", overwrite_a=True)
+        found = factored(self.matrix.reshape(count, count)).solve(self.right.ravel())
         return np.asarray(found.reshape(3, -1, 4).transpose(1, 2, 0))
 
 
