@@ -14,7 +14,7 @@ from .bone_fit import BoneFit, connected, fitted_bones
 from .reference_rig import ReferenceRig
 from .skin_fit import laid_bones
 
-_ROUNDS = 6  # more change little
+UNLIKE, ALIKE = 4, 8  # rounds for bodies that differ from the reference, which drift in more, and for such as it
 _FACING = 0.05  # weight of normals, in sizes of the body
 _STRAYED = 0.06  # of the reference's size: as far from the match, a closest point is not believed
 _BELIEVED, _LEAST = 0.1, 0.02  # least belief in one, and weight of a point that keeps its match
@@ -65,11 +65,12 @@ def explained(
     weights: FloatArray,
     sure: FloatArray,
     monitor: Monitor,
+    rounds: int = UNLIKE,
 ) -> Explained:
     """Fit a skeleton to a body, from a match.
 
     `points` (n, 3), `normals` (n, 3), `areas` (n,): the body, or samples of it; `at` (n, 3), `weights` (n, b): the
-    matching points of the reference; `sure` (n,): their confidence.
+    matching points of the reference; `sure` (n,): their confidence; `rounds`: `ALIKE` for a body like the reference.
 
     References
     ----------
@@ -80,7 +81,7 @@ def explained(
     known = np.maximum(sure, _DOUBTFUL)
     bones = fitted_bones(rig, points, areas, at, weights, sure)
     matched, matched_weights = at, weights
-    for _ in range(_ROUNDS):
+    for _ in range(rounds):
         monitor.check()
         near = _nearest(rig, bones, points, normals, monitor)
         found, found_weights = near.on(rig.vertices, rig.faces), near.on(rig.weights, rig.faces)

@@ -13,7 +13,7 @@ from ..matching.unfolded import Unfolded
 from ..mesh.geometry import vertex_areas, vertex_normals
 from ..numerics.arrays import FloatArray, IntArray
 from ..run.monitor import Monitor
-from .articulated_fit import Explained, explained, turned_round
+from .articulated_fit import ALIKE, UNLIKE, Explained, explained, turned_round
 from .evidence import beyond_limits, skin_alike, toes_forward, trunk_axes, unlike_sides
 from .references import Reference
 
@@ -113,7 +113,7 @@ def candidates_of(one: Unfolded, reference: Reference, monitor: Monitor) -> list
     skin = _skin(one, None)
     ways = sides(one, reference.body, monitor)[:_MAPS]
     maps = [working_map(one, reference.body, way, monitor) for way in ways]
-    found = [_fit(skin, reference, each, False, False, monitor) for each in maps]
+    found = [_fit(skin, reference, each, False, False, monitor, ALIKE) for each in maps]
     return sorted(found, key=lambda each: each.cost)
 
 
@@ -146,7 +146,13 @@ def _fits(one: Unfolded, skin: _Skin, reference: Reference, monitor: Monitor) ->
 
 
 def _fit(
-    skin: _Skin, reference: Reference, found: WorkingMap, turned: bool, stands: bool, monitor: Monitor
+    skin: _Skin,
+    reference: Reference,
+    found: WorkingMap,
+    turned: bool,
+    stands: bool,
+    monitor: Monitor,
+    rounds: int = UNLIKE,
 ) -> Candidate:
     """Fit the skeleton of a reference by one match, and weigh what speaks against it."""
     rig, rows, share = reference.rig, skin.rows, skin.areas / skin.areas.sum()
@@ -154,7 +160,7 @@ def _fit(
     if turned:
         at, weights = turned_round(rig, at, weights)
     sure = found.confidence[rows]
-    fit = explained(rig, skin.points, skin.normals, skin.areas, at, weights, sure, monitor)
+    fit = explained(rig, skin.points, skin.normals, skin.areas, at, weights, sure, monitor, rounds)
     residual = float(share @ np.minimum(fit.residual, _SPREAD))
     degrees, unlike, toes, alike = {}, 0.0, 0.0, 1.0
     if rig.is_human:
