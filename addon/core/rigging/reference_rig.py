@@ -73,7 +73,7 @@ class ReferenceRig(NamedTuple):
         names = self.skeleton.names
         mirrored = [mirror_name(name) for name in names]
         own = np.arange(len(names))
-        near = partners(self.skeleton, own, 0.0)
+        near = partners(self.skeleton, own, float(self.skeleton.heads[:, 0].mean()))
         found = np.where(near < 0, own, near)
         for bone, other in enumerate(mirrored):
             if other != names[bone] and other in names:

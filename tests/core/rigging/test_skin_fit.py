@@ -102,12 +102,13 @@ def test_bones_without_skin_go_along(rig, walker, place):  # noqa: F811
 
 @pytest.mark.parametrize("names", ["{}_{}", "{1} {0}"])
 def test_partners_are_known_by_place_where_names_do_not_tell(drawn_rig, names):
-    def mates(spelling):
+    def mates(spelling, aside=0.0):
         skeleton = drawn_rig(names=spelling)
+        skeleton = skeleton._replace(heads=skeleton.heads + [aside, 0, 0], tails=skeleton.tails + [aside, 0, 0])
         return ReferenceRig(skeleton.heads, np.zeros((0, 3), int), skeleton, np.eye(len(skeleton.names))).mates
 
     named = mates("{}.{}")
     assert (named != np.arange(len(named))).sum() == 14
-    placed = mates(names)
+    placed = mates(names, aside=3.0)
     sure = [each for each in range(len(named)) if each not in (3, 10)]  # collarbones begin in the middle
     assert (placed[sure] == named[sure]).all()
