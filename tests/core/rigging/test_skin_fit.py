@@ -104,7 +104,8 @@ def test_bones_without_skin_go_along(rig, walker, place):  # noqa: F811
 def test_partners_are_known_by_place_where_names_do_not_tell(drawn_rig, names):
     def mates(spelling, aside=0.0):
         skeleton = drawn_rig(names=spelling)
-        skeleton = skeleton._replace(heads=skeleton.heads + [aside, 0, 0], tails=skeleton.tails + [aside, 0, 0])
+        way = np.array([aside, 0, 0])
+        skeleton = skeleton._replace(heads=skeleton.heads + way, tails=skeleton.tails + way)
         return ReferenceRig(skeleton.heads, np.zeros((0, 3), int), skeleton, np.eye(len(skeleton.names))).mates
 
     named = mates("{}.{}")
