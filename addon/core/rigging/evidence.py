@@ -21,7 +21,6 @@ _TURNS = {  # degrees: the whole turn of a bone against another
 }
 _WAIST, _NECK = 60.0, 80.0
 _HIP = ((-130.0, 40.0), (-75.0, 40.0), 60.0)  # forward and back, out and in, twist
-_HALVES = (("forearm", "upper_arm"), ("shin", "thigh"))
 _LIMBS = ("upper_arm", "forearm", "thigh", "shin")
 
 
