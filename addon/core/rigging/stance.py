@@ -17,6 +17,7 @@ _NATURAL = {"arm": (5.0, 12.0), "leg": (15.0, 25.0)}  # degrees: a limb whose li
 _LEANS = 30.0  # degrees from the axes of the file up to which the trunk of a body that lies leans by nature
 _STANDING = 0.5  # how far down a leg reaches, over its length, of a body that stands on it
 _SPREAD = 6.0  # degrees outward up to which legs keep their way to the ground
+_STILL = 1.0  # degrees by which legs may stand too near or too far apart and stay as they are
 _APART = 1.15  # widths of a foot, from the middle of one to that of the other
 _FOLDED = 60.0  # degrees: a knee that rests as folded is an animal's
 
@@ -52,7 +53,8 @@ def stance(skeleton: Skeleton, limbs: Sequence[LimbBones], pose: str, foot_width
         bend = max(map(angle, segments, segments[1:]), default=0.0)
         near, straight = _NATURAL[limb.kind]
         level = np.array([1.0, 0, 1]) if limb.kind == "leg" else np.zeros(3)
-        turn = swing(whole * level, wanted) @ facing if level.any() else facing  # legs as far apart as wanted
+        aside = level.any() and angle(whole * level, wanted) > _STILL
+        turn = swing(whole * level, wanted) @ facing if aside else facing  # legs as far apart as wanted
         natural = angle(turn @ sum(segments), wanted) < near and bend < straight
         turn, before = turn if natural else facing, -1
         for bone, way in zip(limb.bones, segments, strict=True):
