@@ -23,7 +23,7 @@ _UNUSUAL = {  # what only one right stance in twenty exceeds
     "distortion": 0.014,
     "off": 11.3,
 }
-_CLOSE = 0.5  # of cost: another way to face is about as likely
+_CLOSE = 2.5  # of cost: the other way to face is usually 3 to 5 worse, and may be the right one if it is not
 
 
 def refusal(chosen: Candidate, share: float, distortion: float = 0.0, off: float = 0.0) -> InvalidMeshError | None:
@@ -60,7 +60,7 @@ def refusal(chosen: Candidate, share: float, distortion: float = 0.0, off: float
 
 
 def is_doubtful(found: Sequence[Candidate]) -> bool:
-    """Return whether another way to face is about as likely as the first."""
+    """Return whether another way to face may be the right one."""
     return len(found) > 1 and found[1].cost - found[0].cost < _CLOSE
 
 
