@@ -200,7 +200,7 @@ class PosedLike(_Summarised):
     warnings : list of Message
         Sentences for the user.
     bones : dict of str to float
-        How far the skin of each fitted bone follows it, 0 to 1; empty where no skeleton was fitted.
+        How far the skin of each fitted bone that has some follows it, 0 to 1; empty where no skeleton was fitted.
     """
 
     vertices: FloatArray

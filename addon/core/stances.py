@@ -17,6 +17,7 @@ from .numerics.arrays import FloatArray, IntArray
 from .posing.taken_pose import taken_pose
 from .posing.untangling import untangled
 from .results import PosedLike, Stance
+from .rigging.bone_fit import known_bones
 from .rigging.candidates import Candidate
 from .rigging.evidence import strayed
 from .rigging.fitted_stance import arm_turns, fitted_stance
@@ -241,8 +242,10 @@ def _as_posed_like(
     pair = fitted.pair
     match = fitted.match(chosen, *fitted.points(chosen, monitor), monitor)
     features = gathered_features(pair.bodies, [each.found.prolonged(monitor) for each in pair.surfaces])
-    confidence = chosen.fit.bone_confidence(fitted.body.found.mass)
-    bones = dict(zip(chosen.reference.rig.skeleton.names, confidence.tolist(), strict=True))
+    fit, mass = chosen.fit, fitted.body.found.mass
+    known, confidence = known_bones(mass[:, None] * fit.weights), fit.bone_confidence(mass)
+    names = chosen.reference.rig.skeleton.names
+    bones = {names[bone]: float(confidence[bone]) for bone in np.flatnonzero(known)}
     return PosedLike(
         posed.copy(),  # the other is kept
         pair.bodies.faces.copy(),

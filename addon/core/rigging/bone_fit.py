@@ -18,6 +18,7 @@ _ENOUGH = 1e-5  # share of the skin below which a bone follows its parent
 _LOCAL = 1.5  # radii of a limb: reach of the skin that tells where a joint is
 _THIN = 1e-3  # of the reference's size: least radius of a limb
 _PRIOR = 0.3  # weight of a bone's own rotation where only the skin near a joint is used
+_POINT = 1e-6  # of the longest bone: length of one that is but a point
 _LONG, _SHORT = 5.0, 0.2  # bounds of a bone's scales, relative to the body's
 
 
@@ -123,7 +124,9 @@ def connected(rig: ReferenceRig, fit: BoneFit) -> BoneFit:
     for bone, parent in enumerate(rig.skeleton.parents):
         if parent >= 0 and np.allclose(rig.skeleton.heads[bone], rig.skeleton.tails[parent]):
             ends[parent] = fit.heads[bone]
-    for bone, way in enumerate(ends - fit.heads):
+    long = np.linalg.norm(rig.skeleton.tails - rig.skeleton.heads, axis=1)
+    for bone in np.flatnonzero(long > _POINT * long.max()):  # shorter ones have no direction
+        way = ends[bone] - fit.heads[bone]
         if np.linalg.norm(way) > 0:
             turns[bone] = swing(turns[bone] @ axes[bone], way) @ turns[bone]
     return fit._replace(tails=ends, turns=turns)

@@ -7,12 +7,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..numerics.arrays import FloatArray
+from ..numerics.arrays import FloatArray, IntArray
 from .bone_names import BoneName, roles_of
-from .skeleton import Skeleton, partners
+from .skeleton import Skeleton
 
 _SEGMENTS = {"arm": ("upper arm", "forearm", "hand"), "leg": ("thigh", "shin", "foot")}
 _SHORT = 0.03  # of a limb: shorter bones have no direction of their own
+_PARTNERS = 0.03  # of the height: distance of a mirrored bone from its partner
 _DOWN = 0.5  # of its length: how far down a leg reaches
 _COLLAR = 0.6  # of the next bone: a shorter one at a limb's root is a collarbone, or a hip
 
@@ -107,7 +108,7 @@ def _by_shape(skeleton: Skeleton, skin: FloatArray) -> list[LimbBones]:
     if len(used) < len(_SEGMENTS):
         return []
     middle = float(skeleton.heads[used, 0].mean())
-    partner = partners(skeleton, used, middle)
+    partner = _partners(skeleton, used, middle)
     size = float(np.ptp(skeleton.heads[used], axis=0).max())
     chains = []
     for bone in used[partner[used] >= 0]:
@@ -143,6 +144,19 @@ def _skin_below(skeleton: Skeleton, skin: FloatArray) -> FloatArray:
         if skeleton.parents[bone] >= 0:
             total[skeleton.parents[bone]] += total[bone]
     return total
+
+
+def _partners(skeleton: Skeleton, used: IntArray, middle: float) -> IntArray:
+    """Find the mirror image of each bone across a plane of X; -1 for none and for bones in the middle."""
+    height = float(np.ptp(skeleton.heads[used], axis=0).max())
+    image = skeleton.heads * [-1.0, 1, 1] + [2 * middle, 0, 0]
+    far = np.linalg.norm(image[used][:, None] - skeleton.heads[used], axis=2)
+    far[np.abs(skeleton.heads[used, 0] - middle) < _PARTNERS * height / 2] = np.inf
+    partner = np.full(len(skeleton.names), -1)
+    nearest = far.argmin(axis=1)
+    mutual = (nearest[nearest] == np.arange(len(used))) & (far.min(axis=1) < _PARTNERS * height)
+    partner[used[mutual]] = used[nearest[mutual]]
+    return partner
 
 
 def _longest_chain(skeleton: Skeleton, bone: int, used: set[int]) -> list[int]:

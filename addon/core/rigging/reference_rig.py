@@ -9,7 +9,7 @@ import numpy as np
 from ..modelling.body_plan import SHOULDER
 from ..numerics.arrays import FloatArray, IntArray
 from ..numerics.factoring import factored
-from .skeleton import Skeleton, mirror_name, partners
+from .skeleton import Skeleton, mirror_name
 
 _ELBOW, _WRIST, _TIPS = 0.27, 0.52, 0.615  # metres from the shoulder
 _X, _Y, _Z = SHOULDER
@@ -31,6 +31,7 @@ _JOINTS = {  # of the left side and the middle, in Rigify's names: head, tail, p
     "foot.L": ((0.1, 0.025, 0.085), (0.112, -0.1, 0.025), "shin.L"),
     "toe.L": ((0.112, -0.1, 0.025), (0.114, -0.175, 0.02), "foot.L"),
 }
+_PARTNERS = 0.03  # of the height: distance of the mirror image of a bone from its partner
 _SOFT = 2e-4  # m²: diffusion time of the weights, about a hand's breadth across a joint
 _COLLAR, _HIP, _KNEE = 0.075, 0.93, 0.52  # metres: where collarbones, thighs and shins begin
 
@@ -70,15 +71,26 @@ class ReferenceRig(NamedTuple):
     @property
     def mates(self) -> IntArray:
         """For each bone that of the other side, itself in the middle: by Blender's endings, else by where it lies."""
-        names = self.skeleton.names
-        mirrored = [mirror_name(name) for name in names]
-        own = np.arange(len(names))
-        near = partners(self.skeleton, own, float(self.skeleton.heads[:, 0].mean()))
-        found = np.where(near < 0, own, near)
-        for bone, other in enumerate(mirrored):
-            if other != names[bone] and other in names:
-                found[bone] = names.index(other)
+        bones, own = self.skeleton, np.arange(len(self.skeleton.names))
+        names, place = bones.names, {name: bone for bone, name in enumerate(bones.names)}
+        named = np.array([place.get(mirror_name(name), bone) for bone, name in enumerate(names)])
+        found = np.where(named != own, named, self._mirrored())
+        for bone in bones.downwards():  # what hangs on no pair, or on both of one, is none
+            above, other = bones.parents[bone], bones.parents[found[bone]]
+            if named[bone] == bone and above >= 0 and (other < 0 or found[above] != other):
+                found[[bone, found[bone]]] = bone, found[bone]
         return found
+
+    def _mirrored(self) -> IntArray:
+        """For each bone the one whose mirror image it is, by head and tail; itself if there is none."""
+        lie = np.hstack([self.skeleton.heads, self.skeleton.tails])  # (b, 6)
+        skin = self.weights.any(axis=0)
+        middle = float(np.median(self.skeleton.heads[skin, 0]))  # props on one side do not move it
+        image = lie * [-1.0, 1, 1, -1, 1, 1] + 2 * middle * np.array([1.0, 0, 0, 1, 0, 0])
+        apart = np.linalg.norm(image[:, None] - lie, axis=2)
+        near, own = apart.argmin(axis=1), np.arange(len(lie))
+        close = apart[own, near] < _PARTNERS * np.ptp(lie[:, :3], axis=0).max()
+        return np.where(close & (near[near] == own), near, own)
 
     def at(self, vertices: IntArray, faces: IntArray) -> ReferenceRig:
         """Return the rig on some of its vertices, with triangles of their own. `vertices` (c,); `faces` (d, 3)."""

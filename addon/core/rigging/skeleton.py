@@ -8,8 +8,6 @@ import numpy as np
 
 from ..numerics.arrays import FloatArray, IntArray
 
-_PARTNERS = 0.03  # of the height: distance of a mirrored bone from its partner
-
 
 class Skeleton(NamedTuple):
     """The bones of a rig in one pose.
@@ -76,19 +74,6 @@ def skinned(points: FloatArray, weights: FloatArray, motions: BoneMotions) -> Fl
         places = (points[held] - motions.starts[bone]) @ motions.turns[bone].T + motions.heads[bone]
         moved[held] += weights[held, bone, None] * places
     return moved
-
-
-def partners(skeleton: Skeleton, used: IntArray, middle: float) -> IntArray:
-    """Find the mirror image of each bone across a plane of X; -1 for none and for bones in the middle."""
-    height = float(np.ptp(skeleton.heads[used], axis=0).max())
-    image = skeleton.heads * [-1.0, 1, 1] + [2 * middle, 0, 0]
-    far = np.linalg.norm(image[used][:, None] - skeleton.heads[used], axis=2)
-    far[np.abs(skeleton.heads[used, 0] - middle) < _PARTNERS * height / 2] = np.inf
-    partner = np.full(len(skeleton.names), -1)
-    nearest = far.argmin(axis=1)
-    mutual = (nearest[nearest] == np.arange(len(used))) & (far.min(axis=1) < _PARTNERS * height)
-    partner[used[mutual]] = used[nearest[mutual]]
-    return partner
 
 
 def mirror_name(name: str) -> str:

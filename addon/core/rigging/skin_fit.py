@@ -82,7 +82,9 @@ def laid_bones(
     found = system.solved()
     larger = np.sqrt(points.var(axis=0).sum() / max(float(at.var(axis=0).sum()), 1e-30))
     turns, scales = _turned_and_scaled(found[:, :3].transpose(0, 2, 1), axes, larger)
-    return _with_the_rest(rig, bones, some, found[:, 3], turns, scales)
+    depth = np.array([len(rig.skeleton.ancestors(int(bone))) for bone in some])
+    main = int(some[np.lexsort((-skin, depth))[0]])  # the first of the body, whichever is listed first
+    return _with_the_rest(rig, bones, some, main, found[:, 3], turns, scales)
 
 
 def _skin(carried: FloatArray, points: FloatArray, normals: FloatArray, mass: FloatArray) -> _Equations:
@@ -132,9 +134,15 @@ def _turned_and_scaled(motions: FloatArray, axes: FloatArray, larger: float) -> 
 
 
 def _with_the_rest(
-    rig: ReferenceRig, bones: BoneFit, some: IntArray, heads: FloatArray, turns: FloatArray, scales: FloatArray
+    rig: ReferenceRig,
+    bones: BoneFit,
+    some: IntArray,
+    main: int,
+    heads: FloatArray,
+    turns: FloatArray,
+    scales: FloatArray,
 ) -> BoneFit:
-    """Put bones that were found among those without skin, which move with the bone above them, or the first."""
+    """Put bones that were found among those without skin, which move with the bone above them, roots with the main."""
     found = [each.copy() for each in (bones.heads, bones.turns, bones.scales)]
     for each, new in zip(found, (heads, turns, scales), strict=True):
         each[some] = new
@@ -143,7 +151,7 @@ def _with_the_rest(
     for bone in rest.downwards():
         if bone in known:
             continue
-        parent = rest.parents[bone] if rest.parents[bone] >= 0 else some[0]
+        parent = rest.parents[bone] if rest.parents[bone] >= 0 else main
         ways[bone], sizes[bone] = ways[parent], sizes[parent]
         carried = stretches(rig.axes[[parent]], sizes[[parent]])[0] @ (rest.heads[bone] - rest.heads[parent])
         places[bone] = places[parent] + ways[parent] @ carried
