@@ -1,5 +1,6 @@
 """The gate of stances and rigs: what is refused, what is told, and what passes without a word."""
 
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -10,6 +11,8 @@ from addon.core.rigging.stance_gate import is_doubtful, pass_gate, refusal
 from addon.core.run.monitor import Monitor
 
 GOOD: dict[str, Any] = {"residual": 0.01, "degrees": {"hand.L": 20.0}, "unlike": 0.03, "skin": 0.9, "confidence": 0.7}
+HUMAN: Any = SimpleNamespace(rig=SimpleNamespace(is_human=True))
+ANIMAL: Any = SimpleNamespace(rig=SimpleNamespace(is_human=False))
 UNUSUAL: dict[str, Any] = {
     "residual": 0.03,
     "degrees": {"hand.L": 150.0},
@@ -21,7 +24,7 @@ UNUSUAL: dict[str, Any] = {
 
 def fitted(cost: float = 0.0, **measures: Any) -> Candidate:
     """A candidate of which only what the gate reads is known."""
-    found: dict[str, Any] = {**dict.fromkeys(Candidate._fields), **GOOD, **measures, "cost": cost}
+    found: dict[str, Any] = {**dict.fromkeys(Candidate._fields), **GOOD, **measures, "cost": cost, "reference": HUMAN}
     return Candidate(**found)
 
 
@@ -63,6 +66,12 @@ def test_a_second_way_that_is_nearly_as_likely_is_told(costs, doubt):
         monitor = Monitor()
         pass_gate(None, found, side, False, monitor)
         assert [each.kind for each in monitor.warnings] == (["match_sides"] if doubt and side == "auto" else [])
+
+
+def test_where_only_the_skin_tells_a_smaller_margin_is_enough():
+    found = [fitted(cost)._replace(reference=ANIMAL) for cost in (0.5, 2.0)]
+    assert not is_doubtful(found)
+    assert is_doubtful([found[0], found[1]._replace(cost=0.8)])
 
 
 def test_what_is_refused_is_kept_only_if_wanted():
