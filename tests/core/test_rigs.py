@@ -11,8 +11,9 @@ from addon.core.rigging.reference_rig import ReferenceRig, mannequin_rig
 from addon.core.rigging.skeleton import skinned
 from addon.core.surface.laplacian import stiffness_and_mass
 from addon.core.surface.triangulation import triangulated
-from tests.core.rigging.test_fitted_skeletons import BENDS, posed
+from tests.core.rigging.test_fitted_skeletons import BENDS
 from tests.meshes import shapes
+from tests.meshes.bent_rigs import posed
 
 
 @pytest.fixture(scope="module")

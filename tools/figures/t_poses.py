@@ -9,8 +9,9 @@ from scipy.spatial.transform import Rotation
 from addon.core import CanonicalFormError, KeptStages, mannequin, stance_by_match
 from addon.core.rigging.proportions import BUILDS, reshaped, scales_of
 from addon.core.rigging.reference_rig import mannequin_rig
-from addon.core.rigging.skeleton import BoneMotions, skinned
+from addon.core.rigging.skeleton import skinned
 from tests.meshes import shapes
+from tests.meshes.bent_rigs import posed
 from tools.figures.drawing import show
 
 STRIDE = {  # degrees about the axes of the body
@@ -49,11 +50,4 @@ def figure_in_stride():
     """Pose the mannequin with a large head."""
     adult = mannequin_rig(*mannequin())
     rig = reshaped(adult, scales_of(adult, BUILDS["figure"]))
-    bones = rig.skeleton
-    turns, heads = np.empty((len(bones.names), 3, 3)), bones.heads.copy()
-    for bone, (name, above) in enumerate(zip(bones.names, bones.parents, strict=True)):
-        turns[bone] = Rotation.from_euler("xyz", STRIDE.get(name, (0, 0, 0)), degrees=True).as_matrix()
-        if above >= 0:
-            turns[bone] = turns[above] @ turns[bone]
-            heads[bone] = heads[above] + turns[above] @ (bones.heads[bone] - bones.heads[above])
-    return skinned(rig.vertices, rig.weights, BoneMotions(bones.heads, heads, turns)), rig.faces
+    return skinned(rig.vertices, rig.weights, posed(rig, STRIDE)), rig.faces

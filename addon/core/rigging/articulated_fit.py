@@ -92,7 +92,7 @@ def explained(
         belief = np.where(lost, 1.0, belief)
         taken = (belief > _BELIEVED)[:, None]
         at, weights = np.where(taken, found, matched), np.where(taken, found_weights, matched_weights)
-        bones = laid_bones(rig, bones, points, normals, areas, at, weights, known * np.maximum(belief, _LEAST))
+        bones = laid_bones(rig, bones, points, normals, at, weights, areas * known * np.maximum(belief, _LEAST))
     bones = connected(rig, bones)
     residual = np.linalg.norm(bones.posed(rig, at, weights) - points, axis=1) / size
     return Explained(bones, at, weights, sure, residual)

@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ..deformation.rotations import nearest_rotations
-from ..numerics.arrays import BoolArray, FloatArray
+from ..numerics.arrays import BoolArray, FloatArray, IntArray
 from .reference_rig import ReferenceRig
-from .skeleton import BoneMotions, skinned
+from .skeleton import BoneMotions, Skeleton, skinned
 from .stance import swing
 
 _ROUNDS = 3  # of robust weights
@@ -93,7 +93,7 @@ def fitted_bones(
         typical = np.sqrt((mass * error**2).sum(axis=0) / np.maximum(mass.sum(axis=0), 1e-30)) + 1e-9
         whole = _similarities(at, points, mass / (1 + (error / typical) ** 2), axes)
     known = known_bones(mass)
-    whole = _with_relatives(whole, known, parents, heads)
+    whole = _taken(whole, movers(rig.skeleton, mass))
     radius = np.linalg.norm(rig.vertices[:, None] - heads, axis=2).min(axis=0)  # (b,) of the limb at each joint
     radius = np.maximum(radius, _THIN * np.ptp(rig.vertices, axis=0).max())  # a joint may lie on the skin
     near = np.exp(-(((at[:, None] - heads) ** 2).sum(axis=2)) / (2 * (_LOCAL * radius) ** 2))  # (n, b)
@@ -132,12 +132,50 @@ def connected(rig: ReferenceRig, fit: BoneFit) -> BoneFit:
     return fit._replace(tails=ends, turns=turns)
 
 
-def within_bounds(scales: FloatArray, larger: float) -> FloatArray:
-    """Keep the scales of bones in what bodies have. `larger`: how much larger one body is than the other."""
-    return np.clip(scales, _SHORT * larger, _LONG * larger)
+def movers(skeleton: Skeleton, mass: FloatArray) -> IntArray:
+    """Return the bone with which each moves, (b,): itself, or for want of skin that above; roots go with the first.
+
+    `mass` (n, b): of the skin that each bone holds.
+    """
+    known, found = known_bones(mass), np.arange(len(skeleton.names))
+    depth = np.array([len(skeleton.ancestors(bone)) for bone in found])
+    first = int(np.lexsort((-mass.sum(axis=0), depth, ~known))[0])  # of the body, whichever is listed first
+    for bone in skeleton.downwards():
+        if known.any() and not known[bone]:
+            found[bone] = found[skeleton.parents[bone]] if skeleton.parents[bone] >= 0 else first
+    return found
 
 
-def _taken(some: _Similarities, bones: np.ndarray) -> _Similarities:
+def growth(at: FloatArray, points: FloatArray) -> float:
+    """Return how much larger a body is than the reference. `at` (n, 3): points of that one; `points` (n, 3)."""
+    return float(np.sqrt(points.var(axis=0).sum() / max(float(at.var(axis=0).sum()), 1e-30)))
+
+
+def turns_and_scales(
+    maps: FloatArray,
+    axes: FloatArray,
+    larger: float,
+    *,
+    long: FloatArray | float = 1.0,
+    wide: FloatArray | float = 2.0,
+    prior: FloatArray | float = 0.0,
+) -> tuple[FloatArray, FloatArray]:
+    """Find the rotations with scales along bones and across them that are nearest to maps, (b, 3, 3) and (b, 2).
+
+    `maps` (b, 3, 3): or moments of skin, before and after; `larger`: by `growth`; `long`, `wide` (b,): how far the
+    skin reaches along the bone and across it, of moments; `prior` (b, 3, 3): weighed rotations that are preferred.
+    """
+    scales = np.full((len(axes), 2), larger)
+    for _ in range(_ALTERNATIONS):
+        turns = nearest_rotations(maps @ stretches(axes, scales) + prior)
+        back = turns.transpose(0, 2, 1) @ maps
+        along = np.einsum("bi,bij,bj->b", axes, back, axes)
+        across = np.trace(back, axis1=1, axis2=2) - along
+        scales = np.clip(np.column_stack([along / long, across / wide]), _SHORT * larger, _LONG * larger)
+    return turns, scales
+
+
+def _taken(some: _Similarities, bones: IntArray) -> _Similarities:
     return _Similarities(*(each[bones] for each in some))
 
 
@@ -151,29 +189,7 @@ def _similarities(
     both = np.einsum("nb,ni,nj->bij", share, points, at) - there[:, :, None] * here[:, None, :]
     size = np.maximum(np.trace(spread, axis1=1, axis2=2), 1e-30)
     long = np.maximum(np.einsum("bi,bij,bj->b", axes, spread, axes), 1e-30)
-    line = axes[:, :, None] * axes[:, None, :]
-    larger = np.sqrt(points.var(axis=0).sum() / max(float(at.var(axis=0).sum()), 1e-30))
-    scales = np.full((len(axes), 2), larger)
-    for _ in range(_ALTERNATIONS):
-        wanted = both @ (scales[:, :1, None] * line + scales[:, 1:, None] * (np.eye(3) - line))
-        if prior is not None:
-            wanted = wanted + _PRIOR * larger**2 * size[:, None, None] * prior
-        turns = nearest_rotations(wanted)
-        back = np.einsum("bji,bjk->bik", turns, both)
-        along = np.einsum("bi,bij,bj->b", axes, back, axes)
-        across = np.trace(back, axis1=1, axis2=2) - along
-        scales = np.column_stack([along / long, across / np.maximum(size - long, 1e-30)])
-        scales = within_bounds(scales, larger)
-    return _Similarities(turns, scales, here, there)
-
-
-def _with_relatives(fits: _Similarities, known: np.ndarray, parents: np.ndarray, heads: FloatArray) -> _Similarities:
-    """Let bones without skin move with their parents, and a root with its first child."""
-    fits = _Similarities(*(each.copy() for each in fits))
-    for bone, parent in enumerate(parents):
-        if known[bone]:
-            continue
-        source = parent if parent >= 0 else next((int(b) for b in np.flatnonzero(known)), bone)
-        for each in fits:
-            each[bone] = each[source]
-    return fits
+    larger = growth(at, points)
+    weighed = 0.0 if prior is None else _PRIOR * larger**2 * size[:, None, None] * prior
+    wide = np.maximum(size - long, 1e-30)
+    return _Similarities(*turns_and_scales(both, axes, larger, long=long, wide=wide, prior=weighed), here, there)

@@ -6,10 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..deformation.rotations import nearest_rotations
 from ..numerics.arrays import FloatArray, IntArray
 from ..numerics.factoring import factored
-from .bone_fit import BoneFit, known_bones, stretches, within_bounds
+from .bone_fit import BoneFit, growth, known_bones, movers, stretches, turns_and_scales
 from .reference_rig import ReferenceRig
 
 _SLIDING = 0.1  # weight of what lies along the skin: closest points tell nothing of it
@@ -18,7 +17,6 @@ _JOINED = 1.0  # of its skin's weight: how much each bone keeps to its joint
 _LEAST_SKIN = 1e-4  # of the body's: weight of a joint whose bones hold less
 _HELD = 1e-7  # of the body's: how much each joint stays where it is
 _LEAST_SPREAD = 1e-6  # of the largest bone's: so that bones of no extent keep their rotation
-_ALTERNATIONS = 4  # of rotation and scales
 
 
 class _Equations(NamedTuple):
@@ -39,10 +37,9 @@ def laid_bones(
     bones: BoneFit,
     points: FloatArray,
     normals: FloatArray,
-    areas: FloatArray,
     at: FloatArray,
     weights: FloatArray,
-    sure: FloatArray,
+    mass: FloatArray,
 ) -> BoneFit:
     """Move the bones of a reference by one step, so that its skin comes to lie on another body.
 
@@ -50,8 +47,8 @@ def laid_bones(
     the skin may slide; bones meet at their joints, and keep their turns and the scales of both sides, softly. A body
     that is the reference in another pose is met exactly; bones fitted one by one err wherever the skin blends them.
 
-    `bones`: as they lie so far; `points` (n, 3), `normals` (n, 3), `areas` (n,): the body; `at` (n, 3), `weights`
-    (n, b): the points of the reference that are closest; `sure` (n,): how far each is believed.
+    `bones`: as they lie so far; `points` (n, 3), `normals` (n, 3): the body; `at` (n, 3), `weights` (n, b): the points
+    of the reference that are closest; `mass` (n,): area of each point, as far as it is believed.
 
     References
     ----------
@@ -59,9 +56,9 @@ def laid_bones(
     doi:10.1016/0262-8856(92)90066-C; Le and Deng, "Smooth Skinning Decomposition with Rigid Bones", 2012,
     doi:10.1145/2366145.2366218 (bones solved from what they move).
     """
-    mass = areas * sure
     mass = mass / max(float(mass.sum()), 1e-30)
-    some = np.flatnonzero(known_bones(mass[:, None] * weights))
+    skins = mass[:, None] * weights
+    some = np.flatnonzero(known_bones(skins))
     if len(some) == 0:
         return bones
     held, heads, axes = weights[:, some], rig.skeleton.heads[some], rig.axes[some]
@@ -71,8 +68,7 @@ def laid_bones(
     motions = (bones.turns @ stretches(rig.axes, alike))[some]
     before = np.concatenate([motions.transpose(0, 2, 1), bones.heads[some, None]], axis=1).reshape(-1, 3)  # (4 s, 3)
     system = _skin(carried, points, normals, mass)
-    skin = mass @ held  # (s,)
-    _join(system, _nearest_ancestors(rig, some), heads, skin)
+    _join(system, _nearest_ancestors(rig, some), heads, skins.sum(axis=0)[some])
     spread = np.einsum("n,nb,nbi->b", mass, held**2, apart**2)
     spread = np.maximum(spread, _LEAST_SPREAD * spread.max())
     keep = np.column_stack([*(_RIGID * spread,) * 3, np.full(len(some), _HELD)]).ravel()
@@ -80,11 +76,15 @@ def laid_bones(
         system.matrix[axis, :, axis] += np.diag(keep)
         system.right[axis] += keep * before[:, axis]
     found = system.solved()
-    larger = np.sqrt(points.var(axis=0).sum() / max(float(at.var(axis=0).sum()), 1e-30))
-    turns, scales = _turned_and_scaled(found[:, :3].transpose(0, 2, 1), axes, larger)
-    depth = np.array([len(rig.skeleton.ancestors(int(bone))) for bone in some])
-    main = int(some[np.lexsort((-skin, depth))[0]])  # the first of the body, whichever is listed first
-    return _with_the_rest(rig, bones, some, main, found[:, 3], turns, scales)
+    turns, scales = turns_and_scales(found[:, :3].transpose(0, 2, 1), axes, growth(at, points))
+    source = movers(rig.skeleton, skins)
+    number = np.searchsorted(some, source)  # among those that were found
+    maps = (turns @ stretches(axes, scales))[number]  # (b, 3, 3)
+    starts, ends = (
+        found[number, 3] + np.einsum("bij,bj->bi", maps, each - rig.skeleton.heads[source])
+        for each in (rig.skeleton.heads, rig.skeleton.tails)
+    )
+    return BoneFit(starts, ends, turns[number], scales[number])
 
 
 def _skin(carried: FloatArray, points: FloatArray, normals: FloatArray, mass: FloatArray) -> _Equations:
@@ -119,41 +119,3 @@ def _nearest_ancestors(rig: ReferenceRig, some: IntArray) -> IntArray:
     """For each of some bones the nearest one of them above it, as its position among them; -1 for none."""
     place = {int(bone): number for number, bone in enumerate(some)}
     return np.array([next((place[a] for a in rig.skeleton.ancestors(int(b)) if a in place), -1) for b in some])
-
-
-def _turned_and_scaled(motions: FloatArray, axes: FloatArray, larger: float) -> tuple[FloatArray, FloatArray]:
-    """Find the rotation with a scale along and one across that is nearest to each map, (b, 3, 3) and (b, 2)."""
-    scales = np.full((len(axes), 2), larger)
-    for _ in range(_ALTERNATIONS):
-        turns = nearest_rotations(motions @ stretches(axes, scales))
-        back = turns.transpose(0, 2, 1) @ motions
-        along = np.einsum("bi,bij,bj->b", axes, back, axes)
-        across = (np.trace(back, axis1=1, axis2=2) - along) / 2
-        scales = within_bounds(np.column_stack([along, across]), larger)
-    return turns, scales
-
-
-def _with_the_rest(
-    rig: ReferenceRig,
-    bones: BoneFit,
-    some: IntArray,
-    main: int,
-    heads: FloatArray,
-    turns: FloatArray,
-    scales: FloatArray,
-) -> BoneFit:
-    """Put bones that were found among those without skin, which move with the bone above them, roots with the main."""
-    found = [each.copy() for each in (bones.heads, bones.turns, bones.scales)]
-    for each, new in zip(found, (heads, turns, scales), strict=True):
-        each[some] = new
-    places, ways, sizes = found
-    rest, known = rig.skeleton, set(some.tolist())
-    for bone in rest.downwards():
-        if bone in known:
-            continue
-        parent = rest.parents[bone] if rest.parents[bone] >= 0 else main
-        ways[bone], sizes[bone] = ways[parent], sizes[parent]
-        carried = stretches(rig.axes[[parent]], sizes[[parent]])[0] @ (rest.heads[bone] - rest.heads[parent])
-        places[bone] = places[parent] + ways[parent] @ carried
-    maps = ways @ stretches(rig.axes, sizes)
-    return BoneFit(places, places + np.einsum("bij,bj->bi", maps, rest.tails - rest.heads), ways, sizes)

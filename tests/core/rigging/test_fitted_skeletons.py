@@ -11,9 +11,10 @@ from addon.core.rigging.bone_fit import fitted_bones
 from addon.core.rigging.evidence import beyond_limits, skin_alike, strayed, toes_forward, trunk_axes, unlike_sides
 from addon.core.rigging.fitted_stance import arm_turns, fitted_stance
 from addon.core.rigging.reference_rig import mannequin_rig
-from addon.core.rigging.skeleton import BoneMotions, skinned
+from addon.core.rigging.skeleton import skinned
 from addon.core.run.monitor import Monitor
 from addon.core.surface.working_surface import working_surface
+from tests.meshes.bent_rigs import posed
 
 
 @pytest.fixture(scope="module")
@@ -21,18 +22,6 @@ def rig():
     vertices, faces = mannequin()
     coarse = working_surface(vertices, faces, 2500)
     return mannequin_rig(vertices, faces).at(coarse.kept, coarse.faces)
-
-
-def posed(rig, bends):
-    """The motions of the bones after some are bent, by name, in degrees about the axes of the body."""
-    skeleton = rig.skeleton
-    turns, heads = np.empty((len(skeleton.names), 3, 3)), skeleton.heads.copy()
-    for bone, (name, above) in enumerate(zip(skeleton.names, skeleton.parents, strict=True)):
-        turns[bone] = Rotation.from_euler("xyz", bends.get(name, (0, 0, 0)), degrees=True).as_matrix()
-        if above >= 0:
-            turns[bone] = turns[above] @ turns[bone]
-            heads[bone] = heads[above] + turns[above] @ (skeleton.heads[bone] - skeleton.heads[above])
-    return BoneMotions(skeleton.heads, heads, turns)
 
 
 BENDS = {
