@@ -12,7 +12,7 @@ from .run.messages import Message
 
 if TYPE_CHECKING:
     from .matching.seam_sides import SeamSides
-    from .rigging.skeleton import Skeleton
+    from .rigging.skeleton import BoneMotions, Skeleton
     from .symmetry.limbs import BodyLimbs
 
 
@@ -254,12 +254,16 @@ class Stance(_Summarised):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Rigged(_Summarised):
-    """A skeleton for a mesh in the pose in which it is, with weights.
+    """A skeleton for a mesh, with weights.
 
     Attributes
     ----------
+    vertices : (n, 3) ndarray of float
+        The mesh with its skeleton at rest: as it was given, or in the pose that was asked for.
     skeleton : Skeleton
-        The b bones, in the unit and place of the mesh.
+        The b bones at rest, in the unit and place of the mesh.
+    to_given : BoneMotions
+        How the bones move from rest to where they lie in the mesh as it was given.
     bends : (b, 3) ndarray of float
         Unit vector across each bone: the axis about which it bends, such as that of a knee. The roll of a bone follows.
     weights : (n, b) ndarray of float
@@ -274,7 +278,9 @@ class Rigged(_Summarised):
         Sentences for the user.
     """
 
+    vertices: FloatArray
     skeleton: Skeleton
+    to_given: BoneMotions
     bends: FloatArray
     weights: FloatArray
     confidence: FloatArray

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .assembly.gathering import gathered
+from .assembly.gathering import gathered, shaped
 from .mannequins import mannequin
 from .matches import UNFOLDED, UnfoldedPair, on_meshes, unfolded_pair
 from .matching.point_map import PointMap
@@ -21,14 +22,17 @@ from .results import Match, Rigged
 from .rigging.articulated_fit import explained_whole
 from .rigging.candidates import Candidate, candidates, candidates_of
 from .rigging.fitted_rig import bend_axes, filled_in, settled_turns, with_equal_sides
+from .rigging.fitted_stance import fitted_stance, goal_turns
 from .rigging.reference_rig import ReferenceRig, mannequin_rig
 from .rigging.references import adult, other_builds
-from .rigging.skeleton import Skeleton
+from .rigging.skeleton import BoneMotions, Skeleton, inverted, moved_skeleton
 from .rigging.stance_gate import pass_gate, refusal
-from .run.errors import InvalidMeshError
+from .rigging.standing import stood
+from .run.errors import InvalidMeshError, InvalidSettingsError
 from .run.kept_stages import KeptStages
 from .run.monitor import Cancelled, Monitor, Progress
 
+_POSES = ("T", "A", "rest")
 _FACING = {"Ways to face": 1}  # stages
 _FITTED = 0.9  # of the work
 _ROWS = 1 << 16  # vertices whose weights are found at once: a tenth of a second
@@ -209,6 +213,7 @@ def rig(
     reference: ReferenceRig | None = None,
     settings: Settings | None = None,
     *,
+    pose: str | None = None,
     side: str | int = "auto",
     equal: bool = True,
     anyway: bool = False,
@@ -232,6 +237,9 @@ def rig(
         A rigged body at rest, of a similar shape, in any unit; without one, a mannequin, which is human.
     settings : Settings, optional
         Options of the forms; chosen feature points refer to this mesh.
+    pose : {'T', 'A', 'rest'}, optional
+        The pose of the mesh and its skeleton at rest: a T-pose, an A-pose, or as the reference rests; without one, that
+        of the mesh.
     side : str or int
         "auto", or the index of one of the ways to face, 0 for the likeliest.
     equal : bool
@@ -250,12 +258,13 @@ def rig(
     Returns
     -------
     Rigged
-        The skeleton in the pose of the mesh, and its weights.
+        The skeleton and its weights.
 
     Raises
     ------
     CanonicalFormError
-        As in `match`; an InvalidMeshError, too, where the skeleton is unlikely to be right and `anyway` is not set.
+        As in `match`; an InvalidMeshError, too, where the skeleton is unlikely to be right and `anyway` is not set, or
+        the bones of the reference do not tell the arms and legs of the pose.
 
     Examples
     --------
@@ -271,18 +280,40 @@ def rig(
     docs/method.md lists what is original to this project.
     """
     require_side(side)
+    if pose is not None and pose not in _POSES:
+        raise InvalidSettingsError("rig_pose", value=pose)
     monitor = Monitor(progress, cancelled)
     kept = keep or KeptStages()
     fitted = fitted_skeleton(vertices, faces, reference, settings or Settings(), kept, monitor, _FITTED, rest=rest)
     chosen = fitted.found[index_of_side(side, len(fitted.found))]
     pass_gate(refusal(chosen, fitted.share), fitted.found, side, anyway, monitor)
-    piece = monitor.piece(_FITTED, 1.0, {"Weights": 1})
+    piece = monitor.piece(_FITTED, 1.0, {"Weights": 2, "Pose": 1})
     with piece.stage("Weights"):
-        return _rigged(fitted, chosen, equal, monitor)
+        found = _rigged(fitted, chosen, equal, monitor)
+    with piece.stage("Pose"):
+        return found if pose is None else _at_rest(found, fitted, chosen, pose, piece)
+
+
+def _at_rest(found: Rigged, fitted: Fitted, chosen: Candidate, pose: str, monitor: Monitor) -> Rigged:
+    """Let a rig rest in another pose than that of its mesh."""
+    fit, reference, own = chosen.fit, chosen.reference.rig, fitted.body.found
+    heads, tails = ((each - own.centre) / own.unit for each in found.skeleton[2:])
+    bones = fit.bones._replace(heads=heads, tails=tails)
+    motions = fitted_stance(reference, bones, own.surface.points, fit.weights, goal_turns(reference, pose))
+    there = stood(fitted.body, fit, motions, monitor)
+    shapes = [body.points for body in fitted.pair.bodies.bodies]
+    shapes[fitted.pair.pairs[0][0]] = there.vertices
+    return replace(
+        found,
+        vertices=shaped(fitted.pair.bodies, shapes, monitor).copy(),
+        skeleton=moved_skeleton(found.skeleton, there.motions),
+        to_given=inverted(there.motions),
+        bends=np.einsum("bij,bj->bi", there.motions.turns, found.bends),
+    )
 
 
 def _rigged(fitted: Fitted, chosen: Candidate, equal: bool, monitor: Monitor) -> Rigged:
-    """Gather the rig of a mesh, in its own unit."""
+    """Gather the rig of a mesh in its own pose and unit."""
     own, fit, reference = fitted.body.found, chosen.fit, chosen.reference.rig
     trust = fit.trust()
     bones = fit.bones._replace(turns=settled_turns(reference, fit.bones))
@@ -303,8 +334,11 @@ def _rigged(fitted: Fitted, chosen: Candidate, equal: bool, monitor: Monitor) ->
         bones.heads * own.unit + own.centre,
         bones.tails * own.unit + own.centre,
     )
+    still = BoneMotions(skeleton.heads, skeleton.heads, np.broadcast_to(np.eye(3), (len(bones.heads), 3, 3)).copy())
     return Rigged(
+        fitted.pair.bodies.vertices.copy(),
         skeleton,
+        still,
         bend_axes(reference, bones),
         _on_all(fitted, weights, monitor),
         fit.bone_confidence(own.mass),

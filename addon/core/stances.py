@@ -6,32 +6,28 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .assembly.gathering import gathered_features, shaped
-from .deformation.elastic_body import ElasticBody
-from .deformation.struts import struts_through
 from .matching.sides import index_of_side, require_side
 from .matching.unfolded import Unfolded
 from .measures.form_measures import edge_stretch
-from .mesh.geometry import checked_arrays, moved_by_frames, surface_area, vertex_areas
+from .mesh.geometry import checked_arrays, surface_area, vertex_areas
 from .method_api.settings import Settings
 from .numerics.arrays import FloatArray, IntArray
-from .posing.taken_pose import taken_pose
-from .posing.untangling import untangled
 from .results import PosedLike, Stance
 from .rigging.bone_fit import known_bones
 from .rigging.candidates import Candidate
 from .rigging.evidence import strayed
-from .rigging.fitted_stance import arm_turns, fitted_stance
+from .rigging.fitted_stance import fitted_stance, goal_turns
 from .rigging.limb_bones import LimbBones, limb_bones
 from .rigging.skeleton import Skeleton, skinned
 from .rigging.stance import ARMS_LOWERED, facing_of, stance
 from .rigging.stance_gate import pass_gate, refusal
+from .rigging.standing import stood
 from .rigs import Fitted, fitted_skeleton
 from .run.errors import InvalidMeshError, InvalidSettingsError
 from .run.kept_stages import KeptStages
 from .run.monitor import Cancelled, Monitor, Progress
 
 _MATCHED = 0.9  # of the work
-_LEAST = 0.1  # least confidence of skin that follows the skeleton
 _FEW = 3  # vertices of a foot, below which its width is not known
 
 
@@ -209,7 +205,7 @@ def stance_by_match(
         piece = monitor.piece(_MATCHED, 1.0, {"Pose": 1})
         with piece.stage("Pose"):
             shapes = [body.points for body in pair.bodies.bodies]
-            shapes[here], off = _stood(fitted.body, chosen, ARMS_LOWERED[pose], piece)
+            shapes[here], off = _stood(fitted.body, chosen, pose, piece)
             return shaped(pair.bodies, shapes, monitor), off
 
     posed, off = kept.take("Pose", [pair, number, pose], stand, monitor.warnings)
@@ -218,21 +214,12 @@ def stance_by_match(
     return _as_posed_like(fitted, posed, distortion, chosen, monitor)
 
 
-def _stood(one: Unfolded, chosen: Candidate, lowered: float, monitor: Monitor) -> tuple[FloatArray, float]:
-    """Let a body stand by its skeleton, around its own centre, in its own unit; and tell how far a limb is off."""
-    own, surface, fit, rig = one.found, one.found.surface, chosen.fit, chosen.reference.rig
-    struts = struts_through(surface.points, surface.faces, own.limbs.to_features, monitor)
-    body = ElasticBody(own.stiffness, own.mass, surface.points, surface.faces, struts)
-    places = fitted_stance(rig, fit.bones, surface.points, fit.weights, arm_turns(rig, lowered))
-    posed = taken_pose(body, places, fit.trust(_LEAST))
-    off = strayed(rig, posed, body.mass, fit.weights, lowered)
-    monitor.check()
-    if surface.coarse:
-        posed = moved_by_frames(own.whole_points, *surface.prolong_frames(*body.frames(posed)))
-    posed = untangled(own.whole_points, posed, own.whole_faces, monitor)
-    areas = vertex_areas(own.whole_points, own.whole_faces)
-    centred = posed + areas / areas.sum() @ (own.whole_points - posed)
-    return np.asarray(centred * own.unit + own.centre), off
+def _stood(one: Unfolded, chosen: Candidate, pose: str, monitor: Monitor) -> tuple[FloatArray, float]:
+    """Let a body stand by its skeleton, and tell by how many degrees a limb is off."""
+    fit, rig = chosen.fit, chosen.reference.rig
+    motions = fitted_stance(rig, fit.bones, one.found.surface.points, fit.weights, goal_turns(rig, pose))
+    there = stood(one, fit, motions, monitor)
+    return there.vertices, strayed(rig, there.working, one.found.mass, fit.weights, ARMS_LOWERED[pose])
 
 
 def _as_posed_like(

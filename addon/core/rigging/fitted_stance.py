@@ -5,11 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from ..numerics.arrays import FloatArray
+from ..run.errors import InvalidMeshError
 from .bone_fit import BoneFit
 from .fitted_rig import settled_turns
+from .limb_bones import limb_bones
 from .reference_rig import ReferenceRig
-from .skeleton import BoneMotions, skinned
-from .stance import leg_spread
+from .skeleton import BoneMotions
+from .stance import ARMS_LOWERED, leg_spread, stance
 
 _LEAST_HIPS = 0.02  # of the body's size: half the distance between the hips
 _SOLE, _ROUNDS = 6, 3  # parts of a foot from heel to toe
@@ -19,35 +21,40 @@ _FEW = 3  # vertices of a foot, below which its width is not known
 
 def fitted_stance(
     rig: ReferenceRig, fit: BoneFit, points: FloatArray, weights: FloatArray, turns: FloatArray | None = None
-) -> FloatArray:
-    """Move points of a body with its fitted bones into the pose of the reference, or one given by turns of its bones.
+) -> BoneMotions:
+    """Compute how the fitted bones of a body move into the pose of the reference, or one given by turns of its bones.
 
-    `points` (n, 3); `weights` (n, b); `turns` (b, 3, 3): of the reference's bones from its rest; gives (n, 3).
+    A human body comes to stand on flat soles, feet beside each other, left and right equal.
+
+    `points` (n, 3), `weights` (n, b): of the body; `turns` (b, 3, 3): of the reference's bones from its rest.
     """
-    parents, axes = rig.skeleton.parents, rig.axes
+    parents, axes = rig.skeleton.parents, rig.axes  # parents come before their children
     own = settled_turns(rig, fit)
-    _level_soles(rig, fit, own, points, weights)
+    if rig.is_human:
+        _level_soles(rig, fit, own, points, weights)
     size, mates = float(np.ptp(points, axis=0).max()), rig.mates
     offset = np.zeros((len(parents), 3))
-    for bone, parent in enumerate(parents):
-        if parent >= 0:
-            offset[bone] = own[parent].T @ (fit.heads[bone] - fit.heads[parent])
-    offset = (offset + offset[mates] * [-1.0, 1, 1]) / 2
+    above = np.where(parents < 0, 0, parents)  # other roots keep their place beside the first
+    for bone, parent in enumerate(above):
+        offset[bone] = own[parent].T @ (fit.heads[bone] - fit.heads[parent])
+    if rig.is_human:
+        offset = (offset + offset[mates] * [-1.0, 1, 1]) / 2
     there = np.zeros((len(parents), 3))
     goal = np.broadcast_to(np.eye(3), (len(parents), 3, 3)).copy() if turns is None else turns.copy()
-    _spread_legs(rig, fit, own, offset, goal, points, weights)
-    for bone, parent in enumerate(parents):
-        if parent < 0:
+    if rig.is_human:
+        _spread_legs(rig, fit, own, offset, goal, points, weights)
+    for bone, parent in enumerate(above):
+        if bone == 0:
             continue
         name = rig.skeleton.names[bone]
         if np.allclose(rig.skeleton.heads[bone], rig.skeleton.tails[parent]) and not name.startswith("toe"):
             long = np.linalg.norm(fit.tails - fit.heads, axis=1)[[parent, mates[parent]]].mean()
             offset[bone] = long * axes[parent]
-        elif name.startswith("thigh"):
+        elif rig.is_human and name.startswith("thigh"):
             side = np.sign(rig.skeleton.heads[bone, 0])
             offset[bone, 0] = side * max(abs(offset[bone, 0]), _LEAST_HIPS * size)
         there[bone] = there[parent] + goal[parent] @ offset[bone]
-    return skinned(points, weights, BoneMotions(fit.heads, there, goal @ own.transpose(0, 2, 1)))
+    return BoneMotions(fit.heads, there, goal @ own.transpose(0, 2, 1))
 
 
 def _spread_legs(
@@ -103,6 +110,18 @@ def _slope(skin: FloatArray) -> tuple[float, float]:
     line = np.polyfit(lowest[:, 1], lowest[:, 2], 1)
     off = np.polyval(line, lowest[:, 1]) - lowest[:, 2]
     return float(np.arctan(line[0])), float(np.sqrt((off**2).mean())) / long
+
+
+def goal_turns(rig: ReferenceRig, pose: str) -> FloatArray:
+    """Return the turns of the reference's bones from its rest to a pose, (b, 3, 3). `pose`: 'T', 'A' or 'rest'."""
+    if pose == "rest":
+        return np.broadcast_to(np.eye(3), (len(rig.skeleton.names), 3, 3)).copy()
+    if rig.is_human:
+        return arm_turns(rig, ARMS_LOWERED[pose])
+    limbs = limb_bones(rig.skeleton, rig.weights)
+    if not limbs:
+        raise InvalidMeshError("stance_limbs")
+    return stance(rig.skeleton, limbs, pose).turns
 
 
 def arm_turns(rig: ReferenceRig, lowered: float) -> FloatArray:

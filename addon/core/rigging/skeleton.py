@@ -9,6 +9,9 @@ import numpy as np
 from ..numerics.arrays import FloatArray, IntArray
 
 
+_DAMPED = 1e-4  # of the squared change of lengths by skinning: below a hundredth it is not undone
+
+
 class Skeleton(NamedTuple):
     """The bones of a rig in one pose.
 
@@ -74,6 +77,57 @@ def skinned(points: FloatArray, weights: FloatArray, motions: BoneMotions) -> Fl
         places = (points[held] - motions.starts[bone]) @ motions.turns[bone].T + motions.heads[bone]
         moved[held] += weights[held, bone, None] * places
     return moved
+
+
+def inverted(motions: BoneMotions) -> BoneMotions:
+    """Return the motions back, of bones that turn and do not stretch.
+
+    Examples
+    --------
+    >>> turn = np.array([[[0.0, -1, 0], [1, 0, 0], [0, 0, 1]]])
+    >>> back = inverted(BoneMotions(np.zeros((1, 3)), np.array([[0.0, 0, 5]]), turn))
+    >>> skinned(np.array([[0.0, 1, 5]]), np.ones((1, 1)), back).tolist()
+    [[1.0, 0.0, 0.0]]
+    """
+    return BoneMotions(motions.heads, motions.starts, motions.turns.transpose(0, 2, 1))
+
+
+def unskinned(points: FloatArray, rest: FloatArray, weights: FloatArray, motions: BoneMotions) -> FloatArray:
+    """Find what skinning must start from to reach given places: the correction that a shape key holds at rest.
+
+    Where bones that turn against each other leave hardly any volume, it keeps close to the skin at rest.
+
+    `points` (n, 3): where to; `rest` (n, 3): the skin at rest; `weights` (n, b), rows sum to 1; gives (n, 3).
+
+    Examples
+    --------
+    >>> turn = np.array([[[0.0, -1, 0], [1, 0, 0], [0, 0, 1]]])
+    >>> motions = BoneMotions(np.zeros((1, 3)), np.zeros((1, 3)), turn)
+    >>> unskinned(np.array([[0.0, 2, 0]]), np.array([[1.0, 0, 0]]), np.ones((1, 1)), motions).round(3).tolist()
+    [[2.0, 0.0, 0.0]]
+    """
+    off = points - skinned(rest, weights, motions)
+    linear = np.einsum("nb,bij->nij", weights, motions.turns)
+    square = linear.transpose(0, 2, 1) @ linear + _DAMPED * np.eye(3)
+    wanted = np.einsum("nji,nj->ni", linear, off)
+    return np.asarray(rest + np.linalg.solve(square, wanted[:, :, None])[:, :, 0])
+
+
+def moved_skeleton(skeleton: Skeleton, motions: BoneMotions) -> Skeleton:
+    """Return a skeleton after its bones have moved; those that meet still do.
+
+    Examples
+    --------
+    >>> bone = Skeleton(["a"], np.array([-1]), np.zeros((1, 3)), np.array([[0.0, 0, 2]]))
+    >>> up = BoneMotions(bone.heads, np.array([[0.0, 0, 5]]), np.eye(3)[None])
+    >>> moved_skeleton(bone, up).tails.tolist()
+    [[0.0, 0.0, 7.0]]
+    """
+    tails = motions.heads + np.einsum("bij,bj->bi", motions.turns, skeleton.tails - motions.starts)
+    for bone, parent in enumerate(skeleton.parents):
+        if parent >= 0 and np.allclose(skeleton.heads[bone], skeleton.tails[parent]):
+            tails[parent] = motions.heads[bone]
+    return Skeleton(skeleton.names, skeleton.parents, motions.heads, tails)
 
 
 def mirror_name(name: str) -> str:

@@ -113,6 +113,7 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
     "match_no_side": "There are {count} ways to match these meshes; side must lie between 0 and {last}.",
     "match_pose": "The pose of the reference needs one position for each of its {count} vertices.",
     "stance_pose": "The pose must be 'T' or 'A'; got {value!r}.",
+    "rig_pose": "The pose at rest must be 'T', 'A', 'rest' or None; got {value!r}.",
     "stance_arrays": "The rig needs a head, a tail and a parent for each of its {bones} bones, and one weight of each "
     "for each of the {vertices} vertices.",
     "stance_limbs": "Neither the names nor the shape of these bones tell two arms and two legs.",
