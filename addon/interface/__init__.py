@@ -19,6 +19,7 @@ from . import (
     pose_operators,
     preferences,
     properties,
+    rig_operators,
     tool_operators,
     viewport,
 )
@@ -33,6 +34,7 @@ _PARTS = (
     live_update,
     limb_operators,
     pose_operators,
+    rig_operators,
     tool_operators,
     panels,
     menus,

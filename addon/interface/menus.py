@@ -23,6 +23,7 @@ from .pose_operators import (
 )
 from .pose_panel import draw_other_side, shown_likeness
 from .properties import hand_over, hand_over_transfer
+from .rig_operators import OBJECT_OT_canonical_form_rig, OBJECT_OT_canonical_form_rig_clear, hand_over_rig
 from .tool_operators import OBJECT_OT_canonical_form_choose, OBJECT_OT_canonical_form_distance
 
 
@@ -49,6 +50,7 @@ class VIEW3D_MT_canonical_form(bpy.types.Menu):
         draw_other_side(layout, chosen, shown_likeness(context))
         hand_over_transfer(chosen, layout.operator(OBJECT_OT_canonical_form_transfer.bl_idname))
         layout.operator(OBJECT_OT_canonical_form_match_colours.bl_idname).like = chosen.like
+        hand_over_rig(chosen, layout.operator(OBJECT_OT_canonical_form_rig.bl_idname))
         layout.separator()
         layout.operator(OBJECT_OT_canonical_form_in_betweens.bl_idname).count = chosen.in_betweens
         layout.operator(OBJECT_OT_canonical_form_remove_in_betweens.bl_idname)
@@ -59,6 +61,7 @@ class VIEW3D_MT_canonical_form(bpy.types.Menu):
         layout.operator_menu_enum(OBJECT_OT_canonical_form_distance.bl_idname, "kind")
         layout.separator()
         layout.operator(OBJECT_OT_canonical_form_clear.bl_idname)
+        layout.operator(OBJECT_OT_canonical_form_rig_clear.bl_idname)
 
 
 class VIEW3D_MT_canonical_form_limbs(bpy.types.Menu):

@@ -28,6 +28,7 @@ from .live_update import OBJECT_OT_canonical_form_live
 from .operators import OBJECT_OT_canonical_form, OBJECT_OT_canonical_form_clear
 from .pose_panel import VIEW3D_PT_canonical_form_pose_like, least_sure
 from .properties import METHOD_NAMES, chosen_value, hand_over
+from .rig_panel import VIEW3D_PT_canonical_form_rig
 from .sidebar import Tab, record_of
 from .tool_operators import OBJECT_OT_canonical_form_choose, OBJECT_OT_canonical_form_distance
 
@@ -387,6 +388,7 @@ CLASSES = (
     VIEW3D_PT_canonical_form_result,
     VIEW3D_PT_canonical_form_patches,
     VIEW3D_PT_canonical_form_pose_like,
+    VIEW3D_PT_canonical_form_rig,
     VIEW3D_PT_canonical_form_features,
     VIEW3D_PT_canonical_form_distance,
     VIEW3D_PT_canonical_form_advanced,

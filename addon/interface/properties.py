@@ -24,6 +24,7 @@ from ..core import InvalidSettingsError, Settings
 from ..core.distances.kinds import KINDS
 from ..core.method_api.catalogue import methods
 from ..core.method_api.options import Option, options_of
+from .rig_properties import RigProperties
 
 _DEFAULT = Settings()
 DISTANCES = [(name, kind.label, kind.help) for name, kind in KINDS.items()]
@@ -177,7 +178,9 @@ class TransferProperties:
     }
 
 
-class CanonicalFormProperties(MethodProperties, RequestProperties, TransferProperties, bpy.types.PropertyGroup):
+class CanonicalFormProperties(
+    MethodProperties, RequestProperties, TransferProperties, RigProperties, bpy.types.PropertyGroup
+):
     """The choices made in the panel, kept with the scene."""
 
     feature_source: EnumProperty(  # type: ignore[valid-type]

@@ -50,14 +50,8 @@ def bend_axes(rig: ReferenceRig, fit: BoneFit) -> FloatArray:
 
     Elbows and knees that are bent tell theirs; a straight leg takes that of its foot, and all else follows the skin.
     """
-    number, front = rig.skeleton.names.index, np.array([0.0, -1, 0])
-    rest = np.cross(rig.axes, front)
-    rest[np.linalg.norm(rest, axis=1) < 0.5] = [1.0, 0, 0]  # feet point to the front
-    sides = "LR" if rig.is_human else ""
-    for name in ("thigh", "shin"):
-        for side in sides:
-            rest[number(f"{name}.{side}")] *= -1
-    found = np.einsum("bij,bj->bi", fit.turns, rest)
+    number, sides = rig.skeleton.names.index, "LR" if rig.is_human else ""
+    found = np.einsum("bij,bj->bi", fit.turns, rest_bends(rig))
     ways = _unit(fit.tails - fit.heads)
     for side in sides:
         foot = ways[number(f"foot.{side}")]
@@ -70,6 +64,17 @@ def bend_axes(rig: ReferenceRig, fit: BoneFit) -> FloatArray:
                 straight = found[bone] if lower == "forearm" else _unit(np.cross(foot, ways[bone]))
                 found[bone] = (1 - share) * straight + share * _unit(hinge)
     return _unit(found - np.einsum("bi,bi->b", found, ways)[:, None] * ways)
+
+
+def rest_bends(rig: ReferenceRig) -> FloatArray:
+    """Choose the axis across each bone of a reference about which it bends at rest, (b, 3)."""
+    front = np.array([0.0, -1, 0])
+    rest = np.cross(rig.axes, front)
+    rest[np.linalg.norm(rest, axis=1) < 0.5] = [1.0, 0, 0]  # feet point to the front
+    for name in ("thigh", "shin"):
+        for side in "LR" if rig.is_human else "":
+            rest[rig.skeleton.names.index(f"{name}.{side}")] *= -1
+    return _unit(rest - np.einsum("bi,bi->b", rest, rig.axes)[:, None] * rig.axes)
 
 
 def filled_in(weights: FloatArray, trust: FloatArray, stiffness: object, mass: FloatArray) -> FloatArray:

@@ -8,7 +8,6 @@ import numpy as np
 
 from ..numerics.arrays import FloatArray, IntArray
 
-
 _DAMPED = 1e-4  # of the squared change of lengths by skinning: below a hundredth it is not undone
 
 

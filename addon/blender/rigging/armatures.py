@@ -1,0 +1,216 @@
+"""Makes an armature of a skeleton, and poses of it as assets."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING
+
+import bpy
+import numpy as np
+from mathutils import Matrix, Vector
+
+from ...core import CanonicalFormError
+from ..mesh_items.fingerprints import fingerprint
+from ..objects.object_states import object_mode
+from ..words.wording import told
+
+if TYPE_CHECKING:
+    from ...core import Skeleton
+    from ...core.numerics.arrays import FloatArray
+    from ...core.rigging.skeleton import BoneMotions
+
+_JOINED = 1e-5  # of the skeleton's size: bones that are as near are connected
+_SHORTEST = 1e-3  # of the skeleton's size: Blender deletes bones without length
+_DOUBTFUL = "THEME01"  # red
+
+
+def add_armature(
+    name: str, skeleton: Skeleton, bends: FloatArray, origin: FloatArray, beside: bpy.types.Object
+) -> bpy.types.Object:
+    """Make an armature.
+
+    Parameters
+    ----------
+    name : str
+        Its name, if that is free.
+    skeleton : Skeleton
+        Its bones, in world space.
+    bends : (b, 3) ndarray of float
+        X axis of each bone.
+    origin : (3,) ndarray of float
+        Where the object stands.
+    beside : bpy.types.Object
+        An object of the file, whose collections it shares.
+
+    Returns
+    -------
+    bpy.types.Object
+        The armature, in Object Mode, neither selected nor active.
+
+    Raises
+    ------
+    CanonicalFormError
+        If Blender cannot edit it.
+    """
+    data = bpy.data.armatures.new(name)
+    armature = bpy.data.objects.new(name, data)
+    bpy.context.scene.collection.objects.link(armature)
+    armature.location = origin
+    layer = bpy.context.view_layer
+    active, selected = layer.objects.active, [each for each in layer.objects if each.select_get()]
+    try:
+        with object_mode(active if active is not None else armature):
+            for each in selected:
+                each.select_set(False)
+            layer.objects.active = armature
+            bpy.ops.object.mode_set(mode="EDIT")
+            _fill(data, skeleton, bends, origin)
+            bpy.ops.object.mode_set(mode="OBJECT")
+            armature.select_set(False)
+            layer.objects.active = active
+            for each in selected:
+                each.select_set(True)
+    except RuntimeError as error:
+        remove_armature(armature)
+        raise CanonicalFormError(
+            told("Blender cannot edit a new armature here. Leave Local View, and run again.")
+        ) from error
+    for collection in beside.users_collection:
+        if armature.name not in collection.objects:
+            collection.objects.link(armature)
+    if beside.users_collection and bpy.context.scene.collection not in beside.users_collection:
+        bpy.context.scene.collection.objects.unlink(armature)
+    armature.show_in_front = True
+    return armature
+
+
+def _fill(data: bpy.types.Armature, skeleton: Skeleton, bends: FloatArray, origin: FloatArray) -> None:
+    """Add the bones, in Edit Mode."""
+    heads, tails = skeleton.heads - origin, skeleton.tails - origin
+    size = float(np.ptp(np.vstack([heads, tails]), axis=0).max())
+    bones = [data.edit_bones.new(name) for name in skeleton.names]
+    for number, bone in enumerate(bones):
+        parent, way = int(skeleton.parents[number]), tails[number] - heads[number]
+        if np.linalg.norm(way) < _SHORTEST * size:
+            way = np.array([0.0, 0.0, _SHORTEST * size])
+        bone.head, bone.tail = heads[number], heads[number] + way
+        bone.align_roll(Vector(np.cross(bends[number], way)))
+        if parent >= 0:
+            bone.parent = bones[parent]
+            bone.use_connect = bool(np.linalg.norm(tails[parent] - heads[number]) < _JOINED * size)
+
+
+def colour_bones(armature: bpy.types.Object, names: Iterable[str]) -> None:
+    """Colour bones that are doubtful.
+
+    Parameters
+    ----------
+    armature : bpy.types.Object
+        The armature.
+    names : iterable of str
+        Names of its bones.
+    """
+    for name in names:
+        armature.data.bones[name].color.palette = _DOUBTFUL
+
+
+def bones_fingerprint(armature: bpy.types.Object) -> str:
+    """Hash the bones of an armature at rest.
+
+    Parameters
+    ----------
+    armature : bpy.types.Object
+        The armature.
+
+    Returns
+    -------
+    str
+        Fingerprint of their names, places and parents.
+    """
+    bones = armature.data.bones
+    names = "\0".join(f"{bone.name}\0{bone.parent.name if bone.parent else ''}" for bone in bones)
+    places = np.array([[*bone.head_local, *bone.tail_local, *bone.x_axis] for bone in bones], dtype=np.float32)
+    return fingerprint(np.frombuffer(names.encode(), dtype=np.uint8), places)
+
+
+def add_pose(armature: bpy.types.Object, name: str, motions: Mapping[str, tuple[Matrix, Matrix]]) -> str:
+    """Keep a pose as an action in the asset browser.
+
+    Parameters
+    ----------
+    armature : bpy.types.Object
+        The armature, without an action, in its rest pose; it is left so.
+    name : str
+        Name of the action, if that is free.
+    motions : mapping of str to (Matrix, Matrix)
+        For each bone, its matrix at rest and in the pose, in the space of the armature.
+
+    Returns
+    -------
+    str
+        Name of the action.
+    """
+    posed: dict[str, Matrix] = {}
+    for bone in armature.pose.bones:
+        rest, wanted = motions[bone.name]
+        if bone.parent is not None:
+            rest = posed[bone.parent.name] @ motions[bone.parent.name][0].inverted() @ rest
+        basis = rest.inverted() @ wanted
+        if bone.bone.use_connect:
+            basis.translation = (0.0, 0.0, 0.0)
+        posed[bone.name] = rest @ basis
+        bone.rotation_mode = "QUATERNION"
+        bone.location, bone.rotation_quaternion, _ = basis.decompose()
+        for path in ("location", "rotation_quaternion"):
+            bone.keyframe_insert(path, frame=1)
+    action = armature.animation_data.action
+    action.name = name
+    action.asset_mark()
+    armature.animation_data_clear()
+    for bone in armature.pose.bones:
+        bone.matrix_basis = Matrix.Identity(4)
+    return str(action.name)
+
+
+def bone_matrices(
+    armature: bpy.types.Object, skeleton: Skeleton, motions: BoneMotions
+) -> dict[str, tuple[Matrix, Matrix]]:
+    """Compute where bones lie at rest and after motions.
+
+    Parameters
+    ----------
+    armature : bpy.types.Object
+        The armature.
+    skeleton : Skeleton
+        Its bones.
+    motions : BoneMotions
+        How they move, in world space.
+
+    Returns
+    -------
+    dict of str to (Matrix, Matrix)
+        For each bone, its matrix at rest and in the pose, in the space of the armature.
+    """
+    found = {}
+    origin = np.array(armature.location)
+    for number, name in enumerate(skeleton.names):
+        rest = armature.data.bones[name].matrix_local.copy()
+        wanted = Matrix(motions.turns[number].tolist()) @ rest.to_3x3()
+        pose = wanted.to_4x4()
+        pose.translation = Vector(motions.heads[number] - origin)
+        found[name] = rest, pose
+    return found
+
+
+def remove_armature(armature: bpy.types.Object) -> None:
+    """Remove an armature with its bones.
+
+    Parameters
+    ----------
+    armature : bpy.types.Object
+        The armature.
+    """
+    data = armature.data
+    bpy.data.objects.remove(armature)
+    if not data.users:
+        bpy.data.armatures.remove(data)

@@ -1,0 +1,295 @@
+"""Gives objects that are one body an armature: read, computed without Blender, written."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import bpy
+import numpy as np
+
+from ...core import CanonicalFormError, TooLargeError
+from ..mesh_items.active_items import active_items, existing_items, restore_active_items
+from ..mesh_items.fingerprints import group_fingerprints, key_fingerprint
+from ..mesh_items.group_weights import fill_group
+from ..objects.combining import moved, outward, require_thick
+from ..objects.mesh_reading import Reading, find_object, read_object, require_unchanged
+from ..objects.object_states import object_mode
+from ..objects.rest_reading import rigs_of
+from ..records.rig_record import RigRecord, read_rig, write_rig
+from ..words.advice import all_advised
+from ..words.wording import listed, told
+from .armatures import add_armature, add_pose, bone_matrices, bones_fingerprint, colour_bones, remove_armature
+from .rig_clearing import remove_rig
+from .rig_reading import RigSource, rolled
+
+if TYPE_CHECKING:
+    from ...core import KeptStages, Rigged, Settings
+    from ...core.numerics.arrays import FloatArray
+    from ...core.run.monitor import Cancelled, Progress
+
+RESTS = {"NONE": None, "T": "T", "A": "A", "REFERENCE": "rest"}  # poses at rest, as the core calls them
+_NAMES = {"T": "T-Pose", "A": "A-Pose", "REFERENCE": "Rest Pose"}
+_LEAST = 5e-4  # a vertex with a smaller weight is not a member, as it would be rounded to 0
+DOUBTFUL = 0.05  # confidence of a bone below which it is coloured and named
+_SCAN, _RIG = "Scan", "Rig of {}"
+
+
+class RigTask:
+    """An armature for objects that are one body.
+
+    The constructor reads all objects, `compute` may run in any thread, and `write` writes.
+
+    Parameters
+    ----------
+    objects : sequence of bpy.types.Object
+        The objects, accepted by `refusal`, at least one.
+    source : RigSource or None
+        The rigged character that lends its bones; None for the mannequin.
+    settings : Settings
+        Options of the forms.
+    pose : str
+        The pose at rest: one of `RESTS`.
+    equal : bool
+        Make bones of both sides equally long.
+    side : int
+        Which way the body faces: -1 for the likeliest, or its index.
+    anyway : bool
+        Keep a rig that is unlikely to be right, too.
+    keep : KeptStages, optional
+        Results of earlier runs on these objects.
+
+    Attributes
+    ----------
+    warnings : list of str
+        Sentences for the user.
+    armature : str
+        Name of the armature, once it is written.
+    bones : int
+        How many it has.
+
+    Raises
+    ------
+    CanonicalFormError
+        If an object cannot be read, or has a rig of its own.
+    """
+
+    def __init__(
+        self,
+        objects: Sequence[bpy.types.Object],
+        source: RigSource | None,
+        settings: Settings,
+        pose: str,
+        *,
+        equal: bool = True,
+        side: int = -1,
+        anyway: bool = False,
+        keep: KeptStages | None = None,
+    ) -> None:
+        self._source, self._settings, self._pose, self._keep = source, settings, pose, keep
+        self._equal, self._side, self._anyway = equal, side, anyway
+        self._readings = [_read(obj) for obj in {obj.data: obj for obj in reversed(objects)}.values()][::-1]
+        for reading in self._readings:
+            require_thick(reading.name, reading.placement, alone=len(self._readings) == 1)
+        parts = [moved(each.vertices, each.placement) for each in self._readings]
+        self._starts = np.cumsum([0, *map(len, parts)])
+        self._vertices = np.concatenate(parts)
+        faces = [outward(each.faces, each.placement) for each in self._readings]
+        self._faces = np.concatenate([own + start for own, start in zip(faces, self._starts, strict=False)])
+        self._found: Rigged | None = None
+        self._corrected: FloatArray | None = None
+        self.warnings: list[str] = []
+        self.armature, self.bones = "", 0
+
+    def compute(self, progress: Progress | None = None, cancelled: Cancelled | None = None) -> None:
+        """Fit the skeleton and weigh the skin; does not access Blender's data.
+
+        Parameters
+        ----------
+        progress, cancelled : callable, optional
+            As in `rig`.
+
+        Raises
+        ------
+        CanonicalFormError
+            If a mesh cannot be used, the skeleton is unlikely to be right, or the run was cancelled.
+        """
+        from ...core import rig
+        from ...core.rigging.skeleton import unskinned
+
+        try:
+            found = rig(
+                self._vertices,
+                self._faces,
+                None if self._source is None else self._source.rig,
+                self._settings,
+                pose=RESTS[self._pose],
+                side="auto" if self._side < 0 else self._side,
+                equal=self._equal,
+                anyway=self._anyway,
+                keep=self._keep,
+                progress=progress,
+                cancelled=cancelled,
+            )
+        except MemoryError as error:
+            name = self._readings[0].name
+            raise TooLargeError(
+                told("Not enough memory for {name}. Close other files, or decimate the mesh.", name=name)
+            ) from error
+        if RESTS[self._pose] is not None:
+            self._corrected = unskinned(self._vertices, found.vertices, found.weights, found.to_given)
+        self._found = found
+        self.warnings = all_advised(found.warnings)
+
+    def write(self) -> None:
+        """Write armature, vertex groups, modifiers and shape keys, in the main thread.
+
+        Raises
+        ------
+        CanonicalFormError
+            If an object was removed or changed, or has vertex groups of the bones' names; nothing was written then.
+        """
+        found = self._found
+        assert found is not None
+        objects = [find_object(each) for each in self._readings]
+        for obj, reading in zip(objects, self._readings, strict=True):
+            with object_mode(obj):
+                require_unchanged(obj, reading)
+                _require_room(obj, found.skeleton.names)
+        for name in {record.armature for obj in objects if (record := read_rig(obj.data)) is not None}:
+            left = remove_rig(name)
+            if left:
+                self.warnings.append(told("Kept, since they may hold your changes: {left}.", left=listed(left)))
+        self._bind(objects, found)
+
+    def _bind(self, objects: list[bpy.types.Object], found: Rigged) -> None:
+        """Make the armature, and bind the objects to it."""
+        first, names = objects[0], found.skeleton.names
+        angles = np.array([0.0 if self._source is None else self._source.rolls[name] for name in names])
+        ways = found.skeleton.tails - found.skeleton.heads
+        axes = ways / np.maximum(np.linalg.norm(ways, axis=1, keepdims=True), 1e-30)
+        low, high = found.vertices.min(axis=0), found.vertices.max(axis=0)
+        origin = np.array([(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, low[2]])
+        armature = add_armature(
+            _RIG.format(first.name), found.skeleton, rolled(axes, found.bends, angles), origin, first
+        )
+        try:
+            if first.parent is not None and first.parent_type == "OBJECT":
+                armature.parent = first.parent
+                armature.matrix_parent_inverse = first.parent.matrix_world.inverted()
+            record = self._record(armature, found)
+            bpy.context.view_layer.update()
+            for number, obj in enumerate(objects):
+                with object_mode(obj):
+                    self._bind_object(obj, number, armature, found, record)
+        except Exception:
+            if any(read_rig(obj.data) is not None for obj in objects):
+                remove_rig(armature.name)
+            else:
+                remove_armature(armature)
+            raise
+        self.armature, self.bones = armature.name, len(names)
+
+    def _record(self, armature: bpy.types.Object, found: Rigged) -> RigRecord:
+        """Make poses of the armature, colour its doubtful bones, and describe it."""
+        names = found.skeleton.names
+        confidence = dict(zip(names, found.confidence.round(3).tolist(), strict=True))
+        held = found.weights.any(axis=0)
+        colour_bones(
+            armature, [name for name, own in zip(names, held, strict=True) if own and confidence[name] < DOUBTFUL]
+        )
+        actions = []
+        if self._corrected is not None:
+            matrices = bone_matrices(armature, found.skeleton, found.to_given)
+            actions.append(add_pose(armature, _SCAN, matrices))
+            still = {name: (rest, rest.copy()) for name, (rest, _) in matrices.items()}
+            actions.append(add_pose(armature, _NAMES[self._pose], still))
+        return RigRecord(
+            armature.name,
+            bones_fingerprint(armature),
+            "" if self._source is None else self._source.name,
+            self._pose,
+            max(self._side, 0),
+            [float(each) for each in found.match.sides],
+            {name: confidence[name] for name, own in zip(names, held, strict=True) if own},
+            self.warnings,
+            actions=actions,
+        )
+
+    def _bind_object(
+        self, obj: bpy.types.Object, number: int, armature: bpy.types.Object, found: Rigged, about: RigRecord
+    ) -> None:
+        """Bind one object; what was written is recorded even after an error."""
+        record = RigRecord(**{**vars(about), "groups": {}, "keys": {}})
+        start, end = list(pairwise(self._starts.tolist()))[number]
+        active, reading = active_items(obj), self._readings[number]
+        back = np.linalg.inv(reading.placement)
+        try:
+            for name, weights in zip(found.skeleton.names, found.weights[start:end].T, strict=True):
+                if (weights > _LEAST).any():
+                    group = obj.vertex_groups.new(name=name)
+                    record.groups[group.name] = fill_group(group, np.where(weights > _LEAST, weights, np.nan))
+            if self._corrected is not None:
+                shapes = [moved(each[start:end], back) for each in (found.vertices, self._corrected)]
+                self._add_keys(obj, shapes, record)
+            modifier = obj.modifiers.new("Armature", "ARMATURE")
+            modifier.object = armature
+            record.modifier = modifier.name
+            obj.modifiers.move(len(obj.modifiers) - 1, 0)
+            if obj.parent is None:
+                obj.parent = armature
+                obj.matrix_parent_inverse = armature.matrix_world.inverted()
+                record.parented = True
+        finally:
+            write_rig(obj.data, record)
+        restore_active_items(obj, active.kept(existing_items(obj), otherwise=active_items(obj)))
+        obj.data.update()
+
+    def _add_keys(self, obj: bpy.types.Object, shapes: Sequence[FloatArray], record: RigRecord) -> None:
+        """Add the shape at rest, switched on, and what makes the pose of the scan exact, relative to it."""
+        if obj.data.shape_keys is None:
+            obj.shape_key_add(name="Basis", from_mix=False)
+            record.basis = True
+        before = obj.data.shape_keys.reference_key
+        for name, shape, value in zip((_NAMES[self._pose], _SCAN), shapes, (1.0, 0.0), strict=True):
+            key = obj.shape_key_add(name=f"{name} at Rest" if value else name, from_mix=False)
+            key.points.foreach_set("co", shape.astype(np.float32).ravel())
+            key.relative_key, key.value, before = before, value, key
+            record.keys[key.name] = key_fingerprint(key)
+
+
+def _read(obj: bpy.types.Object) -> Reading:
+    """Read an object that has no rig but one of ours."""
+    record = read_rig(obj.data)
+    others = [each for each in rigs_of(obj) if record is None or each.name != record.armature]
+    if others:
+        raise CanonicalFormError(
+            told(
+                "{name} is moved by the rig {rig} already. Remove its Armature modifier and its parent first.",
+                name=obj.name,
+                rig=others[0].name,
+            )
+        )
+    with object_mode(obj):
+        reading = read_object(obj)
+    if reading.mirrors:
+        raise CanonicalFormError(told("{name} has a Mirror modifier. Apply it first.", name=obj.name))
+    return reading
+
+
+def _require_room(obj: bpy.types.Object, names: Sequence[str]) -> None:
+    """Require that no group of the user has the name of a bone."""
+    record = read_rig(obj.data)
+    known = {} if record is None else record.groups
+    there = [name for name in names if name in obj.vertex_groups]
+    prints = group_fingerprints(obj, {name: known.get(name) for name in there})
+    own = [name for name in there if known.get(name) is None or prints[name] != known[name]]
+    if own:
+        raise CanonicalFormError(
+            told(
+                "{name} has vertex groups of its own called {left}. Nothing was written; rename or remove them first.",
+                name=obj.name,
+                left=listed(own),
+            )
+        )

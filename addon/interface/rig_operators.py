@@ -1,0 +1,137 @@
+"""Operators that give a body an armature, and remove it."""
+
+# no `from __future__ import annotations`: Blender reads the annotations below as properties
+
+from typing import TYPE_CHECKING
+
+import bpy
+from bpy.props import BoolProperty, IntProperty
+
+from ..blender.jobs.meant_objects import meant_object
+from ..blender.objects.mesh_reading import refusal
+from ..blender.records.rig_record import read_rig
+from ..blender.words.advice import explained
+from ..blender.words.wording import CONTEXT, listed, told
+from ..core import CanonicalFormError
+from .job_operator import JobOperator, kept_stages
+from .operators import allowed, chosen_objects
+from .properties import METHOD_NAMES, MethodProperties, chosen_value, settings_of
+from .rig_properties import RigOptions
+
+if TYPE_CHECKING:
+    from ..blender.rigging.rig_task import RigTask
+
+
+class OBJECT_OT_canonical_form_rig(JobOperator, MethodProperties, RigOptions, bpy.types.Operator):
+    """Give the selected meshes, in any pose, an armature with weights: the bones of a mannequin, or of a reference"""  # noqa: D400
+
+    bl_idname = "object.canonical_form_rig"
+    bl_label = "Rig"
+    bl_translation_context = CONTEXT
+    bl_options = {"UNDO"}
+
+    side: IntProperty(  # type: ignore[valid-type]
+        name="Side",
+        translation_context=CONTEXT,
+        description="Which way the body faces: -1 for the likeliest, or its number from 0",
+        default=-1,
+        min=-1,
+    )
+    anyway: BoolProperty(  # type: ignore[valid-type]
+        name="Write Anyway",
+        translation_context=CONTEXT,
+        description="Keep a rig that is unlikely to be right, too",
+        default=False,
+    )
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Disable the button, with a reason, if the active object cannot be used."""
+        return allowed(cls, cls.busy() or refusal(meant_object(context)))
+
+    def task(self, context: bpy.types.Context) -> "RigTask":
+        """Read the reference, then the active and the other selected meshes."""
+        from ..blender.jobs.pose_reading import named_reference
+        from ..blender.rigging.rig_reading import read_rig_source
+        from ..blender.rigging.rig_task import RigTask
+
+        source = read_rig_source(named_reference(self.like)) if self.like else None
+        objects, self._refused = chosen_objects(context)
+        return RigTask(
+            objects,
+            source,
+            settings_of(self),
+            self.rest,
+            equal=self.equal,
+            side=self.side,
+            anyway=self.anyway,
+            keep=kept_stages(objects),
+        )
+
+    def written(self, context: bpy.types.Context, task: "RigTask", outcome: None, interactive: bool) -> None:
+        """Report the warnings, then what was made."""
+        self.warn([*self._refused, *task.warnings])
+        self.report(
+            {"INFO"},
+            told(
+                "{armature}: {bones} bones. Select it and switch to Pose Mode.",
+                armature=task.armature,
+                bones=task.bones,
+            ),
+        )
+
+
+class OBJECT_OT_canonical_form_rig_clear(bpy.types.Operator):
+    """Remove the armature that Rig made, with its weights and keys; the mesh is as it was"""  # noqa: D400
+
+    bl_idname = "object.canonical_form_rig_clear"
+    bl_label = "Remove Rig"
+    bl_translation_context = CONTEXT
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Disable the button, with a reason, if there is nothing to remove."""
+        obj = meant_object(context)
+        nothing = obj is None or obj.type != "MESH" or read_rig(obj.data) is None
+        return allowed(
+            cls, JobOperator.busy() or (told("Rig has made no armature for this mesh.") if nothing else None)
+        )
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Remove it from all objects that it moves."""
+        from ..blender.rigging.rig_clearing import remove_rig
+
+        obj = meant_object(context)
+        record = None if obj is None else read_rig(obj.data)
+        if record is None:
+            return {"CANCELLED"}
+        try:
+            left = remove_rig(record.armature)
+        except CanonicalFormError as error:
+            self.report({"ERROR"}, explained(error))
+            return {"CANCELLED"}
+        if left:
+            self.report({"WARNING"}, told("Kept, since they may hold your changes: {left}.", left=listed(left)))
+        return {"FINISHED"}
+
+
+def hand_over_rig(chosen: bpy.types.PropertyGroup, button: bpy.types.OperatorProperties) -> None:
+    """Copy the options of the panel to the operator of a button.
+
+    Parameters
+    ----------
+    chosen : bpy.types.PropertyGroup
+        The scene's options.
+    button : bpy.types.OperatorProperties
+        Properties of the button's operator.
+    """
+    for name in METHOD_NAMES:
+        setattr(button, name, chosen_value(chosen, name))
+    button.like, button.rest, button.equal = chosen.rig_like, chosen_value(chosen, "rig_rest"), chosen.rig_equal
+    button.anyway = chosen.anyway
+
+
+CLASSES = (OBJECT_OT_canonical_form_rig, OBJECT_OT_canonical_form_rig_clear)
+
+register, unregister = bpy.utils.register_classes_factory(CLASSES)
