@@ -10,6 +10,8 @@ import bpy
 import numpy as np
 
 from ...core import CanonicalFormError
+from ..mesh_items.key_points import key_points
+from ..records.rig_record import read_rig
 from .combining import moved
 from .mesh_reading import Reading, read_shown
 from .placement import placement_of
@@ -42,7 +44,9 @@ def with_rests(objects: Sequence[bpy.types.Object], readings: Sequence[Reading])
         return list(readings)
     if rig.data.pose_position == "REST" or not any(each.deformed for each in readings):
         held = any(_constraining(above) for obj in objects for above in chain_of(obj))  # which base meshes do not undo
-        return list(readings) if held else [each._replace(rest=each.vertices) for each in readings]
+        if held:
+            return list(readings)
+        return [each._replace(rest=_base_at_rest(obj, each)) for obj, each in zip(objects, readings, strict=True)]
     if not rig.data.is_editable or any(_is_simulated(obj) for obj in objects):
         return list(readings)
     corners = [_corners_of(obj) for obj in objects]
@@ -51,6 +55,15 @@ def with_rests(objects: Sequence[bpy.types.Object], readings: Sequence[Reading])
     if any(rest is None for rest in rests):
         return list(readings)
     return [each._replace(rest=rest) for each, rest in zip(readings, rests, strict=True)]
+
+
+def _base_at_rest(obj: bpy.types.Object, reading: Reading) -> FloatArray:
+    """Read a base mesh as its bones rest: by the key that *Rig* wrote, if it did, else as it is."""
+    record, keys = read_rig(obj.data), obj.data.shape_keys
+    name = None if record is None else next(iter(record.keys), None)
+    if name is None or keys is None or name not in keys.key_blocks:
+        return reading.vertices
+    return key_points(keys.key_blocks[name]).astype(np.float64)
 
 
 def _rest_of(obj: bpy.types.Object, reading: Reading, corners: IntArray) -> FloatArray | None:

@@ -129,7 +129,7 @@ def bones_fingerprint(armature: bpy.types.Object) -> str:
     """
     bones = armature.data.bones
     names = "\0".join(f"{bone.name}\0{bone.parent.name if bone.parent else ''}" for bone in bones)
-    places = np.array([[*bone.head_local, *bone.tail_local, *bone.x_axis] for bone in bones], dtype=np.float32)
+    places = np.array([[*bone.tail_local, *np.ravel(bone.matrix_local)] for bone in bones], dtype=np.float32)
     return fingerprint(np.frombuffer(names.encode(), dtype=np.uint8), places)
 
 

@@ -98,7 +98,7 @@ def _armature_of(obj: bpy.types.Object | None) -> bpy.types.Object | None:
 def _rolls(armature: bpy.types.Object, rig: ReferenceRig) -> dict[str, float]:
     """Measure how the X axis of each bone lies about it."""
     place = np.array(armature.matrix_world)[:3, :3]
-    own = np.array([place @ np.array(armature.data.bones[name].x_axis[:]) for name in rig.skeleton.names])
+    own = np.array([place @ np.array(armature.data.bones[name].matrix_local)[:3, 0] for name in rig.skeleton.names])
     axes, bends = rig.axes, rest_bends(rig)
     across = np.cross(axes, bends)
     angles = np.arctan2(np.einsum("bi,bi->b", own, across), np.einsum("bi,bi->b", own, bends))

@@ -229,7 +229,11 @@ class RigTask:
             for name, weights in zip(found.skeleton.names, found.weights[start:end].T, strict=True):
                 if (weights > _LEAST).any():
                     group = obj.vertex_groups.new(name=name)
-                    record.groups[group.name] = fill_group(group, np.where(weights > _LEAST, weights, np.nan))
+                    try:
+                        record.groups[group.name] = fill_group(group, np.where(weights > _LEAST, weights, np.nan))
+                    except Exception:
+                        obj.vertex_groups.remove(group)  # half filled, it would be taken for the user's
+                        raise
             if self._corrected is not None:
                 shapes = [moved(each[start:end], back) for each in (found.vertices, self._corrected)]
                 self._add_keys(obj, shapes, record)
