@@ -100,17 +100,19 @@ class OBJECT_OT_canonical_form_rig_clear(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Remove it from all objects that it moves."""
-        from ..blender.rigging.rig_clearing import remove_rig
+        from ..blender.rigging.rig_clearing import armature_given_to, bound_to, release
 
         obj = meant_object(context)
-        record = None if obj is None else read_rig(obj.data)
-        if record is None:
+        if obj is None:
             return {"CANCELLED"}
+        armature = armature_given_to(obj)
+        objects = [obj] if armature is None else bound_to(armature)
         try:
-            left = remove_rig(record.armature)
+            left = release(objects)
         except CanonicalFormError as error:
             self.report({"ERROR"}, explained(error))
             return {"CANCELLED"}
+        self.report({"INFO"}, told("Removed from {names}.", names=listed([each.name for each in objects])))
         if left:
             self.report({"WARNING"}, told("Kept, since they may hold your changes: {left}.", left=listed(left)))
         return {"FINISHED"}

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from addon.blender.files.reading_files import open_meshes
-from addon.blender.results.in_betweens import _curves
+from addon.blender.mesh_items.action_curves import curves_of
 from addon.blender.results.result_clearing import clear_from
 from tests.meshes import shapes
 
@@ -134,19 +134,22 @@ def test_frames_leave_no_curves_behind_and_those_of_other_keys_stay(figure, tmp_
     obj = with_keys_of_frames("1:3:2", tmp_path)
     animated = ['key_blocks["Canonical Form 1"].value', 'key_blocks["Canonical Form 3"].value']
     mine = 'key_blocks["Smile"].value'
-    assert sorted(curve.data_path for curve in _curves(obj.data.shape_keys.animation_data.action)) == [*animated, mine]
+    assert sorted(curve.data_path for curve in curves_of(obj.data.shape_keys.animation_data.action)) == [
+        *animated,
+        mine,
+    ]
     assert clear_from(obj) == []
-    assert [curve.data_path for curve in _curves(obj.data.shape_keys.animation_data.action)] == [mine]
+    assert [curve.data_path for curve in curves_of(obj.data.shape_keys.animation_data.action)] == [mine]
 
 
 def test_one_frame_as_a_key_leaves_no_curves_behind(figure, tmp_path):
     obj = with_keys_of_frames("5:5", tmp_path)
     action = obj.data.shape_keys.animation_data.action
-    assert [curve.data_path for curve in _curves(action)] == ['key_blocks["Canonical Form 5"].value']
+    assert [curve.data_path for curve in curves_of(action)] == ['key_blocks["Canonical Form 5"].value']
     bpy.context.view_layer.objects.active = obj
     bpy.ops.object.canonical_form(max_iterations=2, landmark_count=12)
     assert [key.name for key in obj.data.shape_keys.key_blocks] == ["Basis", "Canonical Form"]
-    assert list(_curves(action)) == []
+    assert list(curves_of(action)) == []
     assert clear_from(obj) == []
     assert obj.data.shape_keys is None
 
@@ -155,7 +158,7 @@ def test_one_frame_as_a_key_can_be_cleared(figure, tmp_path):
     obj = with_keys_of_frames("5:5", tmp_path)
     action = obj.data.shape_keys.animation_data.action
     assert clear_from(obj) == []
-    assert list(_curves(action)) == []
+    assert list(curves_of(action)) == []
 
 
 def test_hidden_files_beside_meshes_are_no_meshes(blender, tmp_path):

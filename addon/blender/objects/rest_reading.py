@@ -11,7 +11,7 @@ import numpy as np
 
 from ...core import CanonicalFormError
 from ..mesh_items.key_points import key_points
-from ..records.rig_record import read_rig
+from ..records.rig_record import read_rig, recorded_key
 from .combining import moved
 from .mesh_reading import Reading, read_shown
 from .placement import placement_of
@@ -59,11 +59,10 @@ def with_rests(objects: Sequence[bpy.types.Object], readings: Sequence[Reading])
 
 def _base_at_rest(obj: bpy.types.Object, reading: Reading) -> FloatArray:
     """Read a base mesh as its bones rest: by the key that *Rig* wrote, if it did, else as it is."""
-    record, keys = read_rig(obj.data), obj.data.shape_keys
-    name = None if record is None else next(iter(record.keys), None)
-    if name is None or keys is None or name not in keys.key_blocks:
-        return reading.vertices
-    return key_points(keys.key_blocks[name]).astype(np.float64)
+    record = read_rig(obj.data)
+    own = [] if record is None else list(record.keys.items())[:1]
+    keys = [recorded_key(obj.data, *each) for each in own]
+    return reading.vertices if not keys or keys[0] is None else key_points(keys[0]).astype(np.float64)
 
 
 def _rest_of(obj: bpy.types.Object, reading: Reading, corners: IntArray) -> FloatArray | None:

@@ -9,7 +9,8 @@ from typing import Any
 
 import bpy
 
-from .stored_values import flag, listed, named, real, whole, words
+from ..mesh_items.fingerprints import key_fingerprint
+from .stored_values import flag, listed, maybe, named, real, whole, words
 
 RIG_PROPERTY = "canonical_form_rig"
 
@@ -20,10 +21,12 @@ class RigRecord:
 
     Attributes
     ----------
+    token : str
+        Mark of everything that was made with the armature.
     armature : str
-        Name of the armature object.
-    bones : str
-        Fingerprint of its bones at rest.
+        Fingerprint of the armature.
+    actions : dict of str to str
+        Fingerprints of the actions that hold poses, by name.
     source : str
         Name of the object that has lent the bones; empty for the mannequin.
     pose : str
@@ -36,49 +39,47 @@ class RigRecord:
         How well each bone fits, 0 to 1.
     warnings : list of str
         Sentences for the user.
-    modifier : str
-        Name of the Armature modifier.
-    parented : bool
-        Whether the object was parented to the armature.
+    inverse : list of float or None
+        The inverse of its parent's placement before the object was parented to the armature; None if it was not.
     basis : bool
         Whether the Basis was added.
+    slider : float or None
+        Value of the form's key before it was switched off; None if it was not.
     groups, keys : dict of str to str
         Fingerprints of vertex groups and shape keys that were written, by name.
-    actions : list of str
-        Names of the actions that hold poses.
     """
 
+    token: str
     armature: str
-    bones: str
+    actions: dict[str, str]
     source: str
     pose: str
     side: int
     sides: list[float]
     confidence: dict[str, float]
     warnings: list[str]
-    modifier: str = ""
-    parented: bool = False
+    inverse: list[float] | None = None
     basis: bool = False
+    slider: float | None = None
     groups: dict[str, str] = field(default_factory=dict)
     keys: dict[str, str] = field(default_factory=dict)
-    actions: list[str] = field(default_factory=list)
 
 
 _TAKE: dict[str, Callable[[Any], Any]] = {
+    "token": words,
     "armature": words,
-    "bones": words,
+    "actions": lambda each: named(words, each),
     "source": words,
     "pose": words,
     "side": whole,
     "sides": lambda each: listed(real, each),
     "confidence": lambda each: named(real, each),
     "warnings": lambda each: listed(words, each),
-    "modifier": words,
-    "parented": flag,
+    "inverse": lambda each: maybe(lambda own: listed(real, own, 16), each),
     "basis": flag,
+    "slider": lambda each: maybe(real, each),
     "groups": lambda each: named(words, each),
     "keys": lambda each: named(words, each),
-    "actions": lambda each: listed(words, each),
 }
 
 
@@ -126,3 +127,27 @@ def remove_rig_record(mesh: bpy.types.Mesh) -> None:
     """
     if RIG_PROPERTY in mesh:
         del mesh[RIG_PROPERTY]
+
+
+def recorded_key(mesh: bpy.types.Mesh, name: str, known: str) -> bpy.types.ShapeKey | None:
+    """Find a shape key of a record, renamed or changed since.
+
+    Parameters
+    ----------
+    mesh : bpy.types.Mesh
+        The mesh.
+    name : str
+        The name that it had.
+    known : str
+        Its fingerprint.
+
+    Returns
+    -------
+    bpy.types.ShapeKey or None
+        The key with that fingerprint, else that of the name; never the Basis.
+    """
+    if mesh.shape_keys is None:
+        return None
+    keys = [each for each in mesh.shape_keys.key_blocks if each != mesh.shape_keys.reference_key]
+    named_so = [each for each in keys if each.name == name]
+    return next((each for each in [*named_so, *keys] if key_fingerprint(each) == known), next(iter(named_so), None))

@@ -9,6 +9,7 @@ import bpy
 import numpy as np
 
 from ...core import CanonicalFormError
+from ..mesh_items.action_curves import curve_lists, curves_of
 from ..mesh_items.fingerprints import key_fingerprint
 from ..mesh_items.slider import is_following, is_unused
 from ..records.form_key import form_key, require_form_key
@@ -317,7 +318,7 @@ def is_animated(keys: bpy.types.Key, path: str) -> bool:
     actions = [keys.animation_data.action]
     actions += [strip.action for track in keys.animation_data.nla_tracks for strip in track.strips]
     for action in actions:
-        curves += [] if action is None else _curves(action)
+        curves += [] if action is None else curves_of(action)
     return any(curve.data_path == path for curve in curves)
 
 
@@ -356,17 +357,4 @@ def _own_curves(keys: bpy.types.Key) -> list[bpy.types.ActionFCurves]:
     """Return the F-curves of the action of shape keys, without those of other data-blocks that use the action."""
     data = keys.animation_data
     slot = getattr(data, "action_slot_handle", None)
-    return [] if data is None or data.action is None else _curve_lists(data.action, slot)
-
-
-def _curves(action: bpy.types.Action) -> list[bpy.types.FCurve]:
-    """Return the F-curves of all slots of an action."""
-    return [curve for curves in _curve_lists(action, None) for curve in curves]
-
-
-def _curve_lists(action: bpy.types.Action, slot: int | None) -> list[bpy.types.ActionFCurves]:
-    """Return the F-curves of an action, layered (Blender 4.4 and later) or not; of one slot, if its handle is given."""
-    if not hasattr(action, "layers"):
-        return [action.fcurves]
-    bags = [bag for layer in action.layers for strip in layer.strips for bag in getattr(strip, "channelbags", ())]
-    return [bag.fcurves for bag in bags if slot in (None, bag.slot_handle)]
+    return [] if data is None or data.action is None else curve_lists(data.action, slot)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 import bpy
@@ -10,13 +11,12 @@ import numpy as np
 from mathutils import Matrix, Vector
 
 from ...core import CanonicalFormError
-from ..mesh_items.fingerprints import fingerprint
 from ..objects.object_states import object_mode
 from ..words.wording import told
 
 if TYPE_CHECKING:
     from ...core import Skeleton
-    from ...core.numerics.arrays import FloatArray
+    from ...core.numerics.arrays import BoolArray, FloatArray
     from ...core.rigging.skeleton import BoneMotions
 
 _JOINED = 1e-5  # of the skeleton's size: bones that are as near are connected
@@ -25,7 +25,12 @@ _DOUBTFUL = "THEME01"  # red
 
 
 def add_armature(
-    name: str, skeleton: Skeleton, bends: FloatArray, origin: FloatArray, beside: bpy.types.Object
+    name: str,
+    skeleton: Skeleton,
+    bends: FloatArray,
+    deforming: BoolArray,
+    origin: FloatArray,
+    beside: bpy.types.Object,
 ) -> bpy.types.Object:
     """Make an armature.
 
@@ -37,6 +42,8 @@ def add_armature(
         Its bones, in world space.
     bends : (b, 3) ndarray of float
         X axis of each bone.
+    deforming : (b,) ndarray of bool
+        Whether each bone holds skin.
     origin : (3,) ndarray of float
         Where the object stands.
     beside : bpy.types.Object
@@ -56,35 +63,103 @@ def add_armature(
     armature = bpy.data.objects.new(name, data)
     bpy.context.scene.collection.objects.link(armature)
     armature.location = origin
-    layer = bpy.context.view_layer
-    active, selected = layer.objects.active, [each for each in layer.objects if each.select_get()]
-    try:
-        with object_mode(active if active is not None else armature):
-            for each in selected:
-                each.select_set(False)
-            layer.objects.active = armature
-            bpy.ops.object.mode_set(mode="EDIT")
-            _fill(data, skeleton, bends, origin)
+    with active_alone(armature):
+        bpy.ops.object.mode_set(mode="EDIT")
+        if not data.is_editmode:
+            raise CanonicalFormError(told("Blender cannot edit a new armature here. Leave Local View, and run again."))
+        try:
+            _fill(data, skeleton, bends, deforming, origin)
+        finally:
             bpy.ops.object.mode_set(mode="OBJECT")
-            armature.select_set(False)
-            layer.objects.active = active
-            for each in selected:
-                each.select_set(True)
-    except RuntimeError as error:
-        remove_armature(armature)
-        raise CanonicalFormError(
-            told("Blender cannot edit a new armature here. Leave Local View, and run again.")
-        ) from error
-    for collection in beside.users_collection:
-        if armature.name not in collection.objects:
-            collection.objects.link(armature)
-    if beside.users_collection and bpy.context.scene.collection not in beside.users_collection:
-        bpy.context.scene.collection.objects.unlink(armature)
+    put_beside(armature, beside)
     armature.show_in_front = True
     return armature
 
 
-def _fill(data: bpy.types.Armature, skeleton: Skeleton, bends: FloatArray, origin: FloatArray) -> None:
+@contextmanager
+def active_alone(armature: bpy.types.Object) -> Iterator[None]:
+    """Make an armature the only selected object, and the active one, and restore both and the mode afterwards.
+
+    Parameters
+    ----------
+    armature : bpy.types.Object
+        The armature, in the scene's own collection.
+
+    Yields
+    ------
+    None
+        Control.
+
+    Raises
+    ------
+    CanonicalFormError
+        If Blender cannot leave the mode of the active object, or work on an armature here.
+    """
+    layer = bpy.context.view_layer
+    active, selected = layer.objects.active, [each for each in layer.objects if each.select_get()]
+    with object_mode(active if active is not None else armature):
+        try:
+            for each in selected:
+                each.select_set(False)
+            layer.objects.active = armature
+            armature.select_set(True)
+            with bpy.context.temp_override(
+                object=armature,
+                active_object=armature,
+                selected_objects=[armature],
+                selected_editable_objects=[armature],
+            ):  # a script may have overridden them
+                yield
+        except RuntimeError as error:
+            raise CanonicalFormError(
+                told("Blender cannot edit a new armature here. Leave Local View, and run again.")
+            ) from error
+        finally:
+            for each in layer.objects:
+                each.select_set(each in selected)
+            layer.objects.active = active
+
+
+def follow(armature: bpy.types.Object, obj: bpy.types.Object) -> None:
+    """Hang an armature on what a body hangs on, in place.
+
+    Parameters
+    ----------
+    armature : bpy.types.Object
+        The armature.
+    obj : bpy.types.Object
+        The body; it may have no parent.
+    """
+    if obj.parent is not None:
+        armature.parent, armature.parent_type = obj.parent, obj.parent_type
+        armature.parent_vertices = obj.parent_vertices
+        place = armature.matrix_basis.copy()
+        bpy.context.view_layer.update()
+        armature.matrix_parent_inverse = (armature.matrix_world @ place.inverted()).inverted()
+    bpy.context.view_layer.update()
+
+
+def put_beside(armature: bpy.types.Object, beside: bpy.types.Object) -> None:
+    """Move an armature from the scene's own collection to those of another object.
+
+    Parameters
+    ----------
+    armature : bpy.types.Object
+        The armature.
+    beside : bpy.types.Object
+        The other object.
+    """
+    own = bpy.context.scene.collection
+    for collection in beside.users_collection:
+        if armature.name not in collection.objects:
+            collection.objects.link(armature)
+    if beside.users_collection and own not in beside.users_collection:
+        own.objects.unlink(armature)
+
+
+def _fill(
+    data: bpy.types.Armature, skeleton: Skeleton, bends: FloatArray, deforming: BoolArray, origin: FloatArray
+) -> None:
     """Add the bones, in Edit Mode."""
     heads, tails = skeleton.heads - origin, skeleton.tails - origin
     size = float(np.ptp(np.vstack([heads, tails]), axis=0).max())
@@ -94,6 +169,7 @@ def _fill(data: bpy.types.Armature, skeleton: Skeleton, bends: FloatArray, origi
         if np.linalg.norm(way) < _SHORTEST * size:
             way = np.array([0.0, 0.0, _SHORTEST * size])
         bone.head, bone.tail = heads[number], heads[number] + way
+        bone.use_deform = bool(deforming[number])
         bone.align_roll(Vector(np.cross(bends[number], way)))
         if parent >= 0:
             bone.parent = bones[parent]
@@ -114,26 +190,7 @@ def colour_bones(armature: bpy.types.Object, names: Iterable[str]) -> None:
         armature.data.bones[name].color.palette = _DOUBTFUL
 
 
-def bones_fingerprint(armature: bpy.types.Object) -> str:
-    """Hash the bones of an armature at rest.
-
-    Parameters
-    ----------
-    armature : bpy.types.Object
-        The armature.
-
-    Returns
-    -------
-    str
-        Fingerprint of their names, places and parents.
-    """
-    bones = armature.data.bones
-    names = "\0".join(f"{bone.name}\0{bone.parent.name if bone.parent else ''}" for bone in bones)
-    places = np.array([[*bone.tail_local, *np.ravel(bone.matrix_local)] for bone in bones], dtype=np.float32)
-    return fingerprint(np.frombuffer(names.encode(), dtype=np.uint8), places)
-
-
-def add_pose(armature: bpy.types.Object, name: str, motions: Mapping[str, tuple[Matrix, Matrix]]) -> str:
+def add_pose(armature: bpy.types.Object, name: str, motions: Mapping[str, tuple[Matrix, Matrix]]) -> bpy.types.Action:
     """Keep a pose as an action in the asset browser.
 
     Parameters
@@ -147,8 +204,8 @@ def add_pose(armature: bpy.types.Object, name: str, motions: Mapping[str, tuple[
 
     Returns
     -------
-    str
-        Name of the action.
+    bpy.types.Action
+        The action.
     """
     posed: dict[str, Matrix] = {}
     for bone in armature.pose.bones:
@@ -169,7 +226,7 @@ def add_pose(armature: bpy.types.Object, name: str, motions: Mapping[str, tuple[
     armature.animation_data_clear()
     for bone in armature.pose.bones:
         bone.matrix_basis = Matrix.Identity(4)
-    return str(action.name)
+    return action
 
 
 def bone_matrices(
@@ -200,17 +257,3 @@ def bone_matrices(
         pose.translation = Vector(motions.heads[number] - origin)
         found[name] = rest, pose
     return found
-
-
-def remove_armature(armature: bpy.types.Object) -> None:
-    """Remove an armature with its bones.
-
-    Parameters
-    ----------
-    armature : bpy.types.Object
-        The armature.
-    """
-    data = armature.data
-    bpy.data.objects.remove(armature)
-    if not data.users:
-        bpy.data.armatures.remove(data)

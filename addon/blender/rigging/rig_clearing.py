@@ -1,45 +1,65 @@
-"""Removes an armature that was given to a body, with what binds the body to it, and nothing else."""
+"""Takes an armature that was given to bodies away again, with what binds them to it, and nothing else."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import bpy
+import numpy as np
+from mathutils import Matrix
 
 from ..mesh_items.active_items import active_items, existing_items, restore_active_items
 from ..mesh_items.fingerprints import group_fingerprints, key_fingerprint
+from ..mesh_items.key_points import key_points
 from ..mesh_items.key_removal import remove_all_keys, remove_drivers
 from ..objects.object_states import object_mode
-from ..records.rig_record import RigRecord, read_rig, remove_rig_record
-from .armatures import bones_fingerprint, remove_armature
+from ..records.form_key import form_key
+from ..records.rig_record import RigRecord, read_rig, recorded_key, remove_rig_record
+from .made_data import MARK, action_fingerprint, armature_fingerprint, made_by
 
 
-def bound_to(name: str) -> list[bpy.types.Object]:
+def armature_given_to(obj: bpy.types.Object) -> bpy.types.Object | None:
+    """Find the armature that an object was given.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        The object, of type MESH.
+
+    Returns
+    -------
+    bpy.types.Object or None
+        The armature of its modifier; None if there is none any more.
+    """
+    record = read_rig(obj.data)
+    held = [each.object for each in obj.modifiers if each.type == "ARMATURE" and each.object is not None]
+    return next((each for each in held if record is not None and each.get(MARK) == record.token), None)
+
+
+def bound_to(armature: bpy.types.Object) -> list[bpy.types.Object]:
     """List the objects that were given an armature.
 
     Parameters
     ----------
-    name : str
-        Name of the armature object.
+    armature : bpy.types.Object
+        The armature.
 
     Returns
     -------
     list of bpy.types.Object
-        The objects whose records name it.
+        The objects of this file.
     """
-    found = []
-    for obj in bpy.data.objects:
-        record = read_rig(obj.data) if obj.type == "MESH" and obj.library is None else None
-        if record is not None and record.armature == name:
-            found.append(obj)
-    return found
+    meshes = [each for each in bpy.data.objects if each.type == "MESH" and each.library is None]
+    return [each for each in meshes if each.data.library is None and armature_given_to(each) == armature]
 
 
-def remove_rig(name: str) -> list[str]:
-    """Remove an armature from the objects that it was given to, and itself, unless the user has changed its bones.
+def release(objects: Sequence[bpy.types.Object]) -> list[str]:
+    """Take the armature away from objects; if nothing else uses it and nobody has changed it, it is removed.
 
     Parameters
     ----------
-    name : str
-        Name of the armature object.
+    objects : sequence of bpy.types.Object
+        The objects, each with a record.
 
     Returns
     -------
@@ -51,63 +71,114 @@ def remove_rig(name: str) -> list[str]:
     CanonicalFormError
         If Blender cannot leave the mode of an object.
     """
-    armature, objects = bpy.data.objects.get(name), bound_to(name)
-    records = [read_rig(obj.data) for obj in objects]
-    kept, left = armature is not None and _is_changed(armature, objects, records), []
-    if kept:
-        left.append(name)
-    for obj, record in zip(objects, records, strict=True):
-        if record is not None:
-            with object_mode(obj):
-                left += _unbind(obj, record, None if kept else armature)
-    if armature is not None and not kept:
-        remove_armature(armature)
-    for action in {each for record in records if record is not None for each in record.actions}:
-        found = bpy.data.actions.get(action)
-        if found is not None and not kept and found.users <= int(found.use_fake_user):
-            bpy.data.actions.remove(found)
+    given = [(obj, record, armature_given_to(obj)) for obj in objects if (record := read_rig(obj.data)) is not None]
+    left: list[str] = []
+    for obj, record, armature in given:
+        with object_mode(obj):
+            left += unbind(obj, record, armature, unconfirmed=False)
+    rigs = {armature.name: (armature, record) for _, record, armature in given if armature is not None}
+    for name, (armature, record) in rigs.items():
+        if not bound_to(armature):
+            if armature.mode == "EDIT":  # the bones are not up to date
+                bpy.ops.object.mode_set(mode="OBJECT")
+            if armature_fingerprint(armature) == record.armature and _is_unused(armature):
+                left += _remove(armature, record)
+            else:
+                left.append(name)
+    for record in {record.token: record for _, record, armature in given if armature is None}.values():
+        left += _remove(None, record)
+    return list(dict.fromkeys(left))
+
+
+def _is_unused(armature: bpy.types.Object) -> bool:
+    """Return whether nothing of the user's refers to an armature: children, constraints, drivers, actions."""
+    users = bpy.data.user_map(subset={armature, armature.data})
+    data = armature.animation_data
+    own = data is None or data.action is None or data.action.get(MARK) == armature.get(MARK)
+    token = armature.get(MARK)
+    others = [each for each in users[armature] if not isinstance(each, bpy.types.Scene | bpy.types.Collection)]
+    return own and all(each.get(MARK) == token for each in [*others, *users[armature.data]])
+
+
+def _remove(armature: bpy.types.Object | None, record: RigRecord) -> list[str]:
+    """Remove what was made with an armature; actions that the user has changed or uses stay."""
+    made, left = made_by(record.token), []
+    if any(each.type == "ARMATURE" and each != armature for each in made if isinstance(each, bpy.types.Object)):
+        made = [] if armature is None else [armature]  # a copy of it lives, with poses and all
+    keep = []
+    for action in [each for each in made if isinstance(each, bpy.types.Action)]:
+        users = bpy.data.user_map(subset={action})[action] - {armature}
+        if users or action_fingerprint(action) not in record.actions.values():
+            keep.append(action)
+            left += [] if users else [action.name]
+    bpy.data.batch_remove([each for each in made if each not in keep])
     return left
 
 
-def _is_changed(armature: bpy.types.Object, objects: list[bpy.types.Object], records: list[RigRecord | None]) -> bool:
-    """Return whether the user has changed the bones, or hung something else on them."""
-    if armature.type != "ARMATURE" or any(r is None or r.bones != bones_fingerprint(armature) for r in records):
-        return True
-    others = [each for each in bpy.data.objects if each not in objects and each != armature]
-    return any(
-        each.parent == armature or any(getattr(modifier, "object", None) == armature for modifier in each.modifiers)
-        for each in others
-    )
+def unbind(
+    obj: bpy.types.Object, record: RigRecord, armature: bpy.types.Object | None, *, unconfirmed: bool
+) -> list[str]:
+    """Remove from an object what binds it.
 
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        The object, in Object Mode.
+    record : RigRecord
+        Its record.
+    armature : bpy.types.Object or None
+        The armature; None if it was deleted.
+    unconfirmed : bool
+        Whether to remove what has changed since, too: after a failed run.
 
-def _unbind(obj: bpy.types.Object, record: RigRecord, armature: bpy.types.Object | None) -> list[str]:
-    """Remove from an object what binds it; the armature is None where it stays."""
+    Returns
+    -------
+    list of str
+        Names of what stays because it may contain changes by the user.
+    """
     active, left = active_items(obj), []
-    modifier = obj.modifiers.get(record.modifier)
-    if armature is not None and modifier is not None and getattr(modifier, "object", None) == armature:
-        obj.modifiers.remove(modifier)
-    if armature is not None and record.parented and obj.parent == armature:
-        place = obj.matrix_basis.copy()
-        obj.parent = None
-        obj.matrix_parent_inverse.identity()
-        obj.matrix_basis = place
-    prints = group_fingerprints(obj, record.groups) if armature is not None else {}
-    for name, known in record.groups.items() if armature is not None else ():
-        if prints.get(name) == known:
+    for modifier in [each for each in obj.modifiers if each.type == "ARMATURE"]:
+        if modifier.object == armature:  # or None, where that was deleted
+            obj.modifiers.remove(modifier)
+    if record.inverse is not None and (armature is None or obj.parent == armature):
+        if obj.parent == armature:
+            obj.parent = None
+        obj.matrix_parent_inverse = Matrix(np.reshape(record.inverse, (4, 4)).tolist())
+    prints = group_fingerprints(obj, record.groups)
+    for name, known in record.groups.items():
+        if name in prints and (unconfirmed or prints[name] == known):
             obj.vertex_groups.remove(obj.vertex_groups[name])
         elif name in prints:
             left.append(name)
-    keys = obj.data.shape_keys
-    for name, known in reversed(record.keys.items()) if armature is not None and keys is not None else ():
-        key = keys.key_blocks.get(name)
-        if key is not None and key != keys.reference_key and key_fingerprint(key) == known:
+    found = [(recorded_key(obj.data, *each), each[1]) for each in record.keys.items()]
+    ours = [key for key, known in found if key is not None and (unconfirmed or key_fingerprint(key) == known)]
+    for key, _ in reversed(found):
+        if key is None:
+            continue
+        others = [each for each in key.id_data.key_blocks if each.relative_key == key and each not in (key, *ours)]
+        if key in ours and not others:
             remove_drivers(key)
+            ours.remove(key)
             obj.shape_key_remove(key)
-        elif key is not None:
-            left.append(name)
-    if keys is not None and record.basis and len(keys.key_blocks) == 1:
+        else:
+            left.append(key.name)
+            key.value = 0.0  # the bones are gone for which it was on
+    if record.basis and _has_bare_basis(obj.data):
         remove_all_keys(obj)
+    form = form_key(obj.data)
+    if record.slider is not None and form is not None and form.value == 0.0:
+        form.value = record.slider
     remove_rig_record(obj.data)
     restore_active_items(obj, active.kept(existing_items(obj), otherwise=active_items(obj)))
     obj.data.update()
     return left
+
+
+def _has_bare_basis(mesh: bpy.types.Mesh) -> bool:
+    """Return whether the only shape key is a Basis that says nothing that the mesh does not."""
+    keys = mesh.shape_keys
+    if keys is None or len(keys.key_blocks) != 1 or keys.reference_key.name != "Basis":
+        return False
+    points = np.empty((len(mesh.vertices), 3), dtype=np.float32)
+    mesh.vertices.foreach_get("co", points.ravel())
+    return bool(np.array_equal(points, key_points(keys.reference_key)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -10,6 +11,7 @@ import bpy
 import numpy as np
 
 from ...core import CanonicalFormError, TooLargeError
+from ...core.rigging.reference_rig import MANNEQUIN_BONES
 from ..mesh_items.active_items import active_items, existing_items, restore_active_items
 from ..mesh_items.fingerprints import group_fingerprints, key_fingerprint
 from ..mesh_items.group_weights import fill_group
@@ -17,11 +19,14 @@ from ..objects.combining import moved, outward, require_thick
 from ..objects.mesh_reading import Reading, find_object, read_object, require_unchanged
 from ..objects.object_states import object_mode
 from ..objects.rest_reading import rigs_of
+from ..records.form_key import form_key
 from ..records.rig_record import RigRecord, read_rig, write_rig
+from ..results.in_betweens import PROPERTY, has_in_betweens
 from ..words.advice import all_advised
 from ..words.wording import listed, told
-from .armatures import add_armature, add_pose, bone_matrices, bones_fingerprint, colour_bones, remove_armature
-from .rig_clearing import remove_rig
+from .armatures import add_armature, add_pose, bone_matrices, colour_bones, follow
+from .made_data import action_fingerprint, armature_fingerprint, marked_as, new_token
+from .rig_clearing import armature_given_to, release, unbind
 from .rig_reading import RigSource, rolled
 
 if TYPE_CHECKING:
@@ -32,6 +37,7 @@ if TYPE_CHECKING:
 RESTS = {"NONE": None, "T": "T", "A": "A", "REFERENCE": "rest"}  # poses at rest, as the core calls them
 _NAMES = {"T": "T-Pose", "A": "A-Pose", "REFERENCE": "Rest Pose"}
 _LEAST = 5e-4  # a vertex with a smaller weight is not a member, as it would be rounded to 0
+_MISSED = 0.01  # of the body's size: error of the key of the scan that is told
 DOUBTFUL = 0.05  # confidence of a bone below which it is coloured and named
 _SCAN, _RIG = "Scan", "Rig of {}"
 
@@ -89,7 +95,9 @@ class RigTask:
     ) -> None:
         self._source, self._settings, self._pose, self._keep = source, settings, pose, keep
         self._equal, self._side, self._anyway = equal, side, anyway
-        self._readings = [_read(obj) for obj in {obj.data: obj for obj in reversed(objects)}.values()][::-1]
+        self._names = MANNEQUIN_BONES if source is None else source.rig.skeleton.names
+        objects = list({obj.data: obj for obj in reversed(objects)}.values())[::-1]
+        self._readings = [self._read(obj) for obj in objects]
         for reading in self._readings:
             require_thick(reading.name, reading.placement, alone=len(self._readings) == 1)
         parts = [moved(each.vertices, each.placement) for each in self._readings]
@@ -99,7 +107,7 @@ class RigTask:
         self._faces = np.concatenate([own + start for own, start in zip(faces, self._starts, strict=False)])
         self._found: Rigged | None = None
         self._corrected: FloatArray | None = None
-        self.warnings: list[str] = []
+        self.warnings: list[str] = [sentence for obj in objects for sentence in _doubts(obj, pose)]
         self.armature, self.bones = "", 0
 
     def compute(self, progress: Progress | None = None, cancelled: Cancelled | None = None) -> None:
@@ -116,7 +124,7 @@ class RigTask:
             If a mesh cannot be used, the skeleton is unlikely to be right, or the run was cancelled.
         """
         from ...core import rig
-        from ...core.rigging.skeleton import unskinned
+        from ...core.rigging.skeleton import skinned, unskinned
 
         try:
             found = rig(
@@ -137,10 +145,17 @@ class RigTask:
             raise TooLargeError(
                 told("Not enough memory for {name}. Close other files, or decimate the mesh.", name=name)
             ) from error
+        self.warnings += all_advised(found.warnings)
         if RESTS[self._pose] is not None:
             self._corrected = unskinned(self._vertices, found.vertices, found.weights, found.to_given)
+            reached = skinned(self._corrected, found.weights, found.to_given)
+            size = float(np.ptp(self._vertices, axis=0).max())
+            off = float(np.linalg.norm(reached - self._vertices, axis=1).max()) / size
+            if off > _MISSED:
+                self.warnings.append(
+                    told("Folds of the skin hide some of the scan: the key Scan misses it by up to {off:.1%}.", off=off)
+                )
         self._found = found
-        self.warnings = all_advised(found.warnings)
 
     def write(self) -> None:
         """Write armature, vertex groups, modifiers and shape keys, in the main thread.
@@ -156,95 +171,93 @@ class RigTask:
         for obj, reading in zip(objects, self._readings, strict=True):
             with object_mode(obj):
                 require_unchanged(obj, reading)
-                _require_room(obj, found.skeleton.names)
-        for name in {record.armature for obj in objects if (record := read_rig(obj.data)) is not None}:
-            left = remove_rig(name)
-            if left:
-                self.warnings.append(told("Kept, since they may hold your changes: {left}.", left=listed(left)))
-        self._bind(objects, found)
+                self._require_room(obj)
+        left = release(objects)
+        if left:
+            self.warnings.append(told("Kept, since they may hold your changes: {left}.", left=listed(left)))
+        for obj in objects:
+            with object_mode(obj):
+                self._require_room(obj)  # what was kept may be in the way
+        token = new_token(objects[0].name)
+        with marked_as(token):
+            self._bind(objects, found, token)
 
-    def _bind(self, objects: list[bpy.types.Object], found: Rigged) -> None:
-        """Make the armature, and bind the objects to it."""
+    def _bind(self, objects: list[bpy.types.Object], found: Rigged, token: str) -> None:
+        """Make the armature, and bind the objects to it; all of them or none."""
         first, names = objects[0], found.skeleton.names
         angles = np.array([0.0 if self._source is None else self._source.rolls[name] for name in names])
         ways = found.skeleton.tails - found.skeleton.heads
         axes = ways / np.maximum(np.linalg.norm(ways, axis=1, keepdims=True), 1e-30)
         low, high = found.vertices.min(axis=0), found.vertices.max(axis=0)
         origin = np.array([(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, low[2]])
-        armature = add_armature(
-            _RIG.format(first.name), found.skeleton, rolled(axes, found.bends, angles), origin, first
-        )
+        deforming = (found.weights > _LEAST).any(axis=0)
+        bends = rolled(axes, found.bends, angles)
+        armature = add_armature(_RIG.format(first.name), found.skeleton, bends, deforming, origin, first)
+        follow(armature, first)
+        record = self._record(armature, found, token)
+        bound: list[bpy.types.Object] = []
         try:
-            if first.parent is not None and first.parent_type == "OBJECT":
-                armature.parent = first.parent
-                armature.matrix_parent_inverse = first.parent.matrix_world.inverted()
-            record = self._record(armature, found)
-            bpy.context.view_layer.update()
             for number, obj in enumerate(objects):
+                bound.append(obj)
                 with object_mode(obj):
                     self._bind_object(obj, number, armature, found, record)
-        except Exception:
-            if any(read_rig(obj.data) is not None for obj in objects):
-                remove_rig(armature.name)
-            else:
-                remove_armature(armature)
+        except BaseException:
+            for obj in bound:
+                made = read_rig(obj.data)
+                if made is not None:
+                    with object_mode(obj):
+                        unbind(obj, made, armature, unconfirmed=True)
             raise
         self.armature, self.bones = armature.name, len(names)
 
-    def _record(self, armature: bpy.types.Object, found: Rigged) -> RigRecord:
+    def _record(self, armature: bpy.types.Object, found: Rigged, token: str) -> RigRecord:
         """Make poses of the armature, colour its doubtful bones, and describe it."""
         names = found.skeleton.names
-        confidence = dict(zip(names, found.confidence.round(3).tolist(), strict=True))
-        held = found.weights.any(axis=0)
-        colour_bones(
-            armature, [name for name, own in zip(names, held, strict=True) if own and confidence[name] < DOUBTFUL]
-        )
+        held = (found.weights > _LEAST).any(axis=0)
+        confidence = {
+            name: round(float(found.confidence[number]), 3) for number, name in enumerate(names) if held[number]
+        }
+        colour_bones(armature, [name for name, sure in confidence.items() if sure < DOUBTFUL])
         actions = []
         if self._corrected is not None:
             matrices = bone_matrices(armature, found.skeleton, found.to_given)
-            actions.append(add_pose(armature, _SCAN, matrices))
             still = {name: (rest, rest.copy()) for name, (rest, _) in matrices.items()}
-            actions.append(add_pose(armature, _NAMES[self._pose], still))
+            actions = [add_pose(armature, _SCAN, matrices), add_pose(armature, _NAMES[self._pose], still)]
         return RigRecord(
-            armature.name,
-            bones_fingerprint(armature),
+            token,
+            armature_fingerprint(armature),
+            {action.name: action_fingerprint(action) for action in actions},
             "" if self._source is None else self._source.name,
             self._pose,
             max(self._side, 0),
             [float(each) for each in found.match.sides],
-            {name: confidence[name] for name, own in zip(names, held, strict=True) if own},
+            confidence,
             self.warnings,
-            actions=actions,
         )
 
     def _bind_object(
         self, obj: bpy.types.Object, number: int, armature: bpy.types.Object, found: Rigged, about: RigRecord
     ) -> None:
         """Bind one object; what was written is recorded even after an error."""
-        record = RigRecord(**{**vars(about), "groups": {}, "keys": {}})
+        record = replace(about, groups={}, keys={})
         start, end = list(pairwise(self._starts.tolist()))[number]
-        active, reading = active_items(obj), self._readings[number]
-        back = np.linalg.inv(reading.placement)
+        active, back = active_items(obj), np.linalg.inv(self._readings[number].placement)
         try:
             for name, weights in zip(found.skeleton.names, found.weights[start:end].T, strict=True):
                 if (weights > _LEAST).any():
                     group = obj.vertex_groups.new(name=name)
-                    try:
-                        record.groups[group.name] = fill_group(group, np.where(weights > _LEAST, weights, np.nan))
-                    except Exception:
-                        obj.vertex_groups.remove(group)  # half filled, it would be taken for the user's
-                        raise
+                    record.groups[group.name] = ""  # not filled yet
+                    record.groups[group.name] = fill_group(group, np.where(weights > _LEAST, weights, np.nan))
             if self._corrected is not None:
                 shapes = [moved(each[start:end], back) for each in (found.vertices, self._corrected)]
                 self._add_keys(obj, shapes, record)
             modifier = obj.modifiers.new("Armature", "ARMATURE")
             modifier.object = armature
-            record.modifier = modifier.name
             obj.modifiers.move(len(obj.modifiers) - 1, 0)
             if obj.parent is None:
+                record.inverse = np.ravel(obj.matrix_parent_inverse).tolist()
                 obj.parent = armature
                 obj.matrix_parent_inverse = armature.matrix_world.inverted()
-                record.parented = True
         finally:
             write_rig(obj.data, record)
         restore_active_items(obj, active.kept(existing_items(obj), otherwise=active_items(obj)))
@@ -255,45 +268,74 @@ class RigTask:
         if obj.data.shape_keys is None:
             obj.shape_key_add(name="Basis", from_mix=False)
             record.basis = True
+        form = form_key(obj.data)
+        if form is not None and form.value:  # with both, the mesh would be moved twice
+            record.slider, form.value = form.value, 0.0
+            if has_in_betweens(obj.data):
+                obj.data.shape_keys[PROPERTY] = 0.0
         before = obj.data.shape_keys.reference_key
         for name, shape, value in zip((_NAMES[self._pose], _SCAN), shapes, (1.0, 0.0), strict=True):
             key = obj.shape_key_add(name=f"{name} at Rest" if value else name, from_mix=False)
+            record.keys[key.name] = ""  # not filled yet
             key.points.foreach_set("co", shape.astype(np.float32).ravel())
             key.relative_key, key.value, before = before, value, key
             record.keys[key.name] = key_fingerprint(key)
 
-
-def _read(obj: bpy.types.Object) -> Reading:
-    """Read an object that has no rig but one of ours."""
-    record = read_rig(obj.data)
-    others = [each for each in rigs_of(obj) if record is None or each.name != record.armature]
-    if others:
-        raise CanonicalFormError(
-            told(
-                "{name} is moved by the rig {rig} already. Remove its Armature modifier and its parent first.",
-                name=obj.name,
-                rig=others[0].name,
+    def _read(self, obj: bpy.types.Object) -> Reading:
+        """Read an object that has no rig but one of ours."""
+        own = armature_given_to(obj)
+        others = [each for each in rigs_of(obj) if each != own]
+        if others:
+            raise CanonicalFormError(
+                told(
+                    "{name} is moved by the rig {rig} already. Remove its Armature modifier and its parent first.",
+                    name=obj.name,
+                    rig=others[0].name,
+                )
             )
-        )
-    with object_mode(obj):
-        reading = read_object(obj)
-    if reading.mirrors:
-        raise CanonicalFormError(told("{name} has a Mirror modifier. Apply it first.", name=obj.name))
-    return reading
-
-
-def _require_room(obj: bpy.types.Object, names: Sequence[str]) -> None:
-    """Require that no group of the user has the name of a bone."""
-    record = read_rig(obj.data)
-    known = {} if record is None else record.groups
-    there = [name for name in names if name in obj.vertex_groups]
-    prints = group_fingerprints(obj, {name: known.get(name) for name in there})
-    own = [name for name in there if known.get(name) is None or prints[name] != known[name]]
-    if own:
-        raise CanonicalFormError(
-            told(
-                "{name} has vertex groups of its own called {left}. Nothing was written; rename or remove them first.",
-                name=obj.name,
-                left=listed(own),
+        if self._pose != "NONE" and sum(each.data == obj.data for each in bpy.data.objects) > 1:
+            raise CanonicalFormError(
+                told(
+                    "{name} shares its mesh with other objects, which would move, too. Make it a single user first "
+                    "(Object > Relations > Make Single User > Object & Data).",
+                    name=obj.name,
+                )
             )
+        with object_mode(obj):
+            self._require_room(obj)
+            reading = read_object(obj)
+        if reading.mirrors:
+            raise CanonicalFormError(told("{name} has a Mirror modifier. Apply it first.", name=obj.name))
+        return reading
+
+    def _require_room(self, obj: bpy.types.Object) -> None:
+        """Require that no group of the user has the name of a bone."""
+        record = read_rig(obj.data)
+        known = {} if record is None else record.groups
+        there = [name for name in self._names if name in obj.vertex_groups]
+        prints = group_fingerprints(obj, {name: known.get(name) for name in there})
+        own = [name for name in there if known.get(name) is None or prints[name] != known[name]]
+        if own:
+            raise CanonicalFormError(
+                told(
+                    "{name} has vertex groups of its own called {left}. Rename or remove them first.",
+                    name=obj.name,
+                    left=listed(own),
+                )
+            )
+
+
+def _doubts(obj: bpy.types.Object, pose: str) -> list[str]:
+    """Say what of an object will not follow the armature, or hides it."""
+    doubts = []
+    data = obj.animation_data
+    own = data is not None and (data.action is not None or data.nla_tracks or data.drivers)
+    if own or any(not each.mute for each in obj.constraints):
+        doubts.append(
+            told("{name} is animated, or held by a constraint: its armature does not follow that.", name=obj.name)
         )
+    if obj.show_only_shape_key and pose != "NONE":
+        doubts.append(
+            told("{name} shows only its active shape key, and not that of the rest. Unpin it there.", name=obj.name)
+        )
+    return doubts

@@ -31,6 +31,7 @@ _JOINTS = {  # of the left side and the middle, in Rigify's names: head, tail, p
     "foot.L": ((0.1, 0.025, 0.085), (0.112, -0.1, 0.025), "shin.L"),
     "toe.L": ((0.112, -0.1, 0.025), (0.114, -0.175, 0.02), "foot.L"),
 }
+MANNEQUIN_BONES = tuple(dict.fromkeys(each for name in _JOINTS for each in (name, mirror_name(name))))
 _PARTNERS = 0.03  # of the height: distance of the mirror image of a bone from its partner
 _SOFT = 2e-4  # m²: diffusion time of the weights, about a hand's breadth across a joint
 _COLLAR, _HIP, _KNEE = 0.075, 0.93, 0.52  # metres: where collarbones, thighs and shins begin
