@@ -14,7 +14,13 @@ from mathutils import Euler, Matrix  # noqa: E402
 import addon  # noqa: E402
 from addon import core  # noqa: E402
 from addon.blender.records.record import RECORD_PROPERTY  # noqa: E402
+from addon.core.results import Match, Rigged  # noqa: E402
+from addon.core.rigging.fitted_rig import rest_bends  # noqa: E402
+from addon.core.rigging.reference_rig import mannequin_rig  # noqa: E402
+from addon.core.rigging.skeleton import BoneMotions, moved_skeleton, skinned  # noqa: E402
+from addon.core.surface.working_surface import working_surface  # noqa: E402
 from tests.meshes import pieced, shapes  # noqa: E402
+from tests.meshes.bent_rigs import posed  # noqa: E402
 
 PLACES = {  # of each object: turned, scaled, mirrored
     "trunk": Matrix.Identity(4),
@@ -23,6 +29,7 @@ PLACES = {  # of each object: turned, scaled, mirrored
     "shirt": Matrix.LocRotScale((-1.0, 0.0, 0.0), Euler((1.0, 0.0, 0.0)), (1.0, 0.25, 3.0)),
     "eye": Matrix.Translation((0.0, 5.0, 0.0)),
 }
+BENDS = {"upper_arm.L": (0, 50, 10), "forearm.L": (0, 0, -40), "thigh.R": (-40, 0, 0), "shin.R": (50, 0, 0)}
 QUICK: dict[str, Any] = {"max_iterations": 3, "landmark_count": 20}
 
 
@@ -102,6 +109,61 @@ def character(blender, made):
     bpy.context.view_layer.objects.active = objects["trunk"]
     bpy.context.view_layer.update()
     return objects
+
+
+@pytest.fixture(scope="session")
+def lender():
+    """A small mannequin with its bones."""
+    vertices, faces = core.mannequin()
+    coarse = working_surface(vertices, faces, 1500)
+    return mannequin_rig(vertices, faces).at(coarse.kept, coarse.faces)
+
+
+@pytest.fixture(scope="session")
+def motions(lender):
+    """How its bones are bent in the scan."""
+    return posed(lender, BENDS)
+
+
+@pytest.fixture(scope="session")
+def scan(lender, motions):
+    """The same body, bent."""
+    return skinned(lender.vertices, lender.weights, motions)
+
+
+@pytest.fixture
+def known(monkeypatch, lender, motions, scan):
+    """Let the core find the true bones at once, whatever the objects are; the costs of two ways to face."""
+    nothing = np.zeros(len(scan), dtype=np.int64)
+    sure = np.ones(len(scan))
+    match = Match(nothing, nothing, np.ones((len(scan), 3)), sure, [1.0, 4.0], lender.faces, len(scan), {}, [], [])
+    bones = lender.skeleton
+    there = moved_skeleton(bones, motions)
+    still = BoneMotions(there.heads, there.heads, np.broadcast_to(np.eye(3), motions.turns.shape))
+    sure = np.ones(len(bones.names))
+    sure[bones.names.index("toe.L")] = 0.01
+
+    def found(vertices, faces, reference, settings, *, pose, **_):
+        bends = rest_bends(lender)
+        if pose is None:
+            turned = np.einsum("bij,bj->bi", motions.turns, bends)
+            return Rigged(vertices, there, still, turned, lender.weights, sure, match, {}, [])
+        place = vertices[0] - scan[0]  # that of the object
+        moved = BoneMotions(bones.heads + place, motions.heads + place, motions.turns)
+        at_rest = bones._replace(heads=bones.heads + place, tails=bones.tails + place)
+        return Rigged(lender.vertices + place, at_rest, moved, bends, lender.weights, sure, match, {}, [])
+
+    monkeypatch.setattr(core, "rig", found)
+
+
+@pytest.fixture
+def body(blender, known, scan, lender):
+    """The scan, with a key and a group of the user's."""
+    obj = add_object("Body", scan, lender.faces)
+    obj.shape_key_add(name="Basis")
+    obj.shape_key_add(name="Smile")
+    obj.vertex_groups.new(name="Mine").add([0, 1], 0.5, "REPLACE")
+    return obj
 
 
 def add_object(name, vertices, faces):

@@ -1,1 +1,1 @@
-"""Gives bodies an armature: the one that lends its bones read, the armature made, skin bound to it, and removed."""
+"""Gives bodies an armature, with skin bound to it and poses, and takes it away again."""
