@@ -30,6 +30,7 @@ class VIEW3D_PT_canonical_form_rig(Tab, bpy.types.Panel):
         layout.prop_search(chosen, "rig_like", bpy.data, "objects", text=told("Bones From"))
         layout.prop(chosen, "rig_rest", text=told("Rest"))
         layout.prop(chosen, "rig_equal")
+        layout.prop(chosen, "rig_rigify")
         layout.prop(chosen, "anyway")
         hand_over_rig(chosen, layout.operator(OBJECT_OT_canonical_form_rig.bl_idname, icon="ARMATURE_DATA"))
         record = shown_rig(context)

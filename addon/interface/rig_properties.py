@@ -37,6 +37,12 @@ def _rig_properties(prefix: str) -> dict[str, Any]:
             description="Make bones of the left and the right side equally long",
             default=True,
         ),
+        f"{prefix}rigify": BoolProperty(
+            name="Rigify",
+            translation_context=CONTEXT,
+            description="Generate Rigify's rig, with its controls, on the bones of the mannequin",
+            default=False,
+        ),
     }
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager, nullcontext
 from typing import TYPE_CHECKING
 
 import bpy
@@ -77,13 +77,13 @@ def add_armature(
 
 
 @contextmanager
-def active_alone(armature: bpy.types.Object) -> Iterator[None]:
+def active_alone(armature: bpy.types.Object | None) -> Iterator[None]:
     """Make an armature the only selected object, and the active one, and restore both and the mode afterwards.
 
     Parameters
     ----------
-    armature : bpy.types.Object
-        The armature, in the scene's own collection.
+    armature : bpy.types.Object or None
+        The armature, in the scene's own collection; None for one that is yet to be made.
 
     Yields
     ------
@@ -97,18 +97,17 @@ def active_alone(armature: bpy.types.Object) -> Iterator[None]:
     """
     layer = bpy.context.view_layer
     active, selected = layer.objects.active, [each for each in layer.objects if each.select_get()]
-    with object_mode(active if active is not None else armature):
+    with nullcontext() if active is None else object_mode(active):
         try:
             for each in selected:
                 each.select_set(False)
             layer.objects.active = armature
-            armature.select_set(True)
-            with bpy.context.temp_override(
-                object=armature,
-                active_object=armature,
-                selected_objects=[armature],
-                selected_editable_objects=[armature],
-            ):  # a script may have overridden them
+            with ExitStack() as stack:
+                if armature is not None:
+                    armature.select_set(True)
+                    one = {"object": armature, "active_object": armature}
+                    some = {"selected_objects": [armature], "selected_editable_objects": [armature]}
+                    stack.enter_context(bpy.context.temp_override(**one, **some))  # a script may have overridden them
                 yield
         except RuntimeError as error:
             raise CanonicalFormError(

@@ -11,7 +11,7 @@ import numpy as np
 from ..mesh_items.action_curves import curves_of
 from ..mesh_items.fingerprints import fingerprint
 
-MARK = "canonical_form_made"
+MARK, PART = "canonical_form_made", " part"  # the armature itself is no part
 _KINDS = ("actions", "objects", "collections", "armatures", "meshes", "texts")  # users come before what they use
 
 
@@ -28,7 +28,7 @@ def new_token(name: str) -> str:
     str
         The mark.
     """
-    known = {each.get(MARK) for kind in _KINDS for each in getattr(bpy.data, kind)}
+    known = {str(each.get(MARK)).removesuffix(PART) for kind in _KINDS for each in getattr(bpy.data, kind)}
     number = next(number for number in range(len(known) + 1) if f"{name} {number}" not in known)
     return f"{name} {number}"
 
@@ -54,7 +54,7 @@ def marked_as(token: str) -> Iterator[None]:
         bpy.data.batch_remove(_since(before))
         raise
     for each in _since(before):
-        each[MARK] = token
+        each[MARK] = token + PART
 
 
 def _since(before: set[int]) -> list[bpy.types.ID]:
@@ -75,7 +75,10 @@ def made_by(token: str) -> list[bpy.types.ID]:
         The data of this file, not of libraries.
     """
     return [
-        each for kind in _KINDS for each in getattr(bpy.data, kind) if each.get(MARK) == token and each.library is None
+        each
+        for kind in _KINDS
+        for each in getattr(bpy.data, kind)
+        if each.get(MARK) in (token, token + PART) and each.library is None
     ]
 
 

@@ -15,7 +15,7 @@ from ..mesh_items.key_removal import remove_all_keys, remove_drivers
 from ..objects.object_states import object_mode
 from ..records.form_key import form_key
 from ..records.rig_record import RigRecord, read_rig, recorded_key, remove_rig_record
-from .made_data import MARK, action_fingerprint, armature_fingerprint, made_by
+from .made_data import MARK, PART, action_fingerprint, armature_fingerprint, made_by
 
 
 def armature_given_to(obj: bpy.types.Object) -> bpy.types.Object | None:
@@ -92,18 +92,17 @@ def release(objects: Sequence[bpy.types.Object]) -> list[str]:
 
 def _is_unused(armature: bpy.types.Object) -> bool:
     """Return whether nothing of the user's refers to an armature: children, constraints, drivers, actions."""
-    users = bpy.data.user_map(subset={armature, armature.data})
+    users, token = bpy.data.user_map(subset={armature, armature.data}), armature[MARK]
     data = armature.animation_data
-    own = data is None or data.action is None or data.action.get(MARK) == armature.get(MARK)
-    token = armature.get(MARK)
+    own = data is None or data.action is None or data.action.get(MARK) == token + PART
     others = [each for each in users[armature] if not isinstance(each, bpy.types.Scene | bpy.types.Collection)]
-    return own and all(each.get(MARK) == token for each in [*others, *users[armature.data]])
+    return own and all(each.get(MARK) in (token, token + PART) for each in [*others, *users[armature.data]])
 
 
 def _remove(armature: bpy.types.Object | None, record: RigRecord) -> list[str]:
     """Remove what was made with an armature; actions that the user has changed or uses stay."""
     made, left = made_by(record.token), []
-    if any(each.type == "ARMATURE" and each != armature for each in made if isinstance(each, bpy.types.Object)):
+    if any(each[MARK] == record.token and each != armature for each in made):
         made = [] if armature is None else [armature]  # a copy of it lives, with poses and all
     keep = []
     for action in [each for each in made if isinstance(each, bpy.types.Action)]:

@@ -25,9 +25,10 @@ from ..results.in_betweens import PROPERTY, has_in_betweens
 from ..words.advice import all_advised
 from ..words.wording import listed, told
 from .armatures import add_armature, add_pose, bone_matrices, colour_bones, follow
-from .made_data import action_fingerprint, armature_fingerprint, marked_as, new_token
+from .made_data import MARK, action_fingerprint, armature_fingerprint, marked_as, new_token
 from .rig_clearing import armature_given_to, release, unbind
 from .rig_reading import RigSource, rolled
+from .rigify import DEFORMING, add_rigify, require_rigify
 
 if TYPE_CHECKING:
     from ...core import KeptStages, Rigged, Settings
@@ -59,6 +60,8 @@ class RigTask:
         The pose at rest: one of `RESTS`.
     equal : bool
         Make bones of both sides equally long.
+    rigify : bool
+        Generate Rigify's rig on the bones, which must have the mannequin's names.
     side : int
         Which way the body faces: -1 for the likeliest, or its index.
     anyway : bool
@@ -89,6 +92,7 @@ class RigTask:
         pose: str,
         *,
         equal: bool = True,
+        rigify: bool = False,
         side: int = -1,
         anyway: bool = False,
         keep: KeptStages | None = None,
@@ -96,6 +100,9 @@ class RigTask:
         self._source, self._settings, self._pose, self._keep = source, settings, pose, keep
         self._equal, self._side, self._anyway = equal, side, anyway
         self._names = MANNEQUIN_BONES if source is None else source.rig.skeleton.names
+        self._rigify = rigify
+        if rigify:
+            require_rigify(self._names)
         objects = list({obj.data: obj for obj in reversed(objects)}.values())[::-1]
         self._readings = [self._read(obj) for obj in objects]
         for reading in self._readings:
@@ -180,9 +187,11 @@ class RigTask:
                 self._require_room(obj)  # what was kept may be in the way
         token = new_token(objects[0].name)
         with marked_as(token):
-            self._bind(objects, found, token)
+            armature = self._bind(objects, found, token)
+        armature[MARK] = token
+        self.armature, self.bones = armature.name, len(found.skeleton.names)
 
-    def _bind(self, objects: list[bpy.types.Object], found: Rigged, token: str) -> None:
+    def _bind(self, objects: list[bpy.types.Object], found: Rigged, token: str) -> bpy.types.Object:
         """Make the armature, and bind the objects to it; all of them or none."""
         first, names = objects[0], found.skeleton.names
         angles = np.array([0.0 if self._source is None else self._source.rolls[name] for name in names])
@@ -192,7 +201,11 @@ class RigTask:
         origin = np.array([(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, low[2]])
         deforming = (found.weights > _LEAST).any(axis=0)
         bends = rolled(axes, found.bends, angles)
-        armature = add_armature(_RIG.format(first.name), found.skeleton, bends, deforming, origin, first)
+        name = _RIG.format(first.name)
+        if self._rigify:
+            armature = add_rigify(name, found.skeleton, bends, origin, first)
+        else:
+            armature = add_armature(name, found.skeleton, bends, deforming, origin, first)
         follow(armature, first)
         record = self._record(armature, found, token)
         bound: list[bpy.types.Object] = []
@@ -208,7 +221,11 @@ class RigTask:
                     with object_mode(obj):
                         unbind(obj, made, armature, unconfirmed=True)
             raise
-        self.armature, self.bones = armature.name, len(names)
+        return armature
+
+    def _called(self, name: str) -> str:
+        """Return how the bone that moves the skin is called."""
+        return DEFORMING + name if self._rigify else name
 
     def _record(self, armature: bpy.types.Object, found: Rigged, token: str) -> RigRecord:
         """Make poses of the armature, colour its doubtful bones, and describe it."""
@@ -217,9 +234,9 @@ class RigTask:
         confidence = {
             name: round(float(found.confidence[number]), 3) for number, name in enumerate(names) if held[number]
         }
-        colour_bones(armature, [name for name, sure in confidence.items() if sure < DOUBTFUL])
+        colour_bones(armature, [self._called(name) for name, sure in confidence.items() if sure < DOUBTFUL])
         actions = []
-        if self._corrected is not None:
+        if self._corrected is not None and not self._rigify:
             matrices = bone_matrices(armature, found.skeleton, found.to_given)
             still = {name: (rest, rest.copy()) for name, (rest, _) in matrices.items()}
             actions = [add_pose(armature, _SCAN, matrices), add_pose(armature, _NAMES[self._pose], still)]
@@ -245,7 +262,7 @@ class RigTask:
         try:
             for name, weights in zip(found.skeleton.names, found.weights[start:end].T, strict=True):
                 if (weights > _LEAST).any():
-                    group = obj.vertex_groups.new(name=name)
+                    group = obj.vertex_groups.new(name=self._called(name))
                     record.groups[group.name] = ""  # not filled yet
                     record.groups[group.name] = fill_group(group, np.where(weights > _LEAST, weights, np.nan))
             if self._corrected is not None:
@@ -312,7 +329,7 @@ class RigTask:
         """Require that no group of the user has the name of a bone."""
         record = read_rig(obj.data)
         known = {} if record is None else record.groups
-        there = [name for name in self._names if name in obj.vertex_groups]
+        there = [name for name in map(self._called, self._names) if name in obj.vertex_groups]
         prints = group_fingerprints(obj, {name: known.get(name) for name in there})
         own = [name for name in there if known.get(name) is None or prints[name] != known[name]]
         if own:
