@@ -21,7 +21,7 @@ from .numerics.arrays import FloatArray
 from .results import Match, Rigged
 from .rigging.articulated_fit import explained_whole
 from .rigging.candidates import Candidate, candidates, candidates_of
-from .rigging.fitted_rig import bend_axes, filled_in, settled_turns, with_equal_sides
+from .rigging.fitted_rig import bend_axes, filled_in, moved_bend_axes, settled_turns, with_equal_sides
 from .rigging.fitted_stance import fitted_stance, goal_turns
 from .rigging.reference_rig import ReferenceRig, mannequin_rig
 from .rigging.references import adult, other_builds
@@ -303,12 +303,13 @@ def _at_rest(found: Rigged, fitted: Fitted, chosen: Candidate, pose: str, monito
     there = stood(fitted.body, fit, motions, monitor)
     shapes = [body.points for body in fitted.pair.bodies.bodies]
     shapes[fitted.pair.pairs[0][0]] = there.vertices
+    at_rest = moved_skeleton(found.skeleton, there.motions)
     return replace(
         found,
         vertices=shaped(fitted.pair.bodies, shapes, monitor).copy(),
-        skeleton=moved_skeleton(found.skeleton, there.motions),
+        skeleton=at_rest,
         to_given=inverted(there.motions),
-        bends=np.einsum("bij,bj->bi", there.motions.turns, found.bends),
+        bends=moved_bend_axes(reference, found.bends, there.motions.turns, at_rest),
     )
 
 

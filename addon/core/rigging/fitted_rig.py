@@ -10,6 +10,7 @@ from ..numerics.ramps import ramp
 from .bone_fit import BoneFit
 from .evidence import turned_by
 from .reference_rig import ReferenceRig
+from .skeleton import Skeleton
 
 _FOOT, _HAND = 60.0, 100.0  # degrees beyond which an end goes with its limb
 _STRAIGHT, _BENT = 12.0, 35.0  # degrees: a joint bent less tells no hinge, one bent more tells it alone
@@ -63,7 +64,20 @@ def bend_axes(rig: ReferenceRig, fit: BoneFit) -> FloatArray:
             for bone in pair:
                 straight = found[bone] if lower == "forearm" else _unit(np.cross(foot, ways[bone]))
                 found[bone] = (1 - share) * straight + share * _unit(hinge)
-    return _unit(found - np.einsum("bi,bi->b", found, ways)[:, None] * ways)
+    return _across(found, ways)
+
+
+def moved_bend_axes(rig: ReferenceRig, bends: FloatArray, turns: FloatArray, rest: Skeleton) -> FloatArray:
+    """Turn the axes about which bones bend along with them to another rest, (b, 3); knees bend where feet point there.
+
+    `bends` (b, 3): axes before; `turns` (b, 3, 3): to the other rest; `rest`: the bones there.
+    """
+    found, number = np.einsum("bij,bj->bi", turns, bends), rest.names.index
+    ways = _unit(rest.tails - rest.heads)
+    for side in "LR" if rig.is_human else "":
+        for bone in (number(f"{name}.{side}") for name in ("thigh", "shin")):
+            found[bone] = np.cross(ways[number(f"foot.{side}")], ways[bone])
+    return _across(found, ways)
 
 
 def rest_bends(rig: ReferenceRig) -> FloatArray:
@@ -74,7 +88,12 @@ def rest_bends(rig: ReferenceRig) -> FloatArray:
     for name in ("thigh", "shin"):
         for side in "LR" if rig.is_human else "":
             rest[rig.skeleton.names.index(f"{name}.{side}")] *= -1
-    return _unit(rest - np.einsum("bi,bi->b", rest, rig.axes)[:, None] * rig.axes)
+    return _across(rest, rig.axes)
+
+
+def _across(axes: FloatArray, ways: FloatArray) -> FloatArray:
+    """Make axes perpendicular to directions."""
+    return _unit(axes - np.einsum("bi,bi->b", axes, ways)[:, None] * ways)
 
 
 def filled_in(weights: FloatArray, trust: FloatArray, stiffness: object, mass: FloatArray) -> FloatArray:
