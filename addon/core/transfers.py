@@ -5,19 +5,16 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .deformation.rotations import nearest_rotations
-from .mesh.edges import vertex_pairs
+from .deformation.vertex_turns import vertex_turns
 from .mesh.geometry import surface_area
 from .mesh.islands import island_labels
 from .mesh.tables import rows_in
 from .numerics.arrays import BoolArray, FloatArray, IntArray
-from .numerics.factoring import factored
 from .results import Match
 from .run.errors import InvalidMeshError
 
 _FARTHER = 1.2  # factor on the stretch of a map: corners farther apart there lie on different sides of a seam
 _ROUNDING = 1e-9  # difference below which values are the same
-_WIDE = 0.03  # sqrt(area): width of the neighbourhood over which the rotation is estimated
 
 
 def transferred(matched: Match, values: ArrayLike) -> FloatArray:
@@ -224,24 +221,12 @@ def transferred_shape(
     Sumner and Popović, "Deformation Transfer for Triangle Meshes", 2004, doi:10.1145/1015706.1015736, who transfer
     changes instead of positions; this is simpler: one rotation per vertex.
     """
-    from scipy.sparse import coo_array, diags
-
     points, before = np.asarray(vertices, dtype=np.float64), np.asarray(other_vertices, dtype=np.float64)
     there = transferred(matched, before)
     way = transferred(matched, np.asarray(other_shape, dtype=np.float64) - before)
-    joined = np.arange(len(points)) if matched.seams is None else matched.seams.joined
-    pairs = vertex_pairs(joined[np.asarray(faces, dtype=np.int64)])
-    i, j = np.concatenate([pairs, pairs[:, ::-1]]).T
-    edges, likes = points[j] - points[i], there[j] - there[i]
-    covariance = np.zeros((len(points), 3, 3))
-    np.add.at(covariance, i, likes[:, :, None] * edges[:, None, :])
-    size = float(np.sqrt(surface_area(points, np.asarray(faces))))
-    length = float(np.linalg.norm(edges, axis=1).mean()) if len(edges) else 1.0
-    degree = np.maximum(np.bincount(i, minlength=len(points)), 1).astype(float)
-    weight = coo_array((np.ones(len(i)), (i, j)), shape=(len(points),) * 2)
-    time = (_WIDE * size / (length or 1.0)) ** 2
-    smooth = factored(((1 + time) * diags(degree) - time * weight).tocsc()).solve
-    turn = nearest_rotations(smooth(covariance.reshape(-1, 9)).reshape(-1, 3, 3))[joined]
+    triangles = np.asarray(faces, dtype=np.int64)
+    turn = vertex_turns(there, points, triangles, None if matched.seams is None else matched.seams.joined)
+    size = float(np.sqrt(surface_area(points, triangles)))
     scale = size / np.sqrt(surface_area(before, matched.other_faces))
     moved: FloatArray = points + scale * np.einsum("ij,ijk->ik", way, turn)
     return moved

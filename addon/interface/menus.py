@@ -23,7 +23,12 @@ from .pose_operators import (
 )
 from .pose_panel import draw_other_side, shown_likeness
 from .properties import hand_over, hand_over_transfer
-from .rig_operators import OBJECT_OT_canonical_form_rig, OBJECT_OT_canonical_form_rig_clear, hand_over_rig
+from .rig_operators import (
+    OBJECT_OT_canonical_form_rig,
+    OBJECT_OT_canonical_form_rig_clear,
+    OBJECT_OT_canonical_form_rig_keep,
+    hand_over_rig,
+)
 from .tool_operators import OBJECT_OT_canonical_form_choose, OBJECT_OT_canonical_form_distance
 
 
@@ -61,6 +66,7 @@ class VIEW3D_MT_canonical_form(bpy.types.Menu):
         layout.operator_menu_enum(OBJECT_OT_canonical_form_distance.bl_idname, "kind")
         layout.separator()
         layout.operator(OBJECT_OT_canonical_form_clear.bl_idname)
+        layout.operator(OBJECT_OT_canonical_form_rig_keep.bl_idname)
         layout.operator(OBJECT_OT_canonical_form_rig_clear.bl_idname)
 
 

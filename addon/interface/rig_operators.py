@@ -10,6 +10,8 @@ from bpy.props import BoolProperty, IntProperty
 from ..blender.jobs.meant_objects import meant_object
 from ..blender.objects.mesh_reading import refusal
 from ..blender.records.rig_record import read_rig
+from ..blender.rigging.kept_rest import keep_rest, rest_key
+from ..blender.rigging.rig_clearing import armature_given_to, bound_to
 from ..blender.words.advice import explained
 from ..blender.words.wording import CONTEXT, listed, told
 from ..core import CanonicalFormError
@@ -101,7 +103,7 @@ class OBJECT_OT_canonical_form_rig_clear(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Remove it from all objects that it moves."""
-        from ..blender.rigging.rig_clearing import armature_given_to, bound_to, release
+        from ..blender.rigging.rig_clearing import release
 
         obj = meant_object(context)
         if obj is None:
@@ -116,6 +118,37 @@ class OBJECT_OT_canonical_form_rig_clear(bpy.types.Operator):
         self.report({"INFO"}, told("Removed from {names}.", names=listed([each.name for each in objects])))
         if left:
             self.report({"WARNING"}, told("Kept, since they may hold your changes: {left}.", left=listed(left)))
+        return {"FINISHED"}
+
+
+class OBJECT_OT_canonical_form_rig_keep(bpy.types.Operator):
+    """Make the pose at rest of the rig that of the mesh: a new Basis. The scan stays as a shape key"""  # noqa: D400
+
+    bl_idname = "object.canonical_form_rig_keep"
+    bl_label = "Keep as Rest"
+    bl_translation_context = CONTEXT
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Disable the button, with a reason, if the mesh rests as it is."""
+        obj = meant_object(context)
+        key = rest_key(obj) if obj is not None and obj.type == "MESH" else None
+        reason = told("The mesh rests as it is.") if key is None else refusal(obj)
+        return allowed(cls, JobOperator.busy() or reason)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Write it to all objects that the armature moves."""
+        obj = meant_object(context)
+        if obj is None:
+            return {"CANCELLED"}
+        armature = armature_given_to(obj)
+        try:
+            for each in [obj] if armature is None else bound_to(armature):
+                keep_rest(each)
+        except CanonicalFormError as error:
+            self.report({"ERROR"}, explained(error))
+            return {"CANCELLED"}
         return {"FINISHED"}
 
 
@@ -135,6 +168,6 @@ def hand_over_rig(chosen: bpy.types.PropertyGroup, button: bpy.types.OperatorPro
     button.rigify, button.anyway = chosen.rig_rigify, chosen.anyway
 
 
-CLASSES = (OBJECT_OT_canonical_form_rig, OBJECT_OT_canonical_form_rig_clear)
+CLASSES = (OBJECT_OT_canonical_form_rig, OBJECT_OT_canonical_form_rig_keep, OBJECT_OT_canonical_form_rig_clear)
 
 register, unregister = bpy.utils.register_classes_factory(CLASSES)

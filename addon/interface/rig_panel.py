@@ -10,7 +10,12 @@ from ..core.method_api.costs import match_memory_estimate, match_time_estimate
 from ..core.run.load import slowdown
 from .pose_panel import least_sure
 from .properties import chosen_value
-from .rig_operators import OBJECT_OT_canonical_form_rig, OBJECT_OT_canonical_form_rig_clear, hand_over_rig
+from .rig_operators import (
+    OBJECT_OT_canonical_form_rig,
+    OBJECT_OT_canonical_form_rig_clear,
+    OBJECT_OT_canonical_form_rig_keep,
+    hand_over_rig,
+)
 from .sidebar import Tab
 
 
@@ -38,6 +43,8 @@ class VIEW3D_PT_canonical_form_rig(Tab, bpy.types.Panel):
             draw_other_rig(layout, chosen, record)
             for line in least_sure(record.confidence):
                 layout.label(text=line, icon="ERROR")
+            if record.pose != "NONE":
+                layout.operator(OBJECT_OT_canonical_form_rig_keep.bl_idname)
             layout.operator(OBJECT_OT_canonical_form_rig_clear.bl_idname, icon="X")
         objects = [obj for obj in meant_objects(context) if obj is not None and obj.type == "MESH"]
         if objects:

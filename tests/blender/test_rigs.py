@@ -216,3 +216,32 @@ def test_bones_come_back_from_a_rigged_object_as_they_are(blender, scan, lender,
             turn = (here.to_3x3().inverted() @ true).to_quaternion().angle
             assert min(turn, 2 * np.pi - turn) < np.radians(12.0), name
             assert np.linalg.norm(np.array(here.translation) - motions.heads[number]) < 0.02, name
+
+
+def test_a_rest_that_is_kept_is_the_basis(body, scan, lender):
+    keys = body.data.shape_keys.key_blocks
+    smile = scan + np.array([0.0, 0.0, 0.05])
+    keys["Smile"].value = 0.0
+    keys["Smile"].data.foreach_set("co", smile.astype(np.float32).ravel())
+    bpy.ops.object.canonical_form_rig(**RIG, rest="T")
+    there = shown(body)
+    armature = armature_of(body)
+    assert bpy.ops.object.canonical_form_rig_keep() == {"FINISHED"}
+    assert [key.name for key in keys] == ["Basis", "Smile", "Scan"]
+    np.testing.assert_allclose(shown(body), there, atol=1e-6)
+    points = np.empty((len(scan), 3), dtype=np.float32)
+    body.data.vertices.foreach_get("co", points.ravel())
+    np.testing.assert_allclose(points, lender.vertices, atol=1e-5)
+    keys["Smile"].value = 1.0
+    way = np.linalg.norm(shown(body) - there, axis=1)
+    np.testing.assert_allclose(way, 0.05, atol=1e-4)  # turned as the surface is
+    head = scan[:, 2] > np.quantile(scan[:, 2], 0.98)
+    np.testing.assert_allclose((shown(body) - there)[head], np.tile([0, 0, 0.05], (head.sum(), 1)), atol=0.01)
+    keys["Smile"].value = 0.0
+    act(armature, "Scan")
+    keys["Scan"].value = 1.0
+    np.testing.assert_allclose(shown(body), scan, atol=2e-3)
+    assert not bpy.ops.object.canonical_form_rig_keep.poll()
+    bpy.ops.object.canonical_form_rig_clear()
+    assert [key.name for key in keys] == ["Basis", "Smile"]
+    np.testing.assert_allclose(shown(body), there, atol=1e-6)
