@@ -18,7 +18,7 @@ from ..core.method_api.settings import Settings
 from ..core.numerics.arrays import FloatArray
 from ..core.run.errors import CanonicalFormError
 from .file_space import UNITS
-from .wanted import KINDS, Wanted
+from .wanted import KINDS, RESTS, Wanted
 
 _POSING = """\
 examples:
@@ -33,6 +33,13 @@ examples:
   transfer scan.ply --output rigged --reference base.blend --format glb
                                                       the rig of a base mesh on a scan
   transfer lods --output done --reference hero.glb --kinds uvs materials keys
+"""
+_RIGGING = """\
+examples:
+  rig scan.ply --output rigged                        an armature with weights, and the scan in a T-pose
+  rig scans --output rigged --format glb --rest none  every scan of a folder, as it stands, for other programs
+  rig scan.ply --output rigged --rigify               with Rigify's controls
+  rig scan.ply --output rigged --reference hero.glb   with the bones of another character
 """
 _MATCHING = """\
 examples:
@@ -64,11 +71,14 @@ def wanted_of(options: argparse.Namespace, mark: str, *, stages: bool) -> Wanted
     frame_keys = options.frames_as == "keys"
     if frame_keys and (not options.frames or options.format != "blend"):
         raise CanonicalFormError("--frames-as keys needs --frames, and --format blend.")
-    if options.command == "transfer" and (options.mesh == "shown" or frames or options.together or options.keep_rig):
+    itself = options.command in ("transfer", "rig")
+    if itself and (options.mesh == "shown" or frames or options.together or options.keep_rig):
         raise CanonicalFormError(
-            "transfer works on the mesh itself and keeps the rig: leave out --mesh shown, --frame, --frames, "
+            f"{options.command} works on the mesh itself and keeps the rig: leave out --mesh shown, --frame, --frames, "
             "--together and --keep-rig."
         )
+    if options.command == "rig" and f".{options.format}" in PLAIN:
+        raise CanonicalFormError(f".{options.format} holds no armature. Choose blend, glb, fbx or usdc.")
     if options.axes is not None and options.space == "object":
         raise CanonicalFormError("--axes turns the scene: it goes with --space world.")
     if options.units is not None and f".{options.format}" not in PLAIN:
@@ -99,6 +109,8 @@ def wanted_of(options: argparse.Namespace, mark: str, *, stages: bool) -> Wanted
         side=options.side,
         anyway=getattr(options, "anyway", False),
         kinds=tuple(getattr(options, "kinds", ())),
+        rest=RESTS[getattr(options, "rest", "none")],
+        rigify=getattr(options, "rigify", False),
         mark=mark,
         stages=stages,
     )
@@ -157,6 +169,25 @@ def _parser() -> argparse.ArgumentParser:
     _add_axes(how)
     _add_method(transferring, how)
     transferring.set_defaults(pose=None)
+    rigging = commands.add_parser(
+        "rig", help="give meshes in any pose an armature with weights", epilog=_RIGGING, formatter_class=_Help
+    )
+    _add_files(rigging)
+    how = rigging.add_argument_group("the rig")
+    how.add_argument(
+        "--reference", metavar="FILE", help="take the bones of the rigged character in this file, which has a similar "
+        "body, instead of the mannequin's",
+    )  # fmt: skip
+    how.add_argument(
+        "--rest", choices=tuple(RESTS), default="t", help="the pose at rest: a T-pose, an A-pose, that of the "
+        "reference, or none: as the mesh stands",
+    )  # fmt: skip
+    how.add_argument("--rigify", action="store_true", help="generate Rigify's rig on the bones of the mannequin")
+    how.add_argument("--anyway", action="store_true", help="write a rig that is unlikely to be right, too")
+    _add_side(how)
+    _add_axes(how)
+    _add_method(rigging, how)
+    rigging.set_defaults(pose=None)
     matching = commands.add_parser(
         "match", help="find the corresponding point on another mesh for every vertex", epilog=_MATCHING,
         formatter_class=_Help,

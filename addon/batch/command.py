@@ -27,6 +27,7 @@ from .lines import DONE, SCHEMA, FileCount, Line, complain
 from .matching import match_files
 from .open_files import Reference
 from .report_log import ReportLog
+from .rigging import rig_file
 from .targets import Targets
 from .transferring import transfer_file
 
@@ -55,7 +56,7 @@ def main(words: Sequence[str], output: TextIO, *, alone: bool = False) -> int:
     try:
         with redirect_stdout(output):  # for --help
             options = parsed(list(words))
-        kind = {"match": _MatchRun, "transfer": _TransferRun}.get(options.command, _Run)
+        kind = {"match": _MatchRun, "transfer": _TransferRun, "rig": _RigRun}.get(options.command, _Run)
         run = kind(options, output, alone)
     except SystemExit as stop:
         return int(stop.code or 0)
@@ -271,6 +272,15 @@ class _TransferRun(_Run):
         return [
             _Task({"input": str(each.path)}, transfer_file, (each, self._wanted, donor)) for each in self._pending()
         ]
+
+
+class _RigRun(_Run):
+    """Rigs for the meshes of files."""
+
+    def _tasks(self) -> list[_Task]:
+        """Return the work that is not done yet; each worker reads the file that lends its bones itself."""
+        donor = self._reference_path
+        return [_Task({"input": str(each.path)}, rig_file, (each, self._wanted, donor)) for each in self._pending()]
 
 
 def _reason(failure: Failure) -> str:

@@ -15,6 +15,7 @@ KINDS = {  # what can be transferred, as the operator names it
     "keys": "KEYS",
     "materials": "MATERIALS",
 }
+RESTS = {"none": "NONE", "t": "T", "a": "A", "reference": "REFERENCE"}  # the same for the pose in which a rig rests
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,6 +67,10 @@ class Wanted:
         Whether to write a T-pose or an A-pose that is unlikely to be right.
     kinds : tuple of str
         Kinds of data to transfer, of `KINDS`.
+    rest : str
+        The pose in which a rig rests, of `RESTS`, as the operator names it.
+    rigify : bool
+        Whether Rigify's rig is generated.
     mark : str
         Distinguishes temporary files of this run from those of others.
     stages : bool
@@ -93,6 +98,8 @@ class Wanted:
     side: int = -1
     anyway: bool = False
     kinds: tuple[str, ...] = ()
+    rest: str = "NONE"
+    rigify: bool = False
     mark: str = ""
     stages: bool = False
 

@@ -267,7 +267,7 @@ class Rigged(_Summarised):
     bends : (b, 3) ndarray of float
         Unit vector across each bone: the axis about which it bends, such as that of a knee. The roll of a bone follows.
     weights : (n, b) ndarray of float
-        How far each vertex follows each bone; rows sum to 1, of vertices of no face too.
+        How far each vertex follows each bone, at most four; rows sum to 1, of vertices of no face too.
     confidence : (b,) ndarray of float
         How well each bone explains the skin that it moves, 0 to 1.
     match : Match

@@ -38,6 +38,7 @@ _FITTED = 0.9  # of the work
 _ROWS = 1 << 16  # vertices whose weights are found at once: a tenth of a second
 _LEAST = 0.1  # least belief in a point
 _FORGOTTEN = 0.01  # weights below which a bone does not hold a vertex
+_MOST_BONES = 4  # that hold a vertex
 
 
 class Fitted(NamedTuple):
@@ -364,5 +365,8 @@ def _on_all(fitted: Fitted, weights: FloatArray, monitor: Monitor) -> FloatArray
         monitor.check()
         some = others[start : start + _ROWS]
         whole[some] = source[near.query(bodies.vertices[some])[1]]
-    whole[whole < np.minimum(_FORGOTTEN, whole.max(axis=1, keepdims=True))] = 0.0
+    least = np.minimum(_FORGOTTEN, whole.max(axis=1))
+    if whole.shape[1] > _MOST_BONES:  # what engines take
+        least = np.maximum(least, np.partition(whole, -_MOST_BONES, axis=1)[:, -_MOST_BONES])
+    whole[whole < least[:, None]] = 0.0
     return np.asarray(whole / whole.sum(axis=1, keepdims=True))

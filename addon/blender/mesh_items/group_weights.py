@@ -38,3 +38,27 @@ def fill_group(group: bpy.types.VertexGroup, weights: FloatArray) -> str:
     for value, begin, end in zip(values.tolist(), first, [*first[1:], len(order)], strict=bool(len(order))):
         group.add(members[order[begin:end]].tolist(), value / _STEPS, "REPLACE")
     return members_fingerprint(members, rounded / _STEPS)
+
+
+def in_steps(weights: FloatArray) -> FloatArray:
+    """Round the weights of all groups so that those of each vertex still add up to 1.
+
+    Parameters
+    ----------
+    weights : (n, g) ndarray of float
+        Weights, whose rows sum to 1.
+
+    Returns
+    -------
+    (n, g) ndarray of float
+        Multiples of a thousandth, as `fill_group` writes them; rows sum to 1.
+
+    Examples
+    --------
+    >>> in_steps(np.array([[0.33333, 0.33333, 0.33334]])).tolist()
+    [[0.333, 0.333, 0.334]]
+    """
+    whole = np.floor(weights * _STEPS)
+    left = np.round(_STEPS - whole.sum(axis=1)).astype(int)
+    rank = np.argsort(np.argsort(whole - weights * _STEPS, axis=1, kind="stable"), axis=1, kind="stable")
+    return np.asarray((whole + (rank < left[:, None])) / _STEPS)

@@ -14,7 +14,7 @@ from ...core import CanonicalFormError, TooLargeError
 from ...core.rigging.reference_rig import MANNEQUIN_BONES
 from ..mesh_items.active_items import active_items, existing_items, restore_active_items
 from ..mesh_items.fingerprints import group_fingerprints, key_fingerprint
-from ..mesh_items.group_weights import fill_group
+from ..mesh_items.group_weights import fill_group, in_steps
 from ..objects.combining import moved, outward, require_thick
 from ..objects.mesh_reading import Reading, find_object, read_object, require_unchanged
 from ..objects.object_states import object_mode
@@ -77,6 +77,10 @@ class RigTask:
         Name of the armature, once it is written.
     bones : int
         How many it has.
+    confidence : dict of str to float
+        How well each bone that holds skin fits, 0 to 1.
+    sides : list of float
+        Costs of the ways in which the body may face, the likeliest first.
 
     Raises
     ------
@@ -116,6 +120,8 @@ class RigTask:
         self._corrected: FloatArray | None = None
         self.warnings: list[str] = [sentence for obj in objects for sentence in _doubts(obj, pose)]
         self.armature, self.bones = "", 0
+        self.confidence: dict[str, float] = {}
+        self.sides: list[float] = []
 
     def compute(self, progress: Progress | None = None, cancelled: Cancelled | None = None) -> None:
         """Fit the skeleton and weigh the skin; does not access Blender's data.
@@ -234,6 +240,7 @@ class RigTask:
         confidence = {
             name: round(float(found.confidence[number]), 3) for number, name in enumerate(names) if held[number]
         }
+        self.confidence, self.sides = confidence, [float(each) for each in found.match.sides]
         colour_bones(armature, [self._called(name) for name, sure in confidence.items() if sure < DOUBTFUL])
         actions = []
         if self._corrected is not None and not self._rigify:
@@ -247,7 +254,7 @@ class RigTask:
             "" if self._source is None else self._source.name,
             self._pose,
             max(self._side, 0),
-            [float(each) for each in found.match.sides],
+            self.sides,
             confidence,
             self.warnings,
         )
@@ -260,11 +267,11 @@ class RigTask:
         start, end = list(pairwise(self._starts.tolist()))[number]
         active, back = active_items(obj), np.linalg.inv(self._readings[number].placement)
         try:
-            for name, weights in zip(found.skeleton.names, found.weights[start:end].T, strict=True):
-                if (weights > _LEAST).any():
+            for name, weights in zip(found.skeleton.names, in_steps(found.weights[start:end]).T, strict=True):
+                if weights.any():
                     group = obj.vertex_groups.new(name=self._called(name))
                     record.groups[group.name] = ""  # not filled yet
-                    record.groups[group.name] = fill_group(group, np.where(weights > _LEAST, weights, np.nan))
+                    record.groups[group.name] = fill_group(group, np.where(weights > 0, weights, np.nan))
             if self._corrected is not None:
                 shapes = [moved(each[start:end], back) for each in (found.vertices, self._corrected)]
                 self._add_keys(obj, shapes, record)
