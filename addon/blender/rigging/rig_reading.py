@@ -73,7 +73,11 @@ def read_rig_source(obj: bpy.types.Object | None) -> RigSource:
     bones = [each.bones for each in parts if each.bones is not None]
     if not bones:
         raise CanonicalFormError(
-            told("The weights of {name} cannot be read. Choose a rig with vertex groups for its bones.", name=obj.name)
+            told(
+                "The weights of {name} cannot be read. Choose a rig with vertex groups for its bones, and without a "
+                "negative scale.",
+                name=obj.name,
+            )
         )
     starts = np.cumsum([0, *(len(each.vertices) for each in parts)])
     rig = ReferenceRig(

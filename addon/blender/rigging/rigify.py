@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from ...core import Skeleton
     from ...core.numerics.arrays import FloatArray
 
+_METARIG = "Metarig of {}"
 DEFORMING = "DEF-"  # how Rigify calls the bones that move the skin
 _LIMBS = ("upper_arm", "forearm", "hand", "thigh", "shin", "foot", "toe")
 _BACK, _WIDE = 0.35, 0.2  # lengths of a foot: from the ankle back to the heel, and half the heel's width
@@ -85,10 +86,12 @@ def add_rigify(
             raise CanonicalFormError(told("Rigify failed: {reason}", reason=str(error).strip())) from error
         rig = metarig.data.rigify_target_rig
         if rig is None:
-            raise CanonicalFormError(told("Rigify failed: {reason}", reason=told("it has made no rig.")))
+            raise CanonicalFormError(
+                told("Rigify has made no rig. Its messages are in Window > Toggle System Console.")
+            )
     for each in (rig, metarig):
         put_beside(each, beside)
-    rig.name, metarig.name = name, told("Metarig of {name}", name=beside.name)
+    rig.name, metarig.name = name, _METARIG.format(beside.name)
     metarig.hide_set(True)
     return rig
 

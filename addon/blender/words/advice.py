@@ -30,6 +30,7 @@ ADVICE = {  # by message kind
     "stance_unlikely": _ANYWAY,
     "stance_limb": _ANYWAY,
     "stance_strained": _ANYWAY,
+    "stance_limbs": "Let it rest As the Reference, or As It Stands.",
     "match_sides": "Other Side (--side in a terminal) takes the next.",
     "no_axes": f"{_MERGE} may repair it.",
     "mesh_memory": _DECIMATE,
