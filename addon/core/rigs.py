@@ -317,7 +317,7 @@ def _at_rest(found: Rigged, fitted: Fitted, chosen: Candidate, pose: str, monito
 def _rigged(fitted: Fitted, chosen: Candidate, equal: bool, monitor: Monitor) -> Rigged:
     """Gather the rig of a mesh in its own pose and unit."""
     own, fit, reference = fitted.body.found, chosen.fit, chosen.reference.rig
-    trust = fit.trust()
+    trust = fit.closeness()  # the match may doubt what closest points have found
     bones = fit.bones._replace(turns=settled_turns(reference, fit.bones))
     if equal:
         bones = with_equal_sides(reference, bones)

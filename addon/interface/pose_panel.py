@@ -18,7 +18,7 @@ from .pose_operators import (
 from .properties import TRANSFER_ITEMS, chosen_value, hand_over, hand_over_transfer, transfer_flag
 from .sidebar import Tab, record_of
 
-_HARDLY = 0.05  # confidence of a bone below which it is named
+_HARDLY = 0.25  # confidence of a bone below which it is named
 
 
 class VIEW3D_PT_canonical_form_pose_like(Tab, bpy.types.Panel):

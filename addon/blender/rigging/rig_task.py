@@ -39,7 +39,7 @@ RESTS = {"NONE": None, "T": "T", "A": "A", "REFERENCE": "rest"}  # poses at rest
 _NAMES = {"T": "T-Pose", "A": "A-Pose", "REFERENCE": "Rest Pose"}
 _LEAST = 5e-4  # a vertex with a smaller weight is not a member, as it would be rounded to 0
 _MISSED = 0.01  # of the body's size: error of the key of the scan that is told
-DOUBTFUL = 0.05  # confidence of a bone below which it is coloured and named
+DOUBTFUL = 0.25  # confidence of a bone below which it is coloured and named
 _SCAN, _RIG = "Scan", "Rig of {}"
 
 

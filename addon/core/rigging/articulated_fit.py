@@ -46,14 +46,18 @@ class Explained(NamedTuple):
     sure: FloatArray
     residual: FloatArray
 
-    def trust(self, least: float = 0.0) -> FloatArray:
+    def closeness(self) -> FloatArray:
+        """Return how well the skeleton explains each vertex, 0 to 1, (n,), whatever the match thought of it."""
+        return np.asarray(np.exp(-((self.residual / _TRUSTED) ** 2)))
+
+    def trust(self, least: float) -> FloatArray:
         """Return how far each vertex follows the skeleton, 0 to 1, (n,). `least`: confidence that all of them have."""
-        return np.asarray(np.maximum(self.sure, least) * np.exp(-((self.residual / _TRUSTED) ** 2)))
+        return np.asarray(np.maximum(self.sure, least) * self.closeness())
 
     def bone_confidence(self, areas: FloatArray) -> FloatArray:
-        """Return how far the skin of each bone follows it, 0 to 1, (b,). `areas` (n,) of the vertices."""
+        """Return how well each bone explains its skin, 0 to 1, (b,). `areas` (n,) of the vertices."""
         skin = areas[:, None] * self.weights
-        return np.asarray(self.trust() @ skin / np.maximum(skin.sum(axis=0), 1e-30))
+        return np.asarray(self.closeness() @ skin / np.maximum(skin.sum(axis=0), 1e-30))
 
 
 def explained(
