@@ -38,7 +38,8 @@ def draw(_models):
 
 def spindles(skeleton):
     """Make an octahedron of each bone."""
-    corners, triangles = [], []
+    corners: list[np.ndarray] = []
+    triangles: list[list[int]] = []
     for head, tail in zip(skeleton.heads, skeleton.tails, strict=True):
         way = tail - head
         across = np.cross(way, np.eye(3)[np.argmin(np.abs(way))])
