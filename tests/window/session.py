@@ -25,6 +25,7 @@ from tests.window.hand import UNIT, Hand  # noqa: E402
 from tests.window.languages import languages  # noqa: E402
 from tests.window.live import live  # noqa: E402
 from tests.window.poses import poses  # noqa: E402
+from tests.window.rigs import rigs  # noqa: E402
 
 ROWS = {"compute": 50, "slider": 304, "clear": 471, "toggle": 539, "cancel": 50}  # below the top, at version 4.3
 MOST_GAP = 0.2  # seconds between two ticks of a timer while a large mesh is computed
@@ -219,6 +220,8 @@ def session():
     told("times that the form followed a drag", (yield from live(hand, figure, state)))
     step("another's pose")
     yield from poses(hand, figure, state, running, wait_for_the_end)
+    step("a rig")
+    yield from rigs(hand, figure, state, running, wait_for_the_end)
     step("what happens to the object meanwhile")
     yield from meanwhile(before)
     step("the longest gap on the main thread")

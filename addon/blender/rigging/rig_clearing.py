@@ -17,6 +17,14 @@ from ..records.form_key import form_key
 from ..records.rig_record import RigRecord, read_rig, recorded_key, remove_rig_record
 from .made_data import MARK, PART, action_fingerprint, armature_fingerprint, made_by
 
+_SHOWING = (  # what holds or shows data, such as the Outliner, and is none of the user's work with it
+    bpy.types.Scene,
+    bpy.types.Collection,
+    bpy.types.Screen,
+    bpy.types.WorkSpace,
+    bpy.types.WindowManager,
+)
+
 
 def armature_given_to(obj: bpy.types.Object) -> bpy.types.Object | None:
     """Find the armature that an object was given.
@@ -95,7 +103,7 @@ def _is_unused(armature: bpy.types.Object) -> bool:
     users, token = bpy.data.user_map(subset={armature, armature.data}), armature[MARK]
     data = armature.animation_data
     own = data is None or data.action is None or data.action.get(MARK) == token + PART
-    others = [each for each in users[armature] if not isinstance(each, bpy.types.Scene | bpy.types.Collection)]
+    others = [each for each in users[armature] if not isinstance(each, _SHOWING)]
     return own and all(each.get(MARK) in (token, token + PART) for each in [*others, *users[armature.data]])
 
 
@@ -106,7 +114,9 @@ def _remove(armature: bpy.types.Object | None, record: RigRecord) -> list[str]:
         made = [] if armature is None else [armature]  # a copy of it lives, with poses and all
     keep = []
     for action in [each for each in made if isinstance(each, bpy.types.Action)]:
-        users = bpy.data.user_map(subset={action})[action] - {armature}
+        users = {each for each in bpy.data.user_map(subset={action})[action] if not isinstance(each, _SHOWING)} - {
+            armature
+        }
         if users or action_fingerprint(action) not in record.actions.values():
             keep.append(action)
             left += [] if users else [action.name]
