@@ -1,0 +1,66 @@
+"""Rigify's rig on the bones of a body."""
+
+import bpy
+import numpy as np
+import pytest
+
+from addon.blender.rigging.made_data import MARK
+from addon.interface.rig_panel import VIEW3D_PT_canonical_form_rig
+from tests.blender.conftest import drawn
+from tests.blender.rig_scenes import RIG, armature_of, scene, shown
+
+
+@pytest.fixture
+def rigify(blender):
+    """Rigify, switched on."""
+    bpy.ops.preferences.addon_enable(module="rigify")
+    yield
+    bpy.ops.preferences.addon_disable(module="rigify")
+
+
+def made():
+    """Name everything that carries our mark."""
+    kinds = (bpy.data.objects, bpy.data.armatures, bpy.data.meshes, bpy.data.collections, bpy.data.texts)
+    return [each.name for kind in kinds for each in kind if MARK in each]
+
+
+@pytest.mark.parametrize("rest", ["NONE", "T"])
+def test_its_rig_moves_nothing_at_rest_and_is_removed_whole(rigify, body, rest):
+    before = scene()
+    bpy.ops.object.canonical_form_rig(**RIG, rest="NONE")
+    plain = shown(body)
+    bpy.ops.object.canonical_form_rig(**RIG, rest=rest)
+    there = shown(body) if rest == "T" else plain
+    bpy.ops.object.canonical_form_rig(**RIG, rest=rest, rigify=True)
+    assert np.abs(shown(body) - there).max() < 1e-5
+    armature = armature_of(body)
+    assert {"torso", "hand_ik.L", "foot_ik.R", "DEF-forearm.L"} <= set(armature.data.bones.keys())
+    assert {group.name for group in body.vertex_groups if group.name != "Mine"} <= set(armature.data.bones.keys())
+    assert not bpy.data.actions
+    assert made()
+    bpy.ops.object.canonical_form_rig_clear()
+    assert made() == []
+    assert scene() == before
+
+
+def test_knees_bend_forward_and_feet_stay(rigify, body):
+    bpy.ops.object.canonical_form_rig(**RIG, rest="T", rigify=True)
+    armature = armature_of(body)
+    knee, foot = armature.pose.bones["DEF-shin.L"], armature.pose.bones["DEF-foot.L"]
+    bpy.context.view_layer.update()
+    before = knee.head.copy(), foot.head.copy()
+    armature.pose.bones["torso"].location.z = -0.15
+    bpy.context.view_layer.update()
+    assert knee.head.y < before[0].y - 0.1
+    assert abs(knee.head.x - before[0].x) < 0.06
+    assert (foot.head - before[1]).length < 0.01
+
+
+def test_it_must_be_switched_on(body):
+    if "rigify" in bpy.context.preferences.addons:
+        bpy.ops.preferences.addon_disable(module="rigify")
+    before = scene()
+    with pytest.raises(RuntimeError, match="Rigify is switched off"):
+        bpy.ops.object.canonical_form_rig(**RIG, rigify=True)
+    assert scene() == before
+    assert "rig_rigify" in drawn(VIEW3D_PT_canonical_form_rig)
