@@ -39,6 +39,9 @@ class Walk:
         self.read_record = import_module(f"{package}.blender.records.record").read_record
         self.fingerprints = import_module(f"{package}.blender.mesh_items.fingerprints")
         self.core = import_module(f"{package}.core")
+        self.read_rig = import_module(f"{package}.blender.records.rig_record").read_rig
+        self.skeletons = import_module(f"{package}.core.rigging.skeleton")
+        self.rigged = import_module(f"{package}.core.results").Rigged
         self.form_task = import_module(f"{package}.blender.jobs.form_task")
         self.request = import_module(f"{package}.blender.jobs.request")
         self.arrays, self.chance, self.undo = arrays, random.Random(seed), undo
@@ -49,10 +52,11 @@ class Walk:
         """Take steps; raise an AssertionError at the first that changes user data or fails without a sentence."""
         self._fresh()
         ours = [self.compute, self.compute, self.cancelled, self.clear, self.limb, self.in_betweens, self.distance,
-                self.choose, self.select_patch, self.compute_together, self.remove_anyway, self.pose_like]  # fmt: skip
+                self.choose, self.select_patch, self.compute_together, self.remove_anyway, self.pose_like,
+                self.rig, self.rig, self.remove_rig]  # fmt: skip
         theirs = [self.mode, self.mode, self.move, self.add_key, self.add_group, self.add_colours, self.rename_ours,
                   self.spoil_ours, self.delete_ours, self.delete_vertices, self.slide, self.copy_object, self.new_mesh,
-                  self.reload, self.other_data, self.other_hat]  # fmt: skip
+                  self.reload, self.other_data, self.other_hat, self.change_armature]  # fmt: skip
         if self.undo:
             theirs += [self.undo_step, self.undo_step, self.redo_step]
             ours += [self.computed_and_undone, self.computed_and_undone]
@@ -122,10 +126,18 @@ class Walk:
         """Name the items that are unchanged since the last run wrote them, by kind."""
         obj = obj or self.obj
         mesh = obj.data
-        record = self.read_record(mesh)
-        if record is None:
-            return {"keys": set(), "groups": set(), "colours": set()}
+        record, rig = self.read_record(mesh), self.read_rig(mesh)
         keys = mesh.shape_keys.key_blocks if mesh.shape_keys else {}
+        bound: dict[str, set[str]] = {"keys": set(), "groups": set(), "colours": set()}
+        if rig is not None:
+            prints = self.fingerprints.group_fingerprints(obj, rig.groups)
+            bound["groups"] = {name for name, now in prints.items() if now == rig.groups[name]}
+            bound["keys"] = {name for name, known in rig.keys.items()
+                             if name in keys and self.fingerprints.key_fingerprint(keys[name]) == known}  # fmt: skip
+            if rig.basis:
+                bound["keys"].add("Basis")
+        if record is None:
+            return bound
         named = {**record.keys, **record.in_between_keys}
         key_fingerprint, colour_fingerprint = self.fingerprints.key_fingerprint, self.fingerprints.colour_fingerprint
         found = {"keys": {name for name, known in named.items()
@@ -138,7 +150,7 @@ class Walk:
         found["colours"] = {name for name, known in record.colours.items()
                             if name in mesh.color_attributes
                             and known in (None, colour_fingerprint(mesh.color_attributes[name]))}  # fmt: skip
-        return found
+        return {kind: names | bound[kind] for kind, names in found.items()}
 
     def view(self):
         """Record the user's data, bit for bit."""
@@ -172,7 +184,8 @@ class Walk:
                         if each.name not in ours["colours"] and not each.name.startswith(measured)},
             "materials": [slot and slot.name for slot in mesh.materials],
             "note": mesh.get("note"),
-            "objects": sorted(each.name for each in bpy.data.objects if "Canonical Form" not in each.name),
+            "objects": sorted(each.name for each in bpy.data.objects
+                              if "Canonical Form" not in each.name and not each.name.startswith("Rig of")),
         }  # fmt: skip
 
     # steps of the extension
@@ -197,6 +210,30 @@ class Walk:
     def pose_like(self):
         name = "Nobody" if self.hat is None else self.hat.name
         self.op(bpy.ops.object.canonical_form_pose_like, **QUICK, like=name, side=self.chance.choice([-1, 1]))
+
+    def rig(self):
+        """Give the walker two bones, without the fit, which takes long."""
+        found = self.core.rig
+        setattr(self.core, "rig", self._two_bones)  # noqa: B010 (a module, for the type checker)
+        try:
+            self.op(bpy.ops.object.canonical_form_rig, **QUICK, rest=self.chance.choice(["NONE", "T"]))
+        finally:
+            setattr(self.core, "rig", found)  # noqa: B010
+
+    def _two_bones(self, vertices, faces, *_, pose, **__):
+        low, high = vertices[:, 2].min(), vertices[:, 2].max()
+        ends = np.array([[0, 0, low], [0, 0, (low + high) / 2], [0, 0, high]])
+        bones = self.skeletons.Skeleton(["Low", "High"], np.array([-1, 0]), ends[:2], ends[1:])
+        share = (vertices[:, 2] - low) / max(high - low, 1e-9)
+        still = self.skeletons.BoneMotions(ends[:2], ends[:2], np.tile(np.eye(3), (2, 1, 1)))
+        match = type("Match", (), {"sides": [1.0, 2.0]})()
+        rest = vertices if pose is None else 1.1 * vertices
+        across = np.tile([1.0, 0, 0], (2, 1))
+        return self.rigged(rest, bones, still, across, np.column_stack([1 - share, share]), np.ones(2), match, {}, [])
+
+    def remove_rig(self):
+        self.op(bpy.ops.object.canonical_form_rig_clear)
+        assert self.read_rig(self.obj.data) is None
 
     def remove_anyway(self):
         self.op(bpy.ops.object.canonical_form_remove_in_betweens)
@@ -369,6 +406,20 @@ class Walk:
 
     def other_data(self):
         self.obj.data["note"] = self.chance.random()
+
+    def change_armature(self):
+        self._object_mode()
+        for armature in [each for each in bpy.data.objects if each.type == "ARMATURE"]:
+            change = self.chance.randrange(4)
+            if change == 0:
+                bpy.data.objects.remove(armature)
+            elif change == 1:
+                armature.name = "Rig of mine"
+            elif change == 2:
+                armature.pose.bones[0].keyframe_insert("location", frame=3)
+            elif self.hat is not None:
+                self.hat.parent = armature
+        bpy.context.view_layer.update()
 
     def other_hat(self):
         self._object_mode()

@@ -50,7 +50,7 @@ def rigs(hand, figure, state, running, wait_for_the_end):
         assert bpy.ops.object.canonical_form_rig_clear() == {"FINISHED"}
     yield 0.7
     assert state(obj) == before, "Remove Rig does not take the rig back"
-    assert not bpy.data.armatures, "Remove Rig leaves the armature"
+    assert "Rig of Figure" not in bpy.data.armatures, "Remove Rig leaves the armature"
 
     yield from press(hand, running)
     yield from wait_for_the_end()

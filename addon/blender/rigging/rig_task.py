@@ -103,6 +103,7 @@ class RigTask:
     ) -> None:
         self._source, self._settings, self._pose, self._keep = source, settings, pose, keep
         self._equal, self._side, self._anyway = equal, side, anyway
+        self._found: Rigged | None = None
         self._names = MANNEQUIN_BONES if source is None else source.rig.skeleton.names
         self._rigify = rigify
         if rigify:
@@ -116,7 +117,6 @@ class RigTask:
         self._vertices = np.concatenate(parts)
         faces = [outward(each.faces, each.placement) for each in self._readings]
         self._faces = np.concatenate([own + start for own, start in zip(faces, self._starts, strict=False)])
-        self._found: Rigged | None = None
         self._corrected: FloatArray | None = None
         self.warnings: list[str] = [sentence for obj in objects for sentence in _doubts(obj, pose)]
         self.armature, self.bones = "", 0
@@ -336,7 +336,8 @@ class RigTask:
         """Require that no group of the user has the name of a bone."""
         record = read_rig(obj.data)
         known = {} if record is None else record.groups
-        there = [name for name in map(self._called, self._names) if name in obj.vertex_groups]
+        names = self._names if self._found is None else self._found.skeleton.names
+        there = [name for name in map(self._called, names) if name in obj.vertex_groups]
         prints = group_fingerprints(obj, {name: known.get(name) for name in there})
         own = [name for name in there if known.get(name) is None or prints[name] != known[name]]
         if own:
