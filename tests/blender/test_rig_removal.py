@@ -134,6 +134,9 @@ def test_names_do_not_matter(body):
     bpy.data.actions.new("Scan").use_fake_user = True
     assert read_rig_source(body).rig.vertices == pytest.approx(shown(body), abs=1e-5)
     bpy.ops.object.canonical_form_rig_clear()
+    kept = body.data.shape_keys.key_blocks["TT"]  # what the user has named is the user's
+    assert kept.value == 0.0
+    body.shape_key_remove(kept)
     data = own.data
     bpy.data.objects.remove(bpy.data.objects["Rig of Body"])
     bpy.data.armatures.remove(data)

@@ -68,6 +68,8 @@ class Walk:
             before: Any = self.view() if mine else None
             written: Any = self.ours()["keys"] | self.ours(self.hat)["keys"] if mine else None
             valued = valued_keys([self.obj, self.hat] if mine else [], self.read_record)
+            rig = self.read_rig(self.obj.data)
+            valued |= dict.fromkeys(rig.keys if mine and rig is not None else (), False)
             unused = orphans() if mine else None
             try:
                 step()

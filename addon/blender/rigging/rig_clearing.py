@@ -159,9 +159,13 @@ def unbind(
             obj.vertex_groups.remove(obj.vertex_groups[name])
         elif name in prints:
             left.append(name)
-    found = [(recorded_key(obj.data, *each), each[1]) for each in record.keys.items()]
-    ours = [key for key, known in found if key is not None and (unconfirmed or key_fingerprint(key) == known)]
-    for key, _ in reversed(found):
+    found = [(name, known, recorded_key(obj.data, name, known)) for name, known in record.keys.items()]
+    ours = [
+        key
+        for name, known, key in found
+        if key is not None and key.name == name and (unconfirmed or key_fingerprint(key) == known)
+    ]
+    for _, _, key in reversed(found):
         if key is None:
             continue
         others = [each for each in key.id_data.key_blocks if each.relative_key == key and each not in (key, *ours)]
@@ -169,7 +173,7 @@ def unbind(
             remove_drivers(key)
             ours.remove(key)
             obj.shape_key_remove(key)
-        else:
+        else:  # renamed or changed, it is the user's
             left.append(key.name)
             key.value = 0.0  # the bones are gone for which it was on
     if record.basis and _has_bare_basis(obj.data):
