@@ -1,9 +1,14 @@
 """What of a file is the user's: read to be compared."""
 
 import re
+from typing import Any
 
 import bpy
 import numpy as np
+
+from tests.meshes import shapes
+
+QUICK: dict[str, Any] = {"max_iterations": 2, "landmark_count": 10, "quality": "draft"}
 
 
 def orphans():
@@ -55,3 +60,16 @@ def colours(attribute):
     values = np.empty(4 * len(attribute.data), dtype=np.float32)
     attribute.data.foreach_get("color", values)
     return attribute.data_type, attribute.domain, values.tobytes()
+
+
+def add_hat(points):
+    """Add an object that touches the walker, with data of the user's."""
+    vertices, faces = shapes.sphere(2)
+    mesh = bpy.data.meshes.new("Hat")
+    mesh.from_pydata((0.5 * vertices).tolist(), [], faces.tolist())
+    hat = bpy.data.objects.new("Hat", mesh)
+    bpy.context.scene.collection.objects.link(hat)
+    hat.location = points[np.argmax(points[:, 2])]
+    hat.shape_key_add(name="Basis", from_mix=False)
+    hat.shape_key_add(name="Tip", from_mix=False).data[3].co.z += 1
+    hat.vertex_groups.new(name="Brim").add([0, 1, 2], 0.5, "REPLACE")

@@ -14,13 +14,20 @@ import bmesh
 import bpy
 import numpy as np
 
-from tests.blender.user_data import colours, differing, leave_out_results, orphans, positions, valued_keys
-from tests.meshes import shapes
+from tests.blender.rig_walks import RigSteps
+from tests.blender.user_data import (
+    QUICK,
+    add_hat,
+    colours,
+    differing,
+    leave_out_results,
+    orphans,
+    positions,
+    valued_keys,
+)
 
-QUICK: dict[str, Any] = {"max_iterations": 2, "landmark_count": 10, "quality": "draft"}
 
-
-class Walk:
+class Walk(RigSteps):
     """One walk.
 
     Parameters
@@ -39,9 +46,7 @@ class Walk:
         self.read_record = import_module(f"{package}.blender.records.record").read_record
         self.fingerprints = import_module(f"{package}.blender.mesh_items.fingerprints")
         self.core = import_module(f"{package}.core")
-        self.read_rig = import_module(f"{package}.blender.records.rig_record").read_rig
-        self.skeletons = import_module(f"{package}.core.rigging.skeleton")
-        self.rigged = import_module(f"{package}.core.results").Rigged
+        super().__init__(package)
         self.form_task = import_module(f"{package}.blender.jobs.form_task")
         self.request = import_module(f"{package}.blender.jobs.request")
         self.arrays, self.chance, self.undo = arrays, random.Random(seed), undo
@@ -96,19 +101,7 @@ class Walk:
         bpy.context.scene.collection.objects.link(obj)
         self._activate(obj)
         if self.hat is None:
-            self._add_hat()
-
-    def _add_hat(self):
-        """Add an object that touches the walker, with data of the user's."""
-        vertices, faces = shapes.sphere(2)
-        mesh = bpy.data.meshes.new("Hat")
-        mesh.from_pydata((0.5 * vertices).tolist(), [], faces.tolist())
-        hat = bpy.data.objects.new("Hat", mesh)
-        bpy.context.scene.collection.objects.link(hat)
-        hat.location = self.arrays[0][np.argmax(self.arrays[0][:, 2])]
-        hat.shape_key_add(name="Basis", from_mix=False)
-        hat.shape_key_add(name="Tip", from_mix=False).data[3].co.z += 1
-        hat.vertex_groups.new(name="Brim").add([0, 1, 2], 0.5, "REPLACE")
+            add_hat(self.arrays[0])
 
     @property
     def hat(self):
@@ -128,16 +121,9 @@ class Walk:
         """Name the items that are unchanged since the last run wrote them, by kind."""
         obj = obj or self.obj
         mesh = obj.data
-        record, rig = self.read_record(mesh), self.read_rig(mesh)
+        record = self.read_record(mesh)
         keys = mesh.shape_keys.key_blocks if mesh.shape_keys else {}
-        bound: dict[str, set[str]] = {"keys": set(), "groups": set(), "colours": set()}
-        if rig is not None:
-            prints = self.fingerprints.group_fingerprints(obj, rig.groups)
-            bound["groups"] = {name for name, now in prints.items() if now == rig.groups[name]}
-            bound["keys"] = {name for name, known in rig.keys.items()
-                             if name in keys and self.fingerprints.key_fingerprint(keys[name]) == known}  # fmt: skip
-            if rig.basis:
-                bound["keys"].add("Basis")
+        bound = self.bound(obj, keys)
         if record is None:
             return bound
         named = {**record.keys, **record.in_between_keys}
@@ -212,30 +198,6 @@ class Walk:
     def pose_like(self):
         name = "Nobody" if self.hat is None else self.hat.name
         self.op(bpy.ops.object.canonical_form_pose_like, **QUICK, like=name, side=self.chance.choice([-1, 1]))
-
-    def rig(self):
-        """Give the walker two bones, without the fit, which takes long."""
-        found = self.core.rig
-        setattr(self.core, "rig", self._two_bones)  # noqa: B010 (a module, for the type checker)
-        try:
-            self.op(bpy.ops.object.canonical_form_rig, **QUICK, rest=self.chance.choice(["NONE", "T"]))
-        finally:
-            setattr(self.core, "rig", found)  # noqa: B010
-
-    def _two_bones(self, vertices, faces, *_, pose, **__):
-        low, high = vertices[:, 2].min(), vertices[:, 2].max()
-        ends = np.array([[0, 0, low], [0, 0, (low + high) / 2], [0, 0, high]])
-        bones = self.skeletons.Skeleton(["Low", "High"], np.array([-1, 0]), ends[:2], ends[1:])
-        share = (vertices[:, 2] - low) / max(high - low, 1e-9)
-        still = self.skeletons.BoneMotions(ends[:2], ends[:2], np.tile(np.eye(3), (2, 1, 1)))
-        match = type("Match", (), {"sides": [1.0, 2.0]})()
-        rest = vertices if pose is None else 1.1 * vertices
-        across = np.tile([1.0, 0, 0], (2, 1))
-        return self.rigged(rest, bones, still, across, np.column_stack([1 - share, share]), np.ones(2), match, {}, [])
-
-    def remove_rig(self):
-        self.op(bpy.ops.object.canonical_form_rig_clear)
-        assert self.read_rig(self.obj.data) is None
 
     def remove_anyway(self):
         self.op(bpy.ops.object.canonical_form_remove_in_betweens)
@@ -409,25 +371,11 @@ class Walk:
     def other_data(self):
         self.obj.data["note"] = self.chance.random()
 
-    def change_armature(self):
-        self._object_mode()
-        for armature in [each for each in bpy.data.objects if each.type == "ARMATURE"]:
-            change = self.chance.randrange(4)
-            if change == 0:
-                bpy.data.objects.remove(armature)
-            elif change == 1:
-                armature.name = "Rig of mine"
-            elif change == 2:
-                armature.pose.bones[0].keyframe_insert("location", frame=3)
-            elif self.hat is not None:
-                self.hat.parent = armature
-        bpy.context.view_layer.update()
-
     def other_hat(self):
         self._object_mode()
         hat = self.hat
         if hat is None:
-            self._add_hat()
+            add_hat(self.arrays[0])
         elif self.chance.random() < 0.4:
             bpy.data.meshes.remove(hat.data)
         else:
