@@ -6,13 +6,12 @@ from pathlib import Path
 
 import bpy
 
-from ..blender.files.reading_files import add_meshes
 from ..blender.rigging.kept_rest import keep_rest
 from ..blender.rigging.rig_reading import read_rig_source
 from ..blender.rigging.rig_task import RigTask
 from ..core.run.monitor import Progress
 from .lines import Line
-from .rigged_files import opened, remove_all_but, written
+from .rigged_files import largest_of, opened, remove_all_but, written
 from .wanted import Wanted
 
 
@@ -22,7 +21,7 @@ def rig_meshes(path: Path, donor: Path | None, target: Path, wanted: Wanted, pro
     own = set(bpy.data.objects)
     source = None
     if donor is not None:
-        lender = max(add_meshes(donor), key=lambda each: len(each.data.vertices))
+        lender = largest_of(donor)
         bpy.context.view_layer.update()
         source = read_rig_source(lender)
         remove_all_but(own, objects)

@@ -6,12 +6,11 @@ from pathlib import Path
 
 import bpy
 
-from ..blender.files.reading_files import add_meshes
 from ..blender.transfer.transfer_task import TransferTask
 from ..core import CanonicalFormError
 from ..core.run.monitor import Progress
 from .lines import Line
-from .rigged_files import opened, remove_all_but, written
+from .rigged_files import largest_of, opened, remove_all_but, written
 from .wanted import KINDS, Wanted
 
 
@@ -21,7 +20,7 @@ def transfer_between(path: Path, donor: Path, target: Path, wanted: Wanted, prog
         raise CanonicalFormError("This file is the reference itself.")
     objects, warnings = opened(path, wanted)
     own = set(bpy.data.objects)
-    source = max(add_meshes(donor), key=lambda each: len(each.data.vertices))
+    source = largest_of(donor)
     task = TransferTask(objects, source, {KINDS[name] for name in wanted.kinds}, wanted.settings, wanted.side)
     task.compute(progress)
     task.write()

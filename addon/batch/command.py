@@ -27,11 +27,11 @@ from .lines import DONE, SCHEMA, FileCount, Line, complain
 from .matching import match_files
 from .open_files import Reference
 from .report_log import ReportLog
-from .rigging import rig_file
 from .targets import Targets
-from .transferring import transfer_file
+from .with_donors import rig_file, transfer_file
 
 _ATTEMPTS = 2  # of a file that may have killed its worker: another file may be the cause
+_WITH_DONORS: dict[str, Callable[..., Iterator[list[Line]]]] = {"transfer": transfer_file, "rig": rig_file}
 _CRASHED = "Blender crashed on this file; it may be damaged, or the memory was not enough."
 
 
@@ -56,7 +56,7 @@ def main(words: Sequence[str], output: TextIO, *, alone: bool = False) -> int:
     try:
         with redirect_stdout(output):  # for --help
             options = parsed(list(words))
-        kind = {"match": _MatchRun, "transfer": _TransferRun, "rig": _RigRun}.get(options.command, _Run)
+        kind = {"match": _MatchRun, **dict.fromkeys(_WITH_DONORS, _DonorRun)}.get(options.command, _Run)
         run = kind(options, output, alone)
     except SystemExit as stop:
         return int(stop.code or 0)
@@ -263,24 +263,17 @@ class _MatchRun(_Run):
         return [_Task(head, match_files, (one, other, self._target, self._wanted))]
 
 
-class _TransferRun(_Run):
-    """Data from one file, transferred to others."""
+class _DonorRun(_Run):
+    """Data or rigs for files, from one that each worker reads itself."""
+
+    def _plan(self, options: Namespace) -> None:
+        super()._plan(options)
+        self._made = _WITH_DONORS[options.command]
 
     def _tasks(self) -> list[_Task]:
-        """Return the work that is not done yet; each worker reads the file with the data itself."""
+        """Return the work that is not done yet."""
         donor = self._reference_path
-        return [
-            _Task({"input": str(each.path)}, transfer_file, (each, self._wanted, donor)) for each in self._pending()
-        ]
-
-
-class _RigRun(_Run):
-    """Rigs for the meshes of files."""
-
-    def _tasks(self) -> list[_Task]:
-        """Return the work that is not done yet; each worker reads the file that lends its bones itself."""
-        donor = self._reference_path
-        return [_Task({"input": str(each.path)}, rig_file, (each, self._wanted, donor)) for each in self._pending()]
+        return [_Task({"input": str(each.path)}, self._made, (each, self._wanted, donor)) for each in self._pending()]
 
 
 def _reason(failure: Failure) -> str:

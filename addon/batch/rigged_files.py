@@ -11,7 +11,7 @@ import numpy as np
 from ..blender.files.face_indices import require_whole_faces
 from ..blender.files.kinds_of_files import PLAIN
 from ..blender.files.outside_references import pictures_not_held
-from ..blender.files.reading_files import open_meshes, scripts_left_off
+from ..blender.files.reading_files import add_meshes, open_meshes, scripts_left_off
 from ..blender.files.writing_files import Shown, save_blend, save_forms
 from ..blender.objects.mesh_reading import read_mesh, refusal
 from ..blender.results.kept_rigs import movers_of, with_rigs
@@ -32,6 +32,11 @@ def opened(path: Path, wanted: Wanted) -> tuple[list[bpy.types.Object], list[str
     if len(objects) > 1 and f".{wanted.format}" in PLAIN:
         raise CanonicalFormError(f".{wanted.format} holds one object. Choose blend, glb, fbx or usdc.")
     return objects, [LEFT_OFF] if scripts_left_off(path) else []
+
+
+def largest_of(donor: Path) -> bpy.types.Object:
+    """Bring the objects of another file into the open one, and return its largest mesh."""
+    return max(add_meshes(donor), key=lambda each: len(each.data.vertices))
 
 
 def remove_all_but(own: Collection[bpy.types.Object], objects: list[bpy.types.Object]) -> None:

@@ -5,6 +5,7 @@ import bpy
 from ..blender.jobs.likeness import MANNEQUINS
 from ..blender.jobs.meant_objects import meant_objects
 from ..blender.records.form_report import LikeReport
+from ..blender.records.rig_record import DOUBTFUL
 from ..blender.results.match_colours import source_colours
 from ..blender.words.wording import CONTEXT, told
 from ..core import Settings
@@ -17,8 +18,6 @@ from .pose_operators import (
 )
 from .properties import TRANSFER_ITEMS, chosen_value, hand_over, hand_over_transfer, transfer_flag
 from .sidebar import Tab, record_of
-
-_HARDLY = 0.25  # confidence of a bone below which it is named
 
 
 class VIEW3D_PT_canonical_form_pose_like(Tab, bpy.types.Panel):
@@ -94,7 +93,7 @@ def least_sure(bones: dict[str, float]) -> list[str]:
     """
     name = min(bones, key=lambda each: bones[each], default="")
     sure = bones.get(name, 1.0)
-    return [told("Fits worst: {bone}, {sure:.0%}", bone=name, sure=sure)] if sure < _HARDLY else []
+    return [told("Fits worst: {bone}, {sure:.0%}", bone=name, sure=sure)] if sure < DOUBTFUL else []
 
 
 def draw_other_side(layout: bpy.types.UILayout, chosen: bpy.types.PropertyGroup, like: LikeReport | None) -> None:
@@ -111,25 +110,67 @@ def draw_other_side(layout: bpy.types.UILayout, chosen: bpy.types.PropertyGroup,
     """
     if like is None or len(like.sides) < 2:
         return
-    side = (like.side + 1) % len(like.sides)
-    if like.pose in MANNEQUINS and len(like.sides) == 2:  # a body that stands faces one way or the other
-        text = told("Flip Front/Back")
-    else:
-        text = told("Other Side ({side} of {count})", side=side + 1, count=len(like.sides))
+    text, side = next_side(like.side, len(like.sides), stands=like.pose in MANNEQUINS)
     _pose_button(layout, chosen, like.pose, like.name, text).side = side
+
+
+def next_side(side: int, count: int, *, stands: bool) -> tuple[str, int]:
+    """Name the button that takes the next way to face, and return that.
+
+    Parameters
+    ----------
+    side : int
+        The present one.
+    count : int
+        How many there are.
+    stands : bool
+        Whether a body that stands was matched with a mannequin: it faces one way or the other.
+
+    Returns
+    -------
+    text : str
+        What the button says.
+    side : int
+        The next one.
+    """
+    following = (side + 1) % count
+    if stands and count == 2:
+        return told("Flip Front/Back"), following
+    return told("Other Side ({side} of {count})", side=following + 1, count=count), following
 
 
 def _estimate(chosen: bpy.types.PropertyGroup, objects: list[bpy.types.Object]) -> str:
     """Estimate memory and time of a match with the reference, or with a mannequin if there is none."""
+    like = bpy.data.objects.get(chosen.like)
+    other = len(like.data.vertices) if like is not None and like.type == "MESH" else None
+    memory, seconds = match_estimate(chosen, objects, other)
+    return told("A match: about {memory:.1f} GB, {seconds:,.0f} s", memory=memory, seconds=seconds)
+
+
+def match_estimate(
+    chosen: bpy.types.PropertyGroup, objects: list[bpy.types.Object], other: int | None
+) -> tuple[float, float]:
+    """Estimate what a match takes.
+
+    Parameters
+    ----------
+    chosen : bpy.types.PropertyGroup
+        The choices made in the panel.
+    objects : list of bpy.types.Object
+        The meshes.
+    other : int or None
+        Number of vertices that they are matched with; None for a mannequin.
+
+    Returns
+    -------
+    memory, seconds : float
+        Gigabytes and seconds.
+    """
     from ..core.mannequins import VERTEX_COUNT
 
     settings = Settings(**{name: chosen_value(chosen, name) for name in ("method", "quality", "pieces")})
-    count = sum(len(obj.data.vertices) for obj in objects)
-    like = bpy.data.objects.get(chosen.like)
-    other = len(like.data.vertices) if like is not None and like.type == "MESH" else VERTEX_COUNT
-    memory, seconds = (each(count, other, settings) for each in (match_memory_estimate, match_time_estimate))
-    seconds *= slowdown()
-    return told("A match: about {memory:.1f} GB, {seconds:,.0f} s", memory=memory, seconds=seconds)
+    counts = sum(len(obj.data.vertices) for obj in objects), VERTEX_COUNT if other is None else other
+    return match_memory_estimate(*counts, settings), match_time_estimate(*counts, settings) * slowdown()
 
 
 def _pose_button(

@@ -10,8 +10,6 @@ from bpy.props import BoolProperty, IntProperty
 from ..blender.jobs.meant_objects import meant_object
 from ..blender.objects.mesh_reading import refusal
 from ..blender.records.rig_record import read_rig
-from ..blender.rigging.kept_rest import keep_rest, rest_key
-from ..blender.rigging.rig_clearing import armature_given_to, bound_to
 from ..blender.words.advice import explained
 from ..blender.words.wording import CONTEXT, listed, told
 from ..core import CanonicalFormError
@@ -103,7 +101,7 @@ class OBJECT_OT_canonical_form_rig_clear(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Remove it from all objects that it moves."""
-        from ..blender.rigging.rig_clearing import release
+        from ..blender.rigging.rig_clearing import armature_given_to, bound_to, release
 
         obj = meant_object(context)
         if obj is None:
@@ -133,12 +131,15 @@ class OBJECT_OT_canonical_form_rig_keep(bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         """Disable the button, with a reason, if the mesh rests as it is."""
         obj = meant_object(context)
-        key = rest_key(obj) if obj is not None and obj.type == "MESH" else None
-        reason = told("The mesh rests as it is.") if key is None else refusal(obj)
+        record = read_rig(obj.data) if obj is not None and obj.type == "MESH" else None
+        reason = told("The mesh rests as it is.") if record is None or record.rest is None else refusal(obj)
         return allowed(cls, JobOperator.busy() or reason)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Write it to all objects that the armature moves."""
+        from ..blender.rigging.kept_rest import keep_rest
+        from ..blender.rigging.rig_clearing import armature_given_to, bound_to
+
         obj = meant_object(context)
         if obj is None:
             return {"CANCELLED"}

@@ -5,11 +5,7 @@ import bpy
 from ..blender.jobs.meant_objects import meant_object, meant_objects
 from ..blender.records.rig_record import RigRecord, read_rig
 from ..blender.words.wording import CONTEXT, told
-from ..core import Settings
-from ..core.method_api.costs import match_memory_estimate, match_time_estimate
-from ..core.run.load import slowdown
-from .pose_panel import least_sure
-from .properties import chosen_value
+from .pose_panel import least_sure, match_estimate, next_side
 from .rig_operators import (
     OBJECT_OT_canonical_form_rig,
     OBJECT_OT_canonical_form_rig_clear,
@@ -43,12 +39,14 @@ class VIEW3D_PT_canonical_form_rig(Tab, bpy.types.Panel):
             draw_other_rig(layout, chosen, record)
             for line in least_sure(record.confidence):
                 layout.label(text=line, icon="ERROR")
-            if record.pose != "NONE":
+            if record.rest is not None:
                 layout.operator(OBJECT_OT_canonical_form_rig_keep.bl_idname)
             layout.operator(OBJECT_OT_canonical_form_rig_clear.bl_idname, icon="X")
         objects = [obj for obj in meant_objects(context) if obj is not None and obj.type == "MESH"]
         if objects:
-            layout.label(text=_estimate(chosen, objects), icon="MEMORY")
+            memory, seconds = match_estimate(chosen, objects, None)
+            text = told("A rig: about {memory:.1f} GB, {seconds:,.0f} s", memory=memory, seconds=seconds)
+            layout.label(text=text, icon="MEMORY")
 
 
 def shown_rig(context: bpy.types.Context) -> RigRecord | None:
@@ -80,22 +78,9 @@ def draw_other_rig(layout: bpy.types.UILayout, chosen: bpy.types.PropertyGroup, 
     record : RigRecord
         The rig.
     """
-    count = len(record.sides)
-    if count < 2:
+    if len(record.sides) < 2:
         return
-    side = (record.side + 1) % count
-    flips = count == 2 and not record.source  # a body that stands faces one way or the other
-    text = told("Flip Front/Back") if flips else told("Other Side ({side} of {count})", side=side + 1, count=count)
+    text, side = next_side(record.side, len(record.sides), stands=not record.source)
     button = layout.operator(OBJECT_OT_canonical_form_rig.bl_idname, text=text)
     hand_over_rig(chosen, button)
     button.side = side
-
-
-def _estimate(chosen: bpy.types.PropertyGroup, objects: list[bpy.types.Object]) -> str:
-    """Estimate memory and time of a rig."""
-    from ..core.mannequins import VERTEX_COUNT
-
-    settings = Settings(**{name: chosen_value(chosen, name) for name in ("method", "quality", "pieces")})
-    count = sum(len(obj.data.vertices) for obj in objects)
-    memory, seconds = (each(count, VERTEX_COUNT, settings) for each in (match_memory_estimate, match_time_estimate))
-    return told("A rig: about {memory:.1f} GB, {seconds:,.0f} s", memory=memory, seconds=seconds * slowdown())

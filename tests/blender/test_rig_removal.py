@@ -326,3 +326,23 @@ def test_a_mesh_that_was_edited_meanwhile_is_not_written(body, monkeypatch):
     with pytest.raises(RuntimeError, match="was edited while"):
         bpy.ops.object.canonical_form_rig(**RIG)
     assert not bpy.data.armatures
+
+
+def test_a_parent_of_the_users_keeps_its_place_after_the_armature_was_deleted(body):
+    bpy.ops.object.canonical_form_rig(**RIG, rest="NONE")
+    bpy.data.objects.remove(armature_of(body))
+    stand = bpy.data.objects.new("Stand", None)
+    bpy.context.scene.collection.objects.link(stand)
+    body.parent = stand
+    body.matrix_parent_inverse = Matrix.Translation((1, 2, 3))
+    bpy.ops.object.canonical_form_rig_clear()
+    assert body.parent == stand
+    assert body.matrix_parent_inverse == Matrix.Translation((1, 2, 3))
+
+
+def test_a_scan_that_the_user_has_changed_stays_the_users_when_the_rest_is_kept(body):
+    bpy.ops.object.canonical_form_rig(**RIG, rest="T")
+    body.data.shape_keys.key_blocks["Scan"].data[0].co.x += 1
+    bpy.ops.object.canonical_form_rig_keep()
+    bpy.ops.object.canonical_form_rig_clear()
+    assert [key.name for key in body.data.shape_keys.key_blocks] == ["Basis", "Smile", "Scan"]

@@ -60,9 +60,9 @@ def with_rests(objects: Sequence[bpy.types.Object], readings: Sequence[Reading])
 def _base_at_rest(obj: bpy.types.Object, reading: Reading) -> FloatArray:
     """Read a base mesh as its bones rest: by the key that *Rig* wrote, if it did, else as it is."""
     record = read_rig(obj.data)
-    own = [] if record is None else list(record.keys.items())[:1]
-    keys = [recorded_key(obj.data, *each) for each in own]
-    return reading.vertices if not keys or keys[0] is None else key_points(keys[0]).astype(np.float64)
+    rest = None if record is None else record.rest
+    key = None if rest is None else recorded_key(obj.data, *rest)
+    return reading.vertices if key is None else key_points(key).astype(np.float64)
 
 
 def _rest_of(obj: bpy.types.Object, reading: Reading, corners: IntArray) -> FloatArray | None:

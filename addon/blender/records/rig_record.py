@@ -13,6 +13,7 @@ from ..mesh_items.fingerprints import key_fingerprint
 from .stored_values import flag, listed, maybe, named, real, whole, words
 
 RIG_PROPERTY = "canonical_form_rig"
+DOUBTFUL = 0.25  # confidence of a bone below which it is coloured, and named
 
 
 @dataclass
@@ -63,6 +64,11 @@ class RigRecord:
     slider: float | None = None
     groups: dict[str, str] = field(default_factory=dict)
     keys: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def rest(self) -> tuple[str, str] | None:
+        """Name and fingerprint of the key that holds the pose at rest; None if the mesh rests as it is."""
+        return None if self.pose == "NONE" else next(iter(self.keys.items()), None)
 
 
 _TAKE: dict[str, Callable[[Any], Any]] = {

@@ -63,14 +63,8 @@ def add_armature(
     armature = bpy.data.objects.new(name, data)
     bpy.context.scene.collection.objects.link(armature)
     armature.location = origin
-    with active_alone(armature):
-        bpy.ops.object.mode_set(mode="EDIT")
-        if not data.is_editmode:
-            raise CanonicalFormError(told("Blender cannot edit a new armature here. Leave Local View, and run again."))
-        try:
-            _fill(data, skeleton, bends, deforming, origin)
-        finally:
-            bpy.ops.object.mode_set(mode="OBJECT")
+    with active_alone(armature), bones_edited(data):
+        _fill(data, skeleton, bends, deforming, origin)
     put_beside(armature, beside)
     armature.show_in_front = True
     return armature
@@ -117,6 +111,34 @@ def active_alone(armature: bpy.types.Object | None) -> Iterator[None]:
             for each in layer.objects:
                 each.select_set(each in selected)
             layer.objects.active = active
+
+
+@contextmanager
+def bones_edited(data: bpy.types.Armature) -> Iterator[None]:
+    """Switch to Edit Mode with the active armature, and back, even after an error.
+
+    Parameters
+    ----------
+    data : bpy.types.Armature
+        The armature.
+
+    Yields
+    ------
+    None
+        Control, with its bones to be edited.
+
+    Raises
+    ------
+    CanonicalFormError
+        If Blender edits something else.
+    """
+    bpy.ops.object.mode_set(mode="EDIT")
+    if not data.is_editmode:
+        raise CanonicalFormError(told("Blender cannot edit a new armature here. Leave Local View, and run again."))
+    try:
+        yield
+    finally:
+        bpy.ops.object.mode_set(mode="OBJECT")
 
 
 def follow(armature: bpy.types.Object, obj: bpy.types.Object) -> None:

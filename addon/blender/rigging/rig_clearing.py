@@ -114,9 +114,8 @@ def _remove(armature: bpy.types.Object | None, record: RigRecord) -> list[str]:
         made = [] if armature is None else [armature]  # a copy of it lives, with poses and all
     keep = []
     for action in [each for each in made if isinstance(each, bpy.types.Action)]:
-        users = {each for each in bpy.data.user_map(subset={action})[action] if not isinstance(each, _SHOWING)} - {
-            armature
-        }
+        users = bpy.data.user_map(subset={action})[action] - {armature}
+        users = {each for each in users if not isinstance(each, _SHOWING)}
         if users or action_fingerprint(action) not in record.actions.values():
             keep.append(action)
             left += [] if users else [action.name]
@@ -149,9 +148,8 @@ def unbind(
     for modifier in [each for each in obj.modifiers if each.type == "ARMATURE"]:
         if modifier.object == armature:  # or None, where that was deleted
             obj.modifiers.remove(modifier)
-    if record.inverse is not None and (armature is None or obj.parent == armature):
-        if obj.parent == armature:
-            obj.parent = None
+    if record.inverse is not None and obj.parent == armature:  # or None, the same
+        obj.parent = None
         obj.matrix_parent_inverse = Matrix(np.reshape(record.inverse, (4, 4)).tolist())
     prints = group_fingerprints(obj, record.groups)
     for name, known in record.groups.items():

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import bpy
@@ -20,7 +19,7 @@ from ..objects.mesh_reading import Reading, find_object, read_object, require_un
 from ..objects.object_states import object_mode
 from ..objects.rest_reading import rigs_of
 from ..records.form_key import form_key
-from ..records.rig_record import RigRecord, read_rig, write_rig
+from ..records.rig_record import DOUBTFUL, RigRecord, read_rig, write_rig
 from ..results.in_betweens import PROPERTY, has_in_betweens
 from ..words.advice import all_advised
 from ..words.wording import listed, told
@@ -32,14 +31,13 @@ from .rigify import DEFORMING, add_rigify, require_rigify
 
 if TYPE_CHECKING:
     from ...core import KeptStages, Rigged, Settings
-    from ...core.numerics.arrays import FloatArray
+    from ...core.numerics.arrays import BoolArray, FloatArray
     from ...core.run.monitor import Cancelled, Progress
 
 RESTS = {"NONE": None, "T": "T", "A": "A", "REFERENCE": "rest"}  # poses at rest, as the core calls them
 _NAMES = {"T": "T-Pose", "A": "A-Pose", "REFERENCE": "Rest Pose"}
-_LEAST = 5e-4  # a vertex with a smaller weight is not a member, as it would be rounded to 0
+_LEAST = 5e-4  # weight below which a bone holds no skin, as it may be rounded to 0
 _MISSED = 0.01  # of the body's size: error of the key of the scan that is told
-DOUBTFUL = 0.25  # confidence of a bone below which it is coloured and named
 _SCAN, _RIG = "Scan", "Rig of {}"
 
 
@@ -199,21 +197,21 @@ class RigTask:
 
     def _bind(self, objects: list[bpy.types.Object], found: Rigged, token: str) -> bpy.types.Object:
         """Make the armature, and bind the objects to it; all of them or none."""
-        first, names = objects[0], found.skeleton.names
-        angles = np.array([0.0 if self._source is None else self._source.rolls[name] for name in names])
-        ways = found.skeleton.tails - found.skeleton.heads
-        axes = ways / np.maximum(np.linalg.norm(ways, axis=1, keepdims=True), 1e-30)
+        first, skeleton = objects[0], found.skeleton
+        bends = found.bends
+        if self._source is not None:
+            rolls = np.array([self._source.rolls[name] for name in skeleton.names])
+            bends = rolled(skeleton.axes, bends, rolls)
         low, high = found.vertices.min(axis=0), found.vertices.max(axis=0)
         origin = np.array([(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, low[2]])
-        deforming = (found.weights > _LEAST).any(axis=0)
-        bends = rolled(axes, found.bends, angles)
+        held = (found.weights > _LEAST).any(axis=0)
         name = _RIG.format(first.name)
         if self._rigify:
-            armature = add_rigify(name, found.skeleton, bends, origin, first)
+            armature = add_rigify(name, skeleton, bends, origin, first)
         else:
-            armature = add_armature(name, found.skeleton, bends, deforming, origin, first)
+            armature = add_armature(name, skeleton, bends, held, origin, first)
         follow(armature, first)
-        record = self._record(armature, found, token)
+        record = self._record(armature, found, held, token)
         bound: list[bpy.types.Object] = []
         try:
             for number, obj in enumerate(objects):
@@ -233,13 +231,10 @@ class RigTask:
         """Return how the bone that moves the skin is called."""
         return DEFORMING + name if self._rigify else name
 
-    def _record(self, armature: bpy.types.Object, found: Rigged, token: str) -> RigRecord:
-        """Make poses of the armature, colour its doubtful bones, and describe it."""
-        names = found.skeleton.names
-        held = (found.weights > _LEAST).any(axis=0)
-        confidence = {
-            name: round(float(found.confidence[number]), 3) for number, name in enumerate(names) if held[number]
-        }
+    def _record(self, armature: bpy.types.Object, found: Rigged, held: BoolArray, token: str) -> RigRecord:
+        """Make poses of the armature, colour its doubtful bones, and describe it. `held` (b,): which hold skin."""
+        sure = found.confidence.round(3).tolist()
+        confidence = {found.skeleton.names[bone]: sure[bone] for bone in np.flatnonzero(held)}
         self.confidence, self.sides = confidence, [float(each) for each in found.match.sides]
         colour_bones(armature, [self._called(name) for name, sure in confidence.items() if sure < DOUBTFUL])
         actions = []
@@ -264,7 +259,7 @@ class RigTask:
     ) -> None:
         """Bind one object; what was written is recorded even after an error."""
         record = replace(about, groups={}, keys={})
-        start, end = list(pairwise(self._starts.tolist()))[number]
+        start, end = self._starts[number : number + 2]
         active, back = active_items(obj), np.linalg.inv(self._readings[number].placement)
         try:
             for name, weights in zip(found.skeleton.names, in_steps(found.weights[start:end]).T, strict=True):

@@ -11,7 +11,7 @@ from mathutils import Vector
 from ...core import CanonicalFormError
 from ...core.rigging.reference_rig import MANNEQUIN_BONES
 from ..words.wording import told
-from .armatures import active_alone, put_beside
+from .armatures import active_alone, bones_edited, put_beside
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -72,9 +72,8 @@ def add_rigify(
         bpy.ops.object.armature_basic_human_metarig_add()
         metarig = bpy.context.view_layer.objects.active
         metarig.location, metarig.rotation_euler = origin, (0.0, 0.0, 0.0)
-        bpy.ops.object.mode_set(mode="EDIT")
-        _lay(metarig.data, skeleton, bends, origin)
-        bpy.ops.object.mode_set(mode="OBJECT")
+        with bones_edited(metarig.data):
+            _lay(metarig.data, skeleton, bends, origin)
         for bone in metarig.pose.bones:
             if bone.rigify_type.startswith("limbs."):
                 bone.rigify_parameters.segments = 1  # so that each has one bone that moves skin

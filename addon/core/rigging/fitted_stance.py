@@ -20,13 +20,14 @@ _FEW = 3  # vertices of a foot, below which its width is not known
 
 
 def fitted_stance(
-    rig: ReferenceRig, fit: BoneFit, points: FloatArray, weights: FloatArray, turns: FloatArray | None = None
+    rig: ReferenceRig, fit: BoneFit, points: FloatArray, weights: FloatArray, turns: FloatArray
 ) -> BoneMotions:
-    """Compute how the fitted bones of a body move into the pose of the reference, or one given by turns of its bones.
+    """Compute how the fitted bones of a body move into a pose that is given by turns of the reference's.
 
     A human body comes to stand on flat soles, feet beside each other, left and right equal.
 
-    `points` (n, 3), `weights` (n, b): of the body; `turns` (b, 3, 3): of the reference's bones from its rest.
+    `points` (n, 3), `weights` (n, b): of the body; `turns` (b, 3, 3): of the reference's bones from its rest, as
+    `goal_turns` gives them.
     """
     parents, axes = rig.skeleton.parents, rig.axes  # parents come before their children
     own = settled_turns(rig, fit)
@@ -40,7 +41,7 @@ def fitted_stance(
     if rig.is_human:
         offset = (offset + offset[mates] * [-1.0, 1, 1]) / 2
     there = np.zeros((len(parents), 3))
-    goal = np.broadcast_to(np.eye(3), (len(parents), 3, 3)).copy() if turns is None else turns.copy()
+    goal = turns.copy()
     if rig.is_human:
         _spread_legs(rig, fit, own, offset, goal, points, weights)
     for bone, parent in enumerate(above):
@@ -114,23 +115,18 @@ def _slope(skin: FloatArray) -> tuple[float, float]:
 
 def goal_turns(rig: ReferenceRig, pose: str) -> FloatArray:
     """Return the turns of the reference's bones from its rest to a pose, (b, 3, 3). `pose`: 'T', 'A' or 'rest'."""
-    if pose == "rest":
-        return np.broadcast_to(np.eye(3), (len(rig.skeleton.names), 3, 3)).copy()
-    if rig.is_human:
-        return arm_turns(rig, ARMS_LOWERED[pose])
-    limbs = limb_bones(rig.skeleton, rig.weights)
-    if not limbs:
-        raise InvalidMeshError("stance_limbs")
-    return stance(rig.skeleton, limbs, pose).turns
-
-
-def arm_turns(rig: ReferenceRig, lowered: float) -> FloatArray:
-    """Return the turns of the reference's bones that lower its arms by some degrees, (b, 3, 3)."""
     turns = np.broadcast_to(np.eye(3), (len(rig.skeleton.names), 3, 3)).copy()
+    if pose == "rest":
+        return turns
+    if not rig.is_human:
+        limbs = limb_bones(rig.skeleton, rig.weights)
+        if not limbs:
+            raise InvalidMeshError("stance_limbs")
+        return stance(rig.skeleton, limbs, pose).turns
     for bone, name in enumerate(rig.skeleton.names):
         if name.startswith(("upper_arm", "forearm", "hand")):
             side = 1.0 if name.endswith(".L") else -1.0
-            turns[bone] = about_y(side * np.radians(lowered))
+            turns[bone] = about_y(side * np.radians(ARMS_LOWERED[pose]))
     return turns
 
 

@@ -60,9 +60,7 @@ class ReferenceRig(NamedTuple):
     @property
     def axes(self) -> FloatArray:
         """Directions of the bones, (b, 3)."""
-        ways = self.skeleton.tails - self.skeleton.heads
-        long = np.linalg.norm(ways, axis=1, keepdims=True)
-        return np.where(long > 0, ways / np.maximum(long, np.finfo(float).tiny), [0.0, 0, 1])
+        return self.skeleton.axes
 
     @property
     def is_human(self) -> bool:

@@ -29,6 +29,13 @@ class Skeleton(NamedTuple):
     heads: FloatArray
     tails: FloatArray
 
+    @property
+    def axes(self) -> FloatArray:
+        """Directions of the bones, (b, 3)."""
+        ways = self.tails - self.heads
+        long = np.linalg.norm(ways, axis=1, keepdims=True)
+        return np.where(long > 0, ways / np.maximum(long, np.finfo(float).tiny), [0.0, 0, 1])
+
     def ancestors(self, bone: int) -> list[int]:
         """List the parent of a bone, its parent, and so on; of a circle, each once."""
         found: list[int] = []

@@ -9,7 +9,7 @@ from addon.core.mesh.geometry import vertex_areas, vertex_normals
 from addon.core.rigging.articulated_fit import explained, turned_round
 from addon.core.rigging.bone_fit import fitted_bones
 from addon.core.rigging.evidence import beyond_limits, skin_alike, strayed, toes_forward, trunk_axes, unlike_sides
-from addon.core.rigging.fitted_stance import arm_turns, fitted_stance
+from addon.core.rigging.fitted_stance import fitted_stance, goal_turns
 from addon.core.rigging.reference_rig import mannequin_rig
 from addon.core.rigging.skeleton import skinned
 from addon.core.run.monitor import Monitor
@@ -130,13 +130,15 @@ def test_toes_tell_the_front(rig):
 
 def test_the_stance_of_a_pose_is_the_t_pose(rig, walker):
     points, _ = walker
-    stood = skinned(points, rig.weights, fitted_stance(rig, fit_of(rig, points), points, rig.weights))
+    stood = skinned(
+        points, rig.weights, fitted_stance(rig, fit_of(rig, points), points, rig.weights, goal_turns(rig, "T"))
+    )
     stood += rig.vertices.mean(axis=0) - stood.mean(axis=0)
     assert np.linalg.norm(stood - rig.vertices, axis=1).mean() / 1.75 < 0.01
 
 
 def test_arms_hang_by_the_angle_that_is_asked_for(rig):
-    motions = fitted_stance(rig, fit_of(rig, rig.vertices), rig.vertices, rig.weights, arm_turns(rig, 45.0))
+    motions = fitted_stance(rig, fit_of(rig, rig.vertices), rig.vertices, rig.weights, goal_turns(rig, "A"))
     stood = skinned(rig.vertices, rig.weights, motions)
     hand = rig.weights[:, rig.skeleton.names.index("hand.L")] > 0.9
     arm = rig.weights[:, rig.skeleton.names.index("upper_arm.L")] > 0.9
@@ -165,7 +167,7 @@ def test_soles_are_flat_although_the_bones_of_the_feet_are_tipped(rig):
     turns = tipped.turns.copy()
     feet = [rig.skeleton.names.index(f"{name}.{side}") for name in ("foot", "toe") for side in "LR"]
     turns[feet] = Rotation.from_euler("x", 25, degrees=True).as_matrix()
-    motions = fitted_stance(rig, tipped._replace(turns=turns), rig.vertices, rig.weights)
+    motions = fitted_stance(rig, tipped._replace(turns=turns), rig.vertices, rig.weights, goal_turns(rig, "T"))
     stood = skinned(rig.vertices, rig.weights, motions)
     sole = rig.vertices[:, 2] < 0.012
     assert np.ptp(stood[sole, 2]) < 0.03
