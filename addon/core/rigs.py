@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -20,11 +21,12 @@ from .method_api.settings import Settings
 from .numerics.arrays import FloatArray
 from .results import Match, Rigged
 from .rigging.articulated_fit import explained_whole
-from .rigging.candidates import Candidate, candidates, candidates_of
+from .rigging.bridge import Alike, over_mannequin
+from .rigging.candidates import GOOD, Candidate, candidates, candidates_of
 from .rigging.fitted_rig import bend_axes, filled_in, moved_bend_axes, settled_turns, with_equal_sides
 from .rigging.fitted_stance import fitted_stance, goal_turns
 from .rigging.reference_rig import ReferenceRig, mannequin_rig
-from .rigging.references import adult, other_builds
+from .rigging.references import Reference, adult, other_builds, unfolded_reference
 from .rigging.skeleton import BoneMotions, Skeleton, inverted, moved_skeleton
 from .rigging.stance_gate import pass_gate, refusal
 from .rigging.standing import stood
@@ -39,6 +41,7 @@ _ROWS = 1 << 16  # vertices whose weights are found at once: a tenth of a second
 _LEAST = 0.1  # least belief in a point
 _FORGOTTEN = 0.01  # weights below which a bone does not hold a vertex
 _MOST_BONES = 4  # that hold a vertex
+_UNLIKE = ("stance_unlike", "stance_unlikely")  # which speak of the mannequin
 
 
 class Fitted(NamedTuple):
@@ -52,11 +55,14 @@ class Fitted(NamedTuple):
         That of the whole reference.
     found : list of Candidate
         The skeletons of the largest body, the likeliest first.
+    alike : Alike
+        Whether the mesh and the reference are bodies of one kind.
     """
 
     pair: UnfoldedPair
     rig: ReferenceRig
     found: list[Candidate]
+    alike: Alike
 
     @property
     def body(self) -> Unfolded:
@@ -160,19 +166,30 @@ def fitted_skeleton(
     pair = kept.take("Forms", [vertices, faces, repr(settings), rest, *whole[:2]], unfold, monitor.warnings)
     here, there = pair.pairs[0]
 
-    def look() -> list[Candidate]:
-        own = monitor.piece(UNFOLDED * share, share, _FACING)
+    def look() -> tuple[list[Candidate], Alike]:
+        own, one = monitor.piece(UNFOLDED * share, share, _FACING), pair.surfaces[here]
         with own.stage("Ways to face"):
             lender = adult(whole, pair.other_surfaces[there], pair.others.bodies[there].vertices)
-            if reference is not None:
-                return candidates_of(pair.surfaces[here], lender, own)
-            return candidates(pair.surfaces[here], lender, lambda: other_builds(lender, settings, own), own)
+            if reference is None:
+                return candidates(one, lender, lambda: other_builds(lender, settings, own), own), Alike.YES
+            return _facing_like(one, lender, settings, own)
 
-    return Fitted(
-        pair,
-        whole,
-        kept.take("Ways to face", [pair, reference is None, *whole.skeleton, whole.weights], look, monitor.warnings),
-    )
+    kinds = [pair, reference is None, *whole.skeleton, whole.weights]
+    return Fitted(pair, whole, *kept.take("Ways to face", kinds, look, monitor.warnings))
+
+
+def _facing_like(
+    one: Unfolded, lender: Reference, settings: Settings, monitor: Monitor
+) -> tuple[list[Candidate], Alike]:
+    """Fit the skeleton of a rigged body by a match, and where that fits badly, by what the mannequin knows of both."""
+    found = candidates_of(one, lender, monitor)
+    if found[0].cost <= GOOD:
+        return found, Alike.YES
+    human = unfolded_reference(mannequin_rig(*mannequin()), settings, monitor)
+    bridge = over_mannequin(one, lender, human, cache(lambda: other_builds(human, settings, monitor)), monitor)
+    if bridge.candidates and bridge.candidates[0].cost < found[0].cost:
+        found = bridge.candidates
+    return found, bridge.alike(found[0])
 
 
 def _own(values: ArrayLike) -> ArrayLike:
@@ -287,7 +304,12 @@ def rig(
     kept = keep or KeptStages()
     fitted = fitted_skeleton(vertices, faces, reference, settings or Settings(), kept, monitor, _FITTED, rest=rest)
     chosen = fitted.found[index_of_side(side, len(fitted.found))]
-    pass_gate(refusal(chosen, fitted.share), fitted.found, side, anyway, monitor)
+    error = refusal(chosen, fitted.share)
+    if reference is not None and (fitted.alike is Alike.NO or (error is not None and error.kind in _UNLIKE)):
+        error = InvalidMeshError("rig_unlike")
+    pass_gate(error, fitted.found, side, anyway, monitor)
+    if error is None and fitted.alike is Alike.PERHAPS:
+        monitor.warn("match_unlike")
     piece = monitor.piece(_FITTED, 1.0, {"Weights": 2, "Pose": 1})
     with piece.stage("Weights"):
         found = _rigged(fitted, chosen, equal, monitor)

@@ -7,9 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..matching.point_map import WorkingMap, working_map
+from ..matching.point_map import working_map
 from ..matching.sides import Side, scored_sides, sides
 from ..matching.unfolded import Unfolded
+from ..mesh.closest_points import SurfacePoints
 from ..mesh.geometry import vertex_areas, vertex_normals
 from ..numerics.arrays import FloatArray, IntArray
 from ..run.monitor import Monitor
@@ -22,11 +23,26 @@ _SAME = 0.5  # cosine between axes of two skeletons below which they face differ
 _MAPS = 2  # matches with a reference that are completed: the second rescues what the score misjudged
 _ROWS = 700  # vertices on which fits are compared
 _SAMPLES = 6000  # by which toes are measured
-_GOOD = 2.0  # cost up to which no other build is tried
+GOOD = 2.0  # cost up to which no other build is tried
 _ALONE = 0.4  # of the work, then done
 _RESIDUAL, _DEGREES, _TOES = 0.005, 200.0, 0.1  # what weighs as much as each other
 _MOST_DEGREES, _MOST_TOES = 400.0, 0.2  # beyond which more tells nothing
 _SPREAD = 0.2  # residual of a vertex beyond which more tells nothing
+
+
+class Points(NamedTuple):
+    """The points of a reference that the working vertices of a body are.
+
+    Attributes
+    ----------
+    there : SurfacePoints
+        Points on the triangles of its working surface.
+    sure : (c,) ndarray of float
+        Confidence of each, 0 to 1.
+    """
+
+    there: SurfacePoints
+    sure: FloatArray
 
 
 class Candidate(NamedTuple):
@@ -36,10 +52,10 @@ class Candidate(NamedTuple):
     ----------
     reference : Reference
         Whose skeleton it is.
-    found : WorkingMap
-        The match with it.
+    found : Points
+        Its points, by a match.
     turned : bool
-        Whether the match was turned back to front.
+        Whether they were turned back to front.
     stands : bool
         Whether the body stays as it stands in its file.
     fit : Explained
@@ -53,13 +69,15 @@ class Candidate(NamedTuple):
     skin : float
         Least ratio of the skin of a limb's bone to that of its partner.
     confidence : float
-        Mean confidence of the match.
+        Mean confidence of the points.
     cost : float
         Residual, degrees and toes together; lower is likelier.
+    trust : float
+        Mean confidence of the points that the skeleton explains.
     """
 
     reference: Reference
-    found: WorkingMap
+    found: Points
     turned: bool
     stands: bool
     fit: Explained
@@ -69,6 +87,7 @@ class Candidate(NamedTuple):
     skin: float
     confidence: float
     cost: float
+    trust: float
 
 
 class _Skin(NamedTuple):
@@ -95,7 +114,7 @@ def candidates(
     some, whole = _skin(one, _ROWS), _skin(one, None)
     found = _fits(one, some, adult, monitor)
     monitor.tick(_ALONE)
-    if min(each.cost for each in found) > _GOOD:
+    if min(each.cost for each in found) > GOOD:
         others = builds()
         for number, build in enumerate(others, start=1):
             found += _fits(one, some, build, monitor)
@@ -112,9 +131,20 @@ def candidates_of(one: Unfolded, reference: Reference, monitor: Monitor) -> list
     """
     skin = _skin(one, None)
     ways = sides(one, reference.body, monitor)[:_MAPS]
-    maps = [working_map(one, reference.body, way, monitor) for way in ways]
+    maps = [_matched(one, reference, way, monitor) for way in ways]
     found = [_fit(skin, reference, each, False, False, monitor, ALIKE) for each in maps]
     return sorted(found, key=lambda each: each.cost)
+
+
+def candidate_by(one: Unfolded, reference: Reference, found: Points, monitor: Monitor) -> Candidate:
+    """Fit the skeleton of a reference to a body by corresponding points, wherever they are from."""
+    return _fit(_skin(one, None), reference, found, False, False, monitor)
+
+
+def _matched(one: Unfolded, reference: Reference, way: Side, monitor: Monitor) -> Points:
+    """Match a body with a reference."""
+    found = working_map(one, reference.body, way, monitor)
+    return Points(found.points, found.confidence)
 
 
 def _skin(one: Unfolded, count: int | None) -> _Skin:
@@ -141,25 +171,25 @@ def _fits(one: Unfolded, skin: _Skin, reference: Reference, monitor: Monitor) ->
     quiet = Monitor(cancelled=monitor.is_cancelled)  # what is counted is references
     ways = scored_sides(one, reference.body, quiet)
     upright = [way for way in ways if _standing(one, way, reference) > _STANDING]
-    maps = [working_map(one, reference.body, way, quiet) for way in (upright or ways)[:_MAPS]]
+    maps = [_matched(one, reference, way, quiet) for way in (upright or ways)[:_MAPS]]
     return [_fit(skin, reference, found, turned, bool(upright), quiet) for found in maps for turned in (False, True)]
 
 
 def _fit(
     skin: _Skin,
     reference: Reference,
-    found: WorkingMap,
+    found: Points,
     turned: bool,
     stands: bool,
     monitor: Monitor,
     rounds: int = UNLIKE,
 ) -> Candidate:
-    """Fit the skeleton of a reference by one match, and weigh what speaks against it."""
+    """Fit the skeleton of a reference by its points, and weigh what speaks against it."""
     rig, rows, share = reference.rig, skin.rows, skin.areas / skin.areas.sum()
-    at, weights = (found.points.on(values, rig.faces)[rows] for values in (rig.vertices, rig.weights))
+    at, weights = (found.there.on(values, rig.faces)[rows] for values in (rig.vertices, rig.weights))
     if turned:
         at, weights = turned_round(rig, at, weights)
-    sure = found.confidence[rows]
+    sure = found.sure[rows]
     fit = explained(rig, skin.points, skin.normals, skin.areas, at, weights, sure, monitor, rounds)
     residual = float(share @ np.minimum(fit.residual, _SPREAD))
     degrees, unlike, toes, alike = {}, 0.0, 0.0, 1.0
@@ -173,7 +203,20 @@ def _fit(
         + min(sum(degrees.values()), _MOST_DEGREES) / _DEGREES
         - float(np.clip(toes, -_MOST_TOES, _MOST_TOES)) / _TOES
     )
-    return Candidate(reference, found, turned, stands, fit, residual, degrees, unlike, alike, float(share @ sure), cost)
+    return Candidate(
+        reference,
+        found,
+        turned,
+        stands,
+        fit,
+        residual,
+        degrees,
+        unlike,
+        alike,
+        float(share @ sure),
+        cost,
+        float(share @ fit.trust(0.0)),
+    )
 
 
 def _facing_apart(found: list[Candidate]) -> list[Candidate]:

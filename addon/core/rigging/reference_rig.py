@@ -16,10 +16,10 @@ _X, _Y, _Z = SHOULDER
 _HIP_AT, _KNEE_AT = (0.106, 0.024, 0.93), (0.095, -0.01, 0.52)
 _ELBOW_AT, _WRIST_AT = (_X + _ELBOW, _Y + 0.012, _Z + 0.01), (_X + _WRIST, _Y, _Z + 0.008)
 _JOINTS = {  # of the left side and the middle, in Rigify's names: head, tail, parent
-    "spine": ((0, 0.035, 0.97), (0, 0.03, 1.07), ""),
-    "spine.001": ((0, 0.03, 1.07), (0, 0.03, 1.19), "spine"),
-    "spine.002": ((0, 0.03, 1.19), (0, 0.035, 1.31), "spine.001"),
-    "spine.003": ((0, 0.035, 1.31), (0, 0.035, 1.45), "spine.002"),
+    "spine": ((0, 0.03, 0.92), (0, 0.03, 1.02), ""),
+    "spine.001": ((0, 0.03, 1.02), (0, 0.03, 1.155), "spine"),
+    "spine.002": ((0, 0.03, 1.155), (0, 0.035, 1.3), "spine.001"),
+    "spine.003": ((0, 0.035, 1.3), (0, 0.035, 1.45), "spine.002"),
     "spine.004": ((0, 0.035, 1.45), (0, 0.015, 1.56), "spine.003"),
     "spine.006": ((0, 0.015, 1.56), (0, 0.015, 1.747), "spine.004"),
     "shoulder.L": ((0.02, -0.02, 1.42), (0.14, 0.02, 1.425), "spine.003"),
@@ -140,7 +140,7 @@ def _segments(vertices: FloatArray) -> list[str]:
     """Name the bone that each vertex of the mannequin is nearest to, by planes across the joints."""
     x, y, z = vertices.T
     out, side = np.abs(x), np.where(x > 0, "L", "R")
-    spine = np.searchsorted([1.07, 1.19, 1.31, 1.45, 1.565], z + np.where(z > 1.45, 0.3 * (y - 0.03), 0.0))
+    spine = np.searchsorted([1.02, 1.155, 1.3, 1.45, 1.565], z + np.where(z > 1.45, 0.3 * (y - 0.03), 0.0))
     found = np.array(["spine", "spine.001", "spine.002", "spine.003", "spine.004", "spine.006"], dtype="U12")[spine]
     collar = (out > _COLLAR) & (z > 1.36) & (z < 1.5)
     arm = (out > _X) & (z > 1.33) & (z < 1.56)

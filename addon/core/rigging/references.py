@@ -57,8 +57,13 @@ def other_builds(adult: Reference, settings: Settings, monitor: Monitor) -> list
     return found
 
 
+def unfolded_reference(rig: ReferenceRig, settings: Settings, monitor: Monitor) -> Reference:
+    """Unfold a rigged body that is one closed surface. `settings`: of its form."""
+    return adult(rig, _unfolded(rig, settings, monitor), np.arange(len(rig.vertices)))
+
+
 def _unfolded(rig: ReferenceRig, settings: Settings, monitor: Monitor) -> Unfolded:
-    """Unfold a closed surface of working size."""
+    """Unfold a closed surface."""
     quiet = Monitor(cancelled=monitor.is_cancelled)  # what it says is about no mesh of the user
     method = method_named(settings.method)
     settings = method.settings(settings)

@@ -127,6 +127,8 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
     "a mesh of a similar body instead.",
     "stance_strained": "Nothing was made: the skin does not follow the skeleton found in this body (edges change by "
     "{distortion:.1%}). Take the pose of a mesh of a similar body instead.",
+    "rig_unlike": "Nothing was made: this body and the reference are not alike enough. Choose a reference with a body "
+    "like this one.",
     "stance_doubtful": "The skeleton found in this body is unlikely. Check the pose.",
     "mannequin_arms": "The arms of the mannequin can be lowered by -90 to 90 degrees; got {value!r}.",
     "match_bodies": "This mesh has {count} bodies and the other {others}; only those that both have, the largest "
