@@ -150,9 +150,6 @@ def _parser() -> argparse.ArgumentParser:
     )
     whose.add_argument("--pose", choices=("t", "a"), help="that of a mannequin: a T-pose or an A-pose")
     _add_side(how)
-    how.add_argument(
-        "--anyway", action="store_true", help="write a T-pose or an A-pose that is unlikely to be right, too"
-    )
     _add_axes(how)
     _add_method(posing, how)
     transferring = commands.add_parser(
@@ -163,7 +160,10 @@ def _parser() -> argparse.ArgumentParser:
     )
     _add_files(transferring)
     how = transferring.add_argument_group("the transfer")
-    how.add_argument("--reference", metavar="FILE", required=True, help="take them from the largest mesh in this file")
+    how.add_argument(
+        "--reference", metavar="FILE", required=True, help="take them from the largest mesh in this file, and "
+        "from the others that its armature moves",
+    )  # fmt: skip
     how.add_argument("--kinds", nargs="+", choices=tuple(KINDS), default=["weights"], help="what is taken over")
     _add_side(how)
     _add_axes(how)
@@ -183,7 +183,6 @@ def _parser() -> argparse.ArgumentParser:
         "reference, or none: as the mesh stands",
     )  # fmt: skip
     how.add_argument("--rigify", action="store_true", help="generate Rigify's rig on the bones of the mannequin")
-    how.add_argument("--anyway", action="store_true", help="write a rig that is unlikely to be right, too")
     _add_side(how)
     _add_axes(how)
     _add_method(rigging, how)
@@ -309,11 +308,12 @@ def _add_axes(group: argparse._ArgumentGroup) -> None:
 
 
 def _add_side(group: argparse._ArgumentGroup | argparse.ArgumentParser) -> None:
-    """Add the option for the way to match."""
+    """Add the options for the way to match, and for what is unlikely to be right."""
     group.add_argument(
         "--side", type=int, default=-1, metavar="N",
         help="which way to match left and right, front and back: -1 for the likeliest, or its number from 0",
     )  # fmt: skip
+    group.add_argument("--anyway", action="store_true", help="write what is unlikely to be right, too")
 
 
 def _add_method(parser: argparse.ArgumentParser, placing: argparse._ArgumentGroup | None) -> None:

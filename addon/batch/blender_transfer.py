@@ -10,7 +10,7 @@ from ..blender.transfer.transfer_task import TransferTask
 from ..core import CanonicalFormError
 from ..core.run.monitor import Progress
 from .lines import Line
-from .rigged_files import largest_of, opened, remove_all_but, written
+from .rigged_files import character_of, largest_of, opened, remove_all_but, written
 from .wanted import KINDS, Wanted
 
 
@@ -20,8 +20,9 @@ def transfer_between(path: Path, donor: Path, target: Path, wanted: Wanted, prog
         raise CanonicalFormError("This file is the reference itself.")
     objects, warnings = opened(path, wanted)
     own = set(bpy.data.objects)
-    source = largest_of(donor)
-    task = TransferTask(objects, source, {KINDS[name] for name in wanted.kinds}, wanted.settings, wanted.side)
+    source = character_of(largest_of(donor))
+    kinds = {KINDS[name] for name in wanted.kinds}
+    task = TransferTask(objects, source, kinds, wanted.settings, wanted.side, anyway=wanted.anyway)
     task.compute(progress)
     task.write()
     name, figures = source.name, {"objects": [obj.name for obj in objects], "transferred": task.told}

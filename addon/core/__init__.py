@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from .rigs import rig
     from .run.kept_stages import KeptStages
     from .stances import stance_by_bones, stance_by_match
-    from .transfers import transferred, transferred_corners, transferred_labels, transferred_shape
+    from .transfers import require_fit, transferred, transferred_corners, transferred_labels, transferred_shape
 
 __all__ = [
     "CancelledError",
@@ -52,6 +52,7 @@ __all__ = [
     "mannequin",
     "match",
     "pose_like",
+    "require_fit",
     "rig",
     "stance_by_bones",
     "stance_by_match",
@@ -82,6 +83,7 @@ _DOORS = {
     "rig": "rigs",
     "stance_by_bones": "stances",
     "stance_by_match": "stances",
+    "require_fit": "transfers",
     "transferred": "transfers",
     "transferred_corners": "transfers",
     "transferred_labels": "transfers",

@@ -116,7 +116,11 @@ class OBJECT_OT_canonical_form_transfer(JobOperator, MethodProperties, bpy.types
     bl_translation_context = CONTEXT
     bl_options = {"UNDO"}
 
-    like: StringProperty(name="Reference", translation_context=CONTEXT, description="Object to transfer from")  # type: ignore[valid-type]
+    like: StringProperty(  # type: ignore[valid-type]
+        name="Reference",
+        translation_context=CONTEXT,
+        description="Object to transfer from: a mesh, or an armature for all its meshes",
+    )
     kinds: EnumProperty(  # type: ignore[valid-type]
         name="Kinds",
         translation_context=CONTEXT,
@@ -133,6 +137,12 @@ class OBJECT_OT_canonical_form_transfer(JobOperator, MethodProperties, bpy.types
         default=-1,
         min=-1,
     )
+    anyway: BoolProperty(  # type: ignore[valid-type]
+        name="Write Anyway",
+        translation_context=CONTEXT,
+        description="Transfer from an object that is unlikely to fit, too",
+        default=False,
+    )
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -146,7 +156,9 @@ class OBJECT_OT_canonical_form_transfer(JobOperator, MethodProperties, bpy.types
 
         objects, self._refused = chosen_objects(context)
         side = side_of(objects[0], self.like) if self.side < 0 else self.side
-        return TransferTask(objects, named_reference(self.like), self.kinds, settings_of(self), side)
+        return TransferTask(
+            objects, named_reference(self.like), self.kinds, settings_of(self), side, anyway=self.anyway
+        )
 
     def written(self, context: bpy.types.Context, task: "TransferTask", outcome: None, interactive: bool) -> None:
         """Report the warnings, then what was transferred."""

@@ -196,7 +196,7 @@ class CanonicalFormProperties(
     anyway: BoolProperty(  # type: ignore[valid-type]
         name="Write Anyway",
         translation_context=CONTEXT,
-        description="Keep a T-Pose or an A-Pose that is unlikely to be right, too",
+        description="Keep a T-Pose, an A-Pose, a rig or data of another body that are unlikely to be right, too",
         default=False,
     )
     like: StringProperty(  # type: ignore[valid-type]
@@ -356,6 +356,7 @@ def hand_over_transfer(chosen: CanonicalFormProperties, operator: bpy.types.Oper
     for name in METHOD_NAMES:
         setattr(operator, name, chosen_value(chosen, name))
     operator.like = chosen.like
+    operator.anyway = chosen.anyway
     operator.kinds = {kind for kind, *_ in TRANSFER_ITEMS if getattr(chosen, transfer_flag(kind))}
 
 

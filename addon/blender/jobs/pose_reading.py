@@ -6,8 +6,11 @@ import bpy
 import numpy as np
 
 from ...core import CanonicalFormError
+from ..objects.combining import moved, outward
 from ..objects.mesh_reading import read_evaluated, read_mesh
 from ..objects.object_states import object_mode
+from ..objects.placement import placement_of
+from ..objects.rest_reading import moved_by
 from ..words.wording import told
 from .likeness import Likeness, PoseArrays
 
@@ -32,10 +35,9 @@ def read_likeness(obj: bpy.types.Object | None, side: int = -1) -> Likeness:
     CanonicalFormError
         If the object does not exist, has no faces or is not visible.
     """
-    reason = reference_refusal(obj)
-    if obj is None or reason is not None:
-        raise CanonicalFormError(reason or "")
-    return Likeness("OBJECT", obj.name, _read(obj), side)
+    meshes = reference_meshes(obj)
+    assert obj is not None  # it has meshes
+    return Likeness("OBJECT", obj.name, _together([_read(each, alone=len(meshes) == 1) for each in meshes]), side)
 
 
 def named_reference(name: str) -> bpy.types.Object | None:
@@ -62,8 +64,8 @@ def named_reference(name: str) -> bpy.types.Object | None:
     return obj
 
 
-def reference_refusal(obj: bpy.types.Object | None) -> str | None:
-    """Return why the pose of an object cannot be applied to others.
+def reference_meshes(obj: bpy.types.Object | None) -> list[bpy.types.Object]:
+    """List the meshes that an object stands for as a reference: itself, or those that an armature alone moves.
 
     Parameters
     ----------
@@ -72,8 +74,30 @@ def reference_refusal(obj: bpy.types.Object | None) -> str | None:
 
     Returns
     -------
-    str or None
-        A sentence that names the remedy; None if it can be applied.
+    list of bpy.types.Object
+        At least one; those of an armature that are shown.
+
+    Raises
+    ------
+    CanonicalFormError
+        If there are none, or one cannot be read; the message names the remedy.
+    """
+    if obj is None:
+        raise CanonicalFormError(_reference_refusal(obj) or "")
+    meshes = moved_by(obj) if obj.type == "ARMATURE" else [obj]
+    if not meshes:
+        raise CanonicalFormError(told("{name} moves no mesh that is shown. Choose a mesh.", name=obj.name))
+    for each in meshes:
+        reason = _reference_refusal(each)
+        if reason is not None:
+            raise CanonicalFormError(reason)
+    return meshes
+
+
+def _reference_refusal(obj: bpy.types.Object | None) -> str | None:
+    """Return why the pose of an object cannot be applied to others.
+
+    The sentence names the remedy.
     """
     if obj is None:
         return told("Choose an object in the pose that is wanted as the reference first.")
@@ -86,14 +110,26 @@ def reference_refusal(obj: bpy.types.Object | None) -> str | None:
     return None
 
 
-def _read(obj: bpy.types.Object) -> PoseArrays:
+def _together(parts: list[PoseArrays]) -> PoseArrays:
+    """Put the meshes of one character together."""
+    if len(parts) == 1:
+        return parts[0]
+    starts = np.cumsum([0, *(len(each.vertices) for each in parts)])
+    return PoseArrays(
+        np.concatenate([each.vertices for each in parts]),
+        np.concatenate([each.faces + start for each, start in zip(parts, starts, strict=False)]),
+        np.concatenate([each.pose for each in parts]),
+    )
+
+
+def _read(obj: bpy.types.Object, *, alone: bool) -> PoseArrays:
     """Read an object's evaluated mesh, and its base mesh for matching if both have the same vertices."""
     with object_mode(obj):
         vertices, faces = read_mesh(obj.data)
         shown, shown_faces = read_evaluated(obj)
     if len(shown) != len(vertices):
         vertices, faces = shown, shown_faces
-    turn = np.array(obj.matrix_world)[:3, :3]
-    if np.linalg.det(turn) < 0:
-        faces = faces[:, ::-1]
-    return PoseArrays(vertices @ turn.T, faces, shown @ turn.T)
+    rest, now = placement_of(obj, False), placement_of(obj, True)
+    if alone:  # where it is, and whether it rests, is nothing to its shape
+        rest = now = np.block([[now[:3, :3], np.zeros((3, 1))], [0, 0, 0, 1]])
+    return PoseArrays(moved(vertices, rest), outward(faces, rest), moved(shown, now))

@@ -95,6 +95,15 @@ def rigs_of(obj: bpy.types.Object) -> set[bpy.types.Object]:
     return {each for each in found if each is not None and each.type == "ARMATURE"}
 
 
+def moved_by(rig: bpy.types.Object) -> list[bpy.types.Object]:
+    """List the meshes that are shown and that an armature moves, and it alone."""
+    return [
+        each
+        for each in bpy.context.view_layer.objects
+        if each.type == "MESH" and each.data.polygons and each.visible_get() and rigs_of(each) == {rig}
+    ]
+
+
 def chain_of(obj: bpy.types.Object) -> Iterator[bpy.types.Object]:
     """List an object, its parent, and so on."""
     above: bpy.types.Object | None = obj

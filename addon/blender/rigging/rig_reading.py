@@ -14,7 +14,7 @@ from ..objects.bone_reading import with_bones
 from ..objects.combining import moved, outward
 from ..objects.mesh_reading import read_object
 from ..objects.object_states import object_mode
-from ..objects.rest_reading import rigs_of
+from ..objects.rest_reading import moved_by, rigs_of
 from ..words.wording import told
 
 if TYPE_CHECKING:
@@ -64,12 +64,11 @@ def read_rig_source(obj: bpy.types.Object | None) -> RigSource:
             told("{name} has no rig. Choose an armature with its mesh, or a mesh that one armature moves.", name=name)
         )
     parts = []
-    for each in bpy.context.view_layer.objects:
-        if each.type == "MESH" and each.data.polygons and each.visible_get() and rigs_of(each) == {armature}:
-            with object_mode(each):
-                (reading,) = with_bones([each], [read_object(each)])
-            if reading.bones is not None:
-                parts.append(reading)
+    for each in moved_by(armature):
+        with object_mode(each):
+            (reading,) = with_bones([each], [read_object(each)])
+        if reading.bones is not None:
+            parts.append(reading)
     bones = [each.bones for each in parts if each.bones is not None]
     if not bones:
         raise CanonicalFormError(

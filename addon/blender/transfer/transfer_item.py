@@ -106,6 +106,7 @@ class TransferItem:
         source: Source,
         there: FloatArray,
         kinds: Set[str],
+        bones: dict[str, FloatArray],
         keys: dict[str, FloatArray],
         rest: FloatArray | None,
     ) -> None:
@@ -121,6 +122,8 @@ class TransferItem:
             Positions of the other mesh.
         kinds : set of str
             Kinds of data to transfer.
+        bones : dict of str to (n,) ndarray of float
+            How far each vertex follows each bone of the source, by name, where its skeleton was fitted.
         keys : dict of str to (n, 3) ndarray of float
             Shapes of keys, already transferred, as their size is that of the whole body.
         rest : (n, 3) ndarray of float or None
@@ -139,6 +142,9 @@ class TransferItem:
         if wanted:
             weights = transferred(found, np.column_stack([source.groups[name] for name in wanted]))
             groups = dict(zip(wanted, weights.T, strict=True))
+            known = [name for name in wanted if name in bones and bones[name].any()]
+            total = sum((groups[name] for name in known), np.zeros(len(weights)))  # which need not be 1
+            groups |= {name: bones[name] * total for name in known}
         colours = {
             each.name: (
                 "CORNER" if each.on_corners else "POINT",

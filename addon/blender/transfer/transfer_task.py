@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence, Set
 from dataclasses import replace
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import bpy
 import numpy as np
@@ -13,16 +13,12 @@ import numpy as np
 from ...core import CanonicalFormError, TooLargeError
 from ...core.matching.seam_sides import SeamSides
 from ...core.numerics.arrays import FloatArray, IntArray
-from ..jobs.pose_reading import reference_refusal
 from ..objects.combining import moved, outward, require_thick, touching
-from ..objects.mesh_reading import read_mesh
-from ..objects.object_states import object_mode
-from ..objects.placement import placement_of
 from ..records.record import read_record
 from ..words.advice import all_advised
 from ..words.wording import listed, progress_of, told
+from .donor import read_donor
 from .transfer_item import TransferItem
-from .transfer_reading import Source, read_source
 
 if TYPE_CHECKING:
     from ...core import Match, Settings
@@ -30,6 +26,14 @@ if TYPE_CHECKING:
 
 TRANSFERS = ("GROUPS", "UVS", "COLOURS", "KEYS", "MATERIALS")
 _LIKE_SIZED = 1.25  # size ratio of a body and the rig's own, either way, above which the rig hardly fits
+
+
+class _Found(NamedTuple):
+    """The points of the donor that a body has."""
+
+    match: Match
+    rest: FloatArray | None  # positions in the rest pose of the donor's rig, in world space
+    weights: dict[str, FloatArray]  # of the donor's bones, by name, as its skeleton tells them
 
 
 class TransferTask:
@@ -42,13 +46,15 @@ class TransferTask:
     objects : sequence of bpy.types.Object
         The objects, accepted by `refusal`, at least one.
     source : bpy.types.Object or None
-        The object to transfer from.
+        The object to transfer from: a mesh, or an armature for all its meshes.
     kinds : set of str
         Kinds of data to transfer, from `TRANSFERS`.
     settings : Settings
         Options for all forms.
     side : int
         Which way to match: -1 for the most likely, or its index.
+    anyway : bool
+        Transfer from what is unlikely to fit, too.
 
     Attributes
     ----------
@@ -70,27 +76,24 @@ class TransferTask:
         kinds: Set[str],
         settings: Settings,
         side: int,
+        *,
+        anyway: bool = False,
     ) -> None:
-        reason = reference_refusal(source)
-        if source is None or reason is not None:
-            raise CanonicalFormError(reason or "")
-        first = {obj.data: obj for obj in reversed(objects) if obj.data != source.data}  # of objects that share a mesh
+        self._donor = read_donor(source)
+        self._source = self._donor.data
+        own = [obj.data for obj in self._donor.objects]
+        first = {obj.data: obj for obj in reversed(objects) if obj.data not in own}  # of objects that share a mesh
         objects = list(reversed(first.values()))
         if not objects:
             raise CanonicalFormError(
-                told("{name} is the reference itself. Select the mesh that is to take over.", name=source.name)
+                told("{name} is the reference itself. Select the mesh that is to take over.", name=self._source.name)
             )
         if not kinds:
             raise CanonicalFormError(told("Nothing is chosen to be transferred."))
         self._items = [TransferItem(obj) for obj in objects]
         for item in self._items:
             require_thick(item.reading.name, item.reading.placement, alone=len(objects) == 1)
-        with object_mode(source):
-            self._there, self._there_faces = read_mesh(source.data)
-            self._source: Source = read_source(source)
-            self._there_placement = placement_of(source, False)
-        require_thick(source.name, self._there_placement, alone=True)
-        self._kinds, self._settings, self._side = kinds, settings, side
+        self._kinds, self._settings, self._side, self._anyway = kinds, settings, side, anyway
         self._rigged = "GROUPS" in kinds and bool(self._source.armature)
         self.warnings: list[str] = []
         if self._source.damaged:
@@ -98,7 +101,7 @@ class TransferTask:
                 told(
                     "{damaged} of {source} have values that are not numbers, and were left out.",
                     damaged=listed(self._source.damaged),
-                    source=source.name,
+                    source=self._source.name,
                 )
             )
         self.told: list[str] = []
@@ -141,66 +144,87 @@ class TransferTask:
 
     def _carry_to(self, items: list[TransferItem], progress: Progress | None, cancelled: Cancelled | None) -> None:
         """Match the objects of one body and transfer the data to them."""
-        from ...core import match, pose_like
-
         starts = np.cumsum([0, *(len(item.reading.vertices) for item in items)])
         parts = [_placed(each.reading.vertices, each.reading.faces, each.reading.placement) for each in items]
         placed = np.concatenate([points for points, _ in parts])
         faces = np.concatenate([own + start for (_, own), start in zip(parts, starts, strict=False)])
-        there, there_faces = _placed(self._there, self._there_faces, self._there_placement)
-        side = "auto" if self._side < 0 else self._side
         name = items[0].reading.name
-        rest = None
         try:
-            if self._rigged:
-                posed = pose_like(
-                    placed, faces, there, there_faces, self._settings, side=side, progress=progress, cancelled=cancelled
-                )
-                found = posed.match
-                rest = _in_the_rig(posed.vertices, found, there)
-                self._warn_of_size(name, placed, faces, there, there_faces)
-            else:
-                found = match(
-                    placed, faces, there, there_faces, self._settings, side=side, progress=progress, cancelled=cancelled
-                )
+            found = self._brought_together(placed, faces, progress, cancelled)
         except MemoryError as error:
             raise TooLargeError(
                 told("Not enough memory for {name}. Close other files, or decimate the mesh.", name=name)
             ) from error
-        self.warnings += all_advised([*found.warnings, *found.other_warnings])
-        keys = self._changed(placed, faces, found, rest)
+        if found.rest is not None:
+            self._warn_of_size(name, placed, faces)
+        self.warnings += all_advised([*found.match.warnings, *found.match.other_warnings])
+        keys = self._changed(placed, faces, found)
         for item, (start, end) in zip(items, pairwise(starts.tolist()), strict=True):
             back = np.linalg.inv(item.reading.placement)
             item.carry(
-                _part(found, start, end),
+                _part(found.match, start, end),
                 self._source,
-                self._there,
+                self._donor.vertices,
                 self._kinds,
+                {group: weights[start:end] for group, weights in found.weights.items()},
                 {key: moved(shape[start:end], back) for key, shape in keys.items()},
-                None if rest is None else moved(rest[start:end], back),
+                None if found.rest is None else moved(found.rest[start:end], back),
             )
 
-    def _changed(
-        self, placed: FloatArray, faces: IntArray, found: Match, rest: FloatArray | None
-    ) -> dict[str, FloatArray]:
+    def _brought_together(
+        self, placed: FloatArray, faces: IntArray, progress: Progress | None, cancelled: Cancelled | None
+    ) -> _Found:
+        """Find the points of the donor: by its skeleton if it has one, which explains more than a match alone."""
+        from ...core import match, pose_like, require_fit, rig
+
+        there, there_faces, bones = self._donor.vertices, self._donor.faces, self._donor.rig
+        if bones is not None and self._side < 0:
+            fitted = rig(
+                placed,
+                faces,
+                bones,
+                self._settings,
+                pose="rest" if self._rigged else None,
+                equal=False,
+                anyway=self._anyway,
+                progress=progress,
+                cancelled=cancelled,
+            )
+            found = replace(fitted.match, warnings=fitted.warnings)
+            rest = _in_the_rig(fitted.vertices, found, there) if self._rigged else None
+            return _Found(found, rest, dict(zip(fitted.skeleton.names, fitted.weights.T, strict=True)))
+        side: str | int = "auto" if self._side < 0 else self._side
+        rest = None
+        if self._rigged:
+            posed = pose_like(
+                placed, faces, there, there_faces, self._settings, side=side, progress=progress, cancelled=cancelled
+            )
+            found = posed.match
+            rest = _in_the_rig(posed.vertices, found, there)
+        else:
+            found = match(
+                placed, faces, there, there_faces, self._settings, side=side, progress=progress, cancelled=cancelled
+            )
+        if not self._anyway and self._side < 0:  # a side that was chosen has been looked at
+            require_fit(found, placed, faces)
+        return _Found(found, rest, {})
+
+    def _changed(self, placed: FloatArray, faces: IntArray, found: _Found) -> dict[str, FloatArray]:
         """Apply the source's shape keys to a body, in the rig's rest pose if there is a rig, in world space."""
         from ...core import transferred_shape
 
-        start, there = placed if rest is None else rest, moved(self._there, self._there_placement)
+        start = placed if found.rest is None else found.rest
         return {
-            each.name: placed
-            + transferred_shape(found, start, faces, there, moved(each.shape, self._there_placement))
-            - start
+            each.name: placed + transferred_shape(found.match, start, faces, self._donor.vertices, each.shape) - start
             for each in (self._source.keys if "KEYS" in self._kinds else ())
         }
 
-    def _warn_of_size(
-        self, name: str, placed: FloatArray, faces: IntArray, there: FloatArray, there_faces: IntArray
-    ) -> None:
+    def _warn_of_size(self, name: str, placed: FloatArray, faces: IntArray) -> None:
         """Warn if a body is too large or too small for the rig."""
         from ...core.mesh.geometry import surface_area
 
-        times = float(np.sqrt(surface_area(placed, faces) / surface_area(there, there_faces)))
+        areas = surface_area(placed, faces), surface_area(self._donor.vertices, self._donor.faces)
+        times = float(np.sqrt(areas[0] / areas[1]))
         if not 1 / _LIKE_SIZED < times < _LIKE_SIZED:
             self.warnings.append(
                 told(

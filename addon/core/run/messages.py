@@ -127,6 +127,8 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
     "a mesh of a similar body instead.",
     "stance_strained": "Nothing was made: the skin does not follow the skeleton found in this body (edges change by "
     "{distortion:.1%}). Take the pose of a mesh of a similar body instead.",
+    "transfer_unlike": "Nothing was transferred: the two bodies are not alike enough, or their match failed "
+    "({sure:.0%} sure). Choose a mesh with a body like this one.",
     "rig_unlike": "Nothing was made: this body and the reference are not alike enough. Choose a reference with a body "
     "like this one.",
     "stance_doubtful": "The skeleton found in this body is unlikely. Check the pose.",

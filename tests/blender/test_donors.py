@@ -1,0 +1,123 @@
+"""What data are transferred from: an armature stands for its meshes, and what does not fit is refused."""
+
+import bpy
+import numpy as np
+import pytest
+
+from addon.blender.transfer.donor import read_donor
+from addon.blender.transfer.transfer_reading import read_source
+from addon.core import InvalidMeshError, match
+from addon.core.transfers import require_fit
+from tests.blender.conftest import add_object, snapshot
+from tests.blender.test_limbs import keys_of, points_of
+from tests.blender.test_transfer import TRANSFER, pair, rig, small  # noqa: F401 (fixtures)
+from tests.meshes import shapes
+
+pytestmark = pytest.mark.usefixtures("computed_once")
+
+
+@pytest.fixture
+def halves(pair, rig, small):  # noqa: F811
+    """The base in two objects, left and right, which one armature moves; the scan is active."""
+    scan, base, old = pair
+    vertices, faces = small
+    left = vertices[faces].mean(axis=1)[:, 0] < 0
+    parts = []
+    for name, own in (("Half L", left), ("Half R", ~left)):
+        used, corners = np.unique(faces[own], return_inverse=True)
+        part = add_object(name, vertices[used], corners.reshape(-1, 3))
+        side = vertices[used, 0] > 0
+        for group, members in (("Left", ~side), ("Right", side)):
+            part.vertex_groups.new(name=group).add(np.flatnonzero(members).tolist(), 0.75, "REPLACE")
+        layer = part.data.uv_layers.new(name="Map" if own is left else "Another")
+        layer.uv.foreach_set("vector", vertices[faces[own].ravel()][:, :2].astype(np.float32).ravel())
+        part.data.materials.append(bpy.data.materials.new(name))
+        part.modifiers.new("Armature", "ARMATURE").object = rig
+        part.select_set(False)
+        parts.append(part)
+    parts[1].shape_key_add(name="Basis")
+    part = parts[1].shape_key_add(name="Wide")
+    points = points_of(part)
+    part.points.foreach_set("co", (points * [1.5, 1, 1]).astype(np.float32).ravel())
+    bpy.data.objects.remove(base)
+    bpy.context.view_layer.objects.active = scan
+    scan.select_set(True)
+    bpy.context.view_layer.update()
+    return scan, parts, rig, old
+
+
+def test_an_armature_stands_for_all_its_meshes(halves, small):  # noqa: F811
+    scan, parts, rig, old = halves  # noqa: F811
+    before = [snapshot(each) for each in parts]
+    kinds = {"GROUPS", "UVS", "KEYS", "MATERIALS"}
+    assert bpy.ops.object.canonical_form_transfer(**{**TRANSFER, "like": rig.name}, kinds=kinds) == {"FINISHED"}
+    here, vertices = read_source(scan), small[0][old]
+    inner = np.abs(vertices[:, 0]) > 0.4
+    for name, members in (("Left", vertices[:, 0] < 0), ("Right", vertices[:, 0] > 0)):
+        np.testing.assert_allclose(here.groups[name][inner], 0.75 * members[inner], atol=0.01)
+    places = vertices[here.vertex_of][:, :2]
+    (layer,) = here.uvs.values()  # of both, though one is called otherwise
+    assert np.linalg.norm(layer - places, axis=1).mean() < 0.03
+    slots = np.array([each.name for each in scan.data.materials])
+    centres = vertices[np.array([list(face.vertices) for face in scan.data.polygons])].mean(axis=1)
+    far = np.abs(centres[:, 0]) > 0.4
+    chosen = slots[[face.material_index for face in scan.data.polygons]]
+    assert (chosen[far] == np.where(centres[far, 0] < 0, "Half L", "Half R")).all()
+    wide = points_of(keys_of(scan)["Wide"]) - points_of(keys_of(scan)["Basis"])
+    assert np.abs(wide[vertices[:, 0] < -0.4]).max() < 0.02  # the left half has no such key
+    assert np.abs(wide[vertices[:, 0] > 1.0, 0]).mean() > 0.3
+    assert [(each.type, each.object) for each in scan.modifiers] == [("ARMATURE", rig)]
+    assert [snapshot(each) for each in parts] == before
+
+
+def test_its_pose_is_that_of_all_of_them(halves, small):  # noqa: F811
+    scan, _, rig, _ = halves  # noqa: F811
+    assert bpy.ops.object.canonical_form_pose_like(
+        **{key: value for key, value in TRANSFER.items() if key != "like"}, pose="OBJECT", like=rig.name
+    ) == {"FINISHED"}
+    posed = points_of(keys_of(scan)[f"Like {rig.name}"])
+    lengths = [np.linalg.norm(np.ptp(each, axis=0)) for each in (posed, small[0])]
+    assert lengths[0] == pytest.approx(lengths[1], rel=0.1)
+
+
+def test_the_parts_of_a_donor_are_one_mesh(halves):
+    _, parts, rig, _ = halves  # noqa: F811
+    donor = read_donor(rig)
+    assert [each.name for each in donor.objects] == sorted(
+        (each.name for each in parts), key=lambda name: -len(bpy.data.objects[name].data.vertices)
+    )
+    assert donor.rig is not None
+    np.testing.assert_allclose(donor.rig.weights.sum(axis=1), 0.75, atol=1e-6)
+    np.testing.assert_array_equal(donor.data.vertex_of[donor.data.triangle_corners][:, [0, 1, 2]], donor.faces)
+
+
+def test_an_armature_without_meshes_is_no_donor(halves):
+    scan, parts, rig, _ = halves  # noqa: F811
+    for each in parts:
+        each.hide_set(True)
+    before = snapshot(scan)
+    with pytest.raises(RuntimeError, match="moves no mesh that is shown"):
+        bpy.ops.object.canonical_form_transfer(**{**TRANSFER, "like": rig.name}, kinds={"GROUPS"})
+    assert snapshot(scan) == before
+
+
+def test_what_does_not_fit_is_refused_unless_it_is_wanted_anyway(pair):  # noqa: F811
+    scan, _, _ = pair
+    add_object("Star", *shapes.sphere(3)).select_set(False)
+    bpy.context.view_layer.objects.active = scan
+    before = snapshot(scan)
+    words = {**TRANSFER, "like": "Star", "kinds": {"MATERIALS"}}
+    with pytest.raises(RuntimeError, match="not alike enough"):
+        bpy.ops.object.canonical_form_transfer(**words)
+    assert snapshot(scan) == before
+    assert bpy.ops.object.canonical_form_transfer(**words, anyway=True) == {"FINISHED"}
+
+
+def test_a_fit_is_weighed_by_area(small):  # noqa: F811
+    vertices, faces = small
+    found = match(vertices, faces, vertices, faces)
+    require_fit(found, vertices, faces)
+    found.confidence[:] = 0.3
+    with pytest.raises(InvalidMeshError) as told:
+        require_fit(found, vertices, faces)
+    assert told.value.kind == "transfer_unlike"
