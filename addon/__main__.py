@@ -26,6 +26,10 @@ def main(words: Sequence[str] | None = None) -> int:
         from .evaluation.correspondences.command import main as evaluate_matches
 
         return evaluate_matches(list(words[1:]))
+    if words[:1] == ["evaluate-rigs"]:
+        from .evaluation.rigs.command import main as evaluate_rigs
+
+        return evaluate_rigs(list(words[1:]))
     from .batch.command import main as run
 
     return run(words, sys.stdout)

@@ -340,6 +340,9 @@ _MATTER = (  # in addition to the core
     "evaluation/correspondences/work.py",
     "evaluation/descriptor.py",
     "evaluation/reading.py",
+    "evaluation/rigs/automatic.py",
+    "evaluation/rigs/characters.py",
+    "evaluation/rigs/work.py",
     "evaluation/work.py",
 )
 
