@@ -87,7 +87,8 @@ def judged(
             moved_by[bone] = moved_by[own.parents[bone]]
     figures: dict[str, Any] = {"told": ", ".join(each.kind for each in found.warnings), "seconds": seconds}
     figures |= _joints(own, found.weights, truth, same)
-    rest = BoneMotions(*[character.rig.skeleton.heads] * 2, np.broadcast_to(np.eye(3), truth.turns.shape))
+    heads = character.rig.skeleton.heads
+    rest = BoneMotions(heads, heads, np.broadcast_to(np.eye(3), truth.turns.shape))
     others = [rest, *(motions for name, motions in character.poses.items() if name != pose)]
     later = [_later(character, truth, each, kept[order]) for each in others]
     figures |= _new_poses("", truth, own, found.weights, moved_by, later)
