@@ -16,6 +16,7 @@ from ..core.method_api.catalogue import methods
 from ..core.method_api.options import Option, options_of
 from ..core.method_api.settings import Settings
 from ..core.numerics.arrays import FloatArray
+from ..core.rigging.namings import NAMINGS
 from ..core.run.errors import CanonicalFormError
 from .file_space import UNITS
 from .wanted import KINDS, RESTS, Wanted
@@ -111,6 +112,7 @@ def wanted_of(options: argparse.Namespace, mark: str, *, stages: bool) -> Wanted
         kinds=tuple(getattr(options, "kinds", ())),
         rest=RESTS[getattr(options, "rest", "none")],
         rigify=getattr(options, "rigify", False),
+        naming=getattr(options, "names", "rigify").upper(),
         mark=mark,
         stages=stages,
     )
@@ -182,6 +184,9 @@ def _parser() -> argparse.ArgumentParser:
         "--rest", choices=tuple(RESTS), default="t", help="the pose at rest: a T-pose, an A-pose, that of the "
         "reference, or none: as the mesh stands",
     )  # fmt: skip
+    how.add_argument(
+        "--names", choices=[each.lower() for each in NAMINGS], default="rigify", help="how bones are called"
+    )
     how.add_argument("--rigify", action="store_true", help="generate Rigify's rig on the bones of the mannequin")
     _add_side(how)
     _add_axes(how)

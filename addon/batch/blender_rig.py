@@ -28,7 +28,14 @@ def rig_meshes(path: Path, donor: Path | None, target: Path, wanted: Wanted, pro
     if wanted.rigify and "rigify" not in bpy.context.preferences.addons:
         bpy.ops.preferences.addon_enable(module="rigify")
     task = RigTask(
-        objects, source, wanted.settings, wanted.rest, rigify=wanted.rigify, side=wanted.side, anyway=wanted.anyway
+        objects,
+        source,
+        wanted.settings,
+        wanted.rest,
+        naming=wanted.naming,
+        rigify=wanted.rigify,
+        side=wanted.side,
+        anyway=wanted.anyway,
     )
     task.compute(progress)
     task.write()

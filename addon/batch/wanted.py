@@ -71,6 +71,8 @@ class Wanted:
         The pose in which a rig rests, of `RESTS`, as the operator names it.
     rigify : bool
         Whether Rigify's rig is generated.
+    naming : str
+        How the bones of the mannequin are called: one of `NAMINGS`.
     mark : str
         Distinguishes temporary files of this run from those of others.
     stages : bool
@@ -100,6 +102,7 @@ class Wanted:
     kinds: tuple[str, ...] = ()
     rest: str = "NONE"
     rigify: bool = False
+    naming: str = "RIGIFY"
     mark: str = ""
     stages: bool = False
 

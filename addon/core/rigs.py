@@ -15,30 +15,33 @@ from .matches import UNFOLDED, UnfoldedPair, on_meshes, unfolded_pair
 from .matching.point_map import PointMap
 from .matching.sides import index_of_side, require_side
 from .matching.unfolded import Unfolded
+from .measures.form_measures import edge_stretch
 from .mesh.closest_points import SurfacePoints
-from .mesh.geometry import checked_arrays, surface_area, vertex_normals
+from .mesh.geometry import surface_area, vertex_normals
 from .method_api.settings import Settings
 from .numerics.arrays import FloatArray
 from .results import Match, Rigged
 from .rigging.articulated_fit import explained_whole
 from .rigging.bridge import Alike, over_mannequin
 from .rigging.candidates import GOOD, Candidate, candidates, candidates_of
+from .rigging.evidence import strayed
 from .rigging.fitted_rig import bend_axes, filled_in, moved_bend_axes, settled_turns, with_equal_sides
 from .rigging.fitted_stance import fitted_stance, goal_turns
-from .rigging.reference_rig import ReferenceRig, mannequin_rig
+from .rigging.reference_rig import ReferenceRig, checked_rig, mannequin_rig
 from .rigging.references import Reference, adult, other_builds, unfolded_reference
 from .rigging.skeleton import BoneMotions, Skeleton, inverted, moved_skeleton
+from .rigging.stance import ARMS_LOWERED
 from .rigging.stance_gate import pass_gate, refusal
 from .rigging.standing import stood
 from .run.errors import InvalidMeshError, InvalidSettingsError
 from .run.kept_stages import KeptStages
 from .run.monitor import Cancelled, Monitor, Progress
 
-_POSES = ("T", "A", "rest")
 _FACING = {"Ways to face": 1}  # stages
+_LEAST = 0.1  # least belief in a point
+_POSES = ("T", "A", "rest")
 _FITTED = 0.9  # of the work
 _ROWS = 1 << 16  # vertices whose weights are found at once: a tenth of a second
-_LEAST = 0.1  # least belief in a point
 _FORGOTTEN = 0.01  # weights below which a bone does not hold a vertex
 _MOST_BONES = 4  # that hold a vertex
 _UNLIKE = ("stance_unlike", "stance_unlikely")  # which speak of the mannequin
@@ -157,7 +160,7 @@ def fitted_skeleton(
     if reference is None:
         whole = kept.take("Mannequin", [], lambda: mannequin_rig(*mannequin()), monitor.warnings)
     else:
-        whole = _checked(reference)
+        whole = checked_rig(reference)
 
     def unfold() -> UnfoldedPair:
         own, triangles = _own(vertices), _own(faces)  # they are kept
@@ -195,34 +198,6 @@ def _facing_like(
 def _own(values: ArrayLike) -> ArrayLike:
     """Copy an array that may be changed in place later."""
     return values.copy() if isinstance(values, np.ndarray) else values
-
-
-def _checked(reference: ReferenceRig) -> ReferenceRig:
-    """Check a reference, and sort its bones, each after its parent."""
-    points, triangles = checked_arrays(reference.vertices, reference.faces)
-    names, *arrays = reference.skeleton
-    parents, heads, tails, held = (np.asarray(each) for each in (*arrays, reference.weights))
-    count = len(names)
-    shapes = (parents.shape, heads.shape, tails.shape, held.shape)
-    if (
-        count == 0
-        or shapes != ((count,), (count, 3), (count, 3), (len(points), count))
-        or parents.dtype.kind != "i"
-        or not all(np.isfinite(each).all() for each in (heads, tails, held))
-        or not ((parents >= -1) & (parents < count)).all()
-        or not (held >= 0).all()
-        or any(bone in Skeleton(names, parents, heads, tails).ancestors(bone) for bone in range(count))
-    ):
-        raise InvalidMeshError("stance_arrays", bones=count, vertices=len(points))
-    bones = Skeleton(list(names), parents, heads.astype(np.float64), tails.astype(np.float64))
-    order = np.array(bones.downwards())
-    new = np.append(np.argsort(order), -1)  # the parent of none is -1
-    skeleton = Skeleton([bones.names[bone] for bone in order], new[bones.parents[order]], *bones[2:])
-    skeleton = skeleton._replace(heads=skeleton.heads[order], tails=skeleton.tails[order])
-    total = held.sum(axis=1, keepdims=True)
-    root = np.eye(count)[0]  # holds what nothing holds
-    held = np.where(total > 0, held[:, order] / np.maximum(total, np.finfo(float).tiny), root)
-    return ReferenceRig(points, triangles, skeleton, held)
 
 
 def rig(
@@ -314,11 +289,20 @@ def rig(
     with piece.stage("Weights"):
         found = _rigged(fitted, chosen, equal, monitor)
     with piece.stage("Pose"):
-        return found if pose is None else _at_rest(found, fitted, chosen, pose, piece)
+        if pose is None:
+            return found
+        found, error = _at_rest(found, fitted, chosen, pose, piece)
+        if error is not None and not anyway:
+            raise error
+        if error is not None:
+            monitor.warn("stance_doubtful")
+        return found
 
 
-def _at_rest(found: Rigged, fitted: Fitted, chosen: Candidate, pose: str, monitor: Monitor) -> Rigged:
-    """Let a rig rest in another pose than that of its mesh."""
+def _at_rest(
+    found: Rigged, fitted: Fitted, chosen: Candidate, pose: str, monitor: Monitor
+) -> tuple[Rigged, InvalidMeshError | None]:
+    """Let a rig rest in another pose than that of its mesh; also what says that the pose cannot be right."""
     fit, reference, own = chosen.fit, chosen.reference.rig, fitted.body.found
     heads, tails = ((each - own.centre) / own.unit for each in found.skeleton[2:])
     bones = fit.bones._replace(heads=heads, tails=tails)
@@ -327,13 +311,19 @@ def _at_rest(found: Rigged, fitted: Fitted, chosen: Candidate, pose: str, monito
     shapes = [body.points for body in fitted.pair.bodies.bodies]
     shapes[fitted.pair.pairs[0][0]] = there.vertices
     at_rest = moved_skeleton(found.skeleton, there.motions)
-    return replace(
+    bodies, posed = fitted.pair.bodies, shaped(fitted.pair.bodies, shapes, monitor).copy()
+    distortion = float(np.median(np.abs(edge_stretch(bodies.vertices, posed, bodies.faces) - 1)))
+    off = 0.0
+    if reference.is_human and pose in ARMS_LOWERED:
+        off = strayed(reference, there.working, own.mass, fit.weights, ARMS_LOWERED[pose])
+    rested = replace(
         found,
-        vertices=shaped(fitted.pair.bodies, shapes, monitor).copy(),
+        vertices=posed,
         skeleton=at_rest,
         to_given=inverted(there.motions),
         bends=moved_bend_axes(reference, found.bends, there.motions.turns, at_rest),
     )
+    return rested, refusal(chosen, fitted.share, distortion, off)
 
 
 def _rigged(fitted: Fitted, chosen: Candidate, equal: bool, monitor: Monitor) -> Rigged:

@@ -63,6 +63,7 @@ class OBJECT_OT_canonical_form_rig(JobOperator, MethodProperties, RigOptions, bp
             settings_of(self),
             self.rest,
             equal=self.equal,
+            naming=self.names,
             rigify=self.rigify,
             side=self.side,
             anyway=self.anyway,
@@ -166,6 +167,7 @@ def hand_over_rig(chosen: bpy.types.PropertyGroup, button: bpy.types.OperatorPro
     for name in METHOD_NAMES:
         setattr(button, name, chosen_value(chosen, name))
     button.like, button.rest, button.equal = chosen.rig_like, chosen_value(chosen, "rig_rest"), chosen.rig_equal
+    button.names = chosen_value(chosen, "rig_names")
     button.rigify, button.anyway = chosen.rig_rigify, chosen.anyway
 
 

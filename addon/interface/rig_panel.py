@@ -31,6 +31,9 @@ class VIEW3D_PT_canonical_form_rig(Tab, bpy.types.Panel):
         layout.prop_search(chosen, "rig_like", bpy.data, "objects", text=told("Bones From"))
         layout.prop(chosen, "rig_rest", text=told("Rest"))
         layout.prop(chosen, "rig_equal")
+        names = layout.row()
+        names.enabled = not chosen.rig_like  # bones of others have names
+        names.prop(chosen, "rig_names", text=told("Names"))
         layout.prop(chosen, "rig_rigify")
         layout.prop(chosen, "anyway")
         hand_over_rig(chosen, layout.operator(OBJECT_OT_canonical_form_rig.bl_idname, icon="ARMATURE_DATA"))

@@ -14,6 +14,12 @@ _RESTS = (
     ("A", "A-Pose", "It rests with arms lowered by 45 degrees; the scan stays as the Basis"),
     ("REFERENCE", "As the Reference", "It rests in the pose in which the reference rests; the scan stays as the Basis"),
 )
+_NAMES = (
+    ("RIGIFY", "Rigify", "Those of Blender's Rigify: upper_arm.L"),
+    ("MIXAMO", "Mixamo", "Those of Mixamo, whose animations then fit: mixamorig:LeftArm"),
+    ("UNREAL", "Unreal", "Those of the Unreal Engine: upperarm_l"),
+    ("VRM", "VRM", "Those of VRM and Unity's humanoid: leftUpperArm"),
+)
 
 
 def _rig_properties(prefix: str) -> dict[str, Any]:
@@ -36,6 +42,13 @@ def _rig_properties(prefix: str) -> dict[str, Any]:
             translation_context=CONTEXT,
             description="Make bones of the left and the right side equally long",
             default=True,
+        ),
+        f"{prefix}names": EnumProperty(
+            name="Names",
+            translation_context=CONTEXT,
+            description="How the bones of the mannequin are called, so that animations of other programs find them",
+            items=_NAMES,
+            default="RIGIFY",
         ),
         f"{prefix}rigify": BoolProperty(
             name="Rigify",

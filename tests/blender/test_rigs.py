@@ -25,6 +25,26 @@ def test_a_body_that_rests_as_it_stands_is_not_moved(body, scan, lender):
     assert [key.name for key in body.data.shape_keys.key_blocks] == ["Basis", "Smile"]
 
 
+@pytest.mark.parametrize(
+    ("names", "some"),
+    [
+        ("MIXAMO", {"mixamorig:Hips", "mixamorig:LeftForeArm", "mixamorig:RightToeBase"}),
+        ("UNREAL", {"pelvis", "lowerarm_l", "ball_r"}),
+        ("VRM", {"hips", "leftLowerArm", "rightToes"}),
+    ],
+)
+def test_bones_are_called_as_other_programs_call_them(body, names, some):
+    assert bpy.ops.object.canonical_form_rig(**RIG, rest="T", names=names) == {"FINISHED"}
+    bones = armature_of(body).data.bones
+    assert some <= set(bones.keys())
+    assert {group.name for group in body.vertex_groups} <= {"Mine", *bones.keys()}
+    assert len(bones) == 22
+    with pytest.raises(RuntimeError, match=r"Names: Rigify|switched off"):
+        bpy.ops.object.canonical_form_rig(**RIG, rest="T", names=names, rigify=True)
+    assert bpy.ops.object.canonical_form_rig_clear() == {"FINISHED"}
+    assert not some & {group.name for group in body.vertex_groups}
+
+
 def test_bones_turn_the_skin(body, scan, motions):
     bpy.ops.object.canonical_form_rig(**RIG, rest="NONE")
     armature = armature_of(body)

@@ -3,7 +3,7 @@
 import bpy
 import numpy as np
 
-ROWS = {"header": 300, "rig": 456}  # below the top, without a result: of the panel, and its button once it is open
+ROWS = {"header": 300, "rig": 478}  # below the top, without a result: of the panel, and its button once it is open
 
 
 def rigs(hand, figure, state, running, wait_for_the_end):

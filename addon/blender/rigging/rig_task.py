@@ -10,6 +10,7 @@ import bpy
 import numpy as np
 
 from ...core import CanonicalFormError, TooLargeError
+from ...core.rigging.namings import named_as
 from ...core.rigging.reference_rig import MANNEQUIN_BONES
 from ..mesh_items.active_items import active_items, existing_items, restore_active_items
 from ..mesh_items.fingerprints import group_fingerprints, key_fingerprint
@@ -58,6 +59,8 @@ class RigTask:
         The pose at rest: one of `RESTS`.
     equal : bool
         Make bones of both sides equally long.
+    naming : str
+        How the mannequin's bones are called: one of `NAMINGS`.
     rigify : bool
         Generate Rigify's rig on the bones, which must have the mannequin's names.
     side : int
@@ -94,6 +97,7 @@ class RigTask:
         pose: str,
         *,
         equal: bool = True,
+        naming: str = "RIGIFY",
         rigify: bool = False,
         side: int = -1,
         anyway: bool = False,
@@ -102,7 +106,8 @@ class RigTask:
         self._source, self._settings, self._pose, self._keep = source, settings, pose, keep
         self._equal, self._side, self._anyway = equal, side, anyway
         self._found: Rigged | None = None
-        self._names = MANNEQUIN_BONES if source is None else source.rig.skeleton.names
+        self._naming = naming
+        self._names = named_as(MANNEQUIN_BONES, naming) if source is None else source.rig.skeleton.names
         self._rigify = rigify
         if rigify:
             require_rigify(self._names)
@@ -166,6 +171,9 @@ class RigTask:
                 self.warnings.append(
                     told("Folds of the skin hide some of the scan: the key Scan misses it by up to {off:.1%}.", off=off)
                 )
+        if self._source is None:
+            names = named_as(found.skeleton.names, self._naming)
+            found = replace(found, skeleton=found.skeleton._replace(names=names))
         self._found = found
 
     def write(self) -> None:

@@ -44,7 +44,7 @@ def require_rigify(names: Sequence[str]) -> None:
         )
     if not set(MANNEQUIN_BONES) <= set(names):
         raise CanonicalFormError(
-            told("Rigify needs bones of its own names. Take those of the mannequin: leave Bones From empty.")
+            told("Rigify needs bones of its own names: leave Bones From empty, and choose Names: Rigify.")
         )
 
 

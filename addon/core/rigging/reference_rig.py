@@ -6,9 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..mesh.geometry import checked_arrays
 from ..modelling.body_plan import SHOULDER
 from ..numerics.arrays import FloatArray, IntArray
 from ..numerics.factoring import factored
+from ..run.errors import InvalidMeshError
 from .skeleton import Skeleton, mirror_name
 
 _ELBOW, _WRIST, _TIPS = 0.27, 0.52, 0.615  # metres from the shoulder
@@ -94,6 +96,34 @@ class ReferenceRig(NamedTuple):
     def at(self, vertices: IntArray, faces: IntArray) -> ReferenceRig:
         """Return the rig on some of its vertices, with triangles of their own. `vertices` (c,); `faces` (d, 3)."""
         return self._replace(vertices=self.vertices[vertices], faces=faces, weights=self.weights[vertices])
+
+
+def checked_rig(reference: ReferenceRig) -> ReferenceRig:
+    """Check a reference, and sort its bones, each after its parent."""
+    points, triangles = checked_arrays(reference.vertices, reference.faces)
+    names, *arrays = reference.skeleton
+    parents, heads, tails, held = (np.asarray(each) for each in (*arrays, reference.weights))
+    count = len(names)
+    shapes = (parents.shape, heads.shape, tails.shape, held.shape)
+    if (
+        count == 0
+        or shapes != ((count,), (count, 3), (count, 3), (len(points), count))
+        or parents.dtype.kind != "i"
+        or not all(np.isfinite(each).all() for each in (heads, tails, held))
+        or not ((parents >= -1) & (parents < count)).all()
+        or not (held >= 0).all()
+        or any(bone in Skeleton(names, parents, heads, tails).ancestors(bone) for bone in range(count))
+    ):
+        raise InvalidMeshError("stance_arrays", bones=count, vertices=len(points))
+    bones = Skeleton(list(names), parents, heads.astype(np.float64), tails.astype(np.float64))
+    order = np.array(bones.downwards())
+    new = np.append(np.argsort(order), -1)  # the parent of none is -1
+    skeleton = Skeleton([bones.names[bone] for bone in order], new[bones.parents[order]], *bones[2:])
+    skeleton = skeleton._replace(heads=skeleton.heads[order], tails=skeleton.tails[order])
+    total = held.sum(axis=1, keepdims=True)
+    root = np.eye(count)[0]  # holds what nothing holds
+    held = np.where(total > 0, held[:, order] / np.maximum(total, np.finfo(float).tiny), root)
+    return ReferenceRig(points, triangles, skeleton, held)
 
 
 def mannequin_rig(vertices: FloatArray, faces: IntArray) -> ReferenceRig:
