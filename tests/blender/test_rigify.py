@@ -43,6 +43,23 @@ def test_its_rig_moves_nothing_at_rest_and_is_removed_whole(rigify, body, rest):
     assert scene() == before
 
 
+def test_the_rig_lies_in_the_collections_of_the_body(rigify, body):
+    """Rigify puts its rig into the active collection, which is hardly ever that of the scene."""
+    own, other = (bpy.data.collections.new(name) for name in ("Bodies", "Props"))
+    for collection in (own, other):
+        bpy.context.scene.collection.children.link(collection)
+    own.objects.link(body)
+    bpy.context.scene.collection.objects.unlink(body)
+    for active in (own, other):
+        layer = bpy.context.view_layer
+        layer.active_layer_collection = layer.layer_collection.children[active.name]
+        before = scene()
+        assert bpy.ops.object.canonical_form_rig(**RIG, rest="NONE", rigify=True) == {"FINISHED"}
+        assert armature_of(body).users_collection == (own,)
+        assert bpy.ops.object.canonical_form_rig_clear() == {"FINISHED"}
+        assert scene() == before
+
+
 def test_knees_bend_forward_and_feet_stay(rigify, body):
     bpy.ops.object.canonical_form_rig(**RIG, rest="T", rigify=True)
     armature = armature_of(body)

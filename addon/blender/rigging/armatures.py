@@ -161,7 +161,7 @@ def follow(armature: bpy.types.Object, obj: bpy.types.Object) -> None:
 
 
 def put_beside(armature: bpy.types.Object, beside: bpy.types.Object) -> None:
-    """Move an armature from the scene's own collection to those of another object.
+    """Move an armature from where Blender or Rigify has put it to the collections of another object.
 
     Parameters
     ----------
@@ -170,12 +170,13 @@ def put_beside(armature: bpy.types.Object, beside: bpy.types.Object) -> None:
     beside : bpy.types.Object
         The other object.
     """
-    own = bpy.context.scene.collection
-    for collection in beside.users_collection:
+    wanted = beside.users_collection
+    for collection in wanted:
         if armature.name not in collection.objects:
             collection.objects.link(armature)
-    if beside.users_collection and own not in beside.users_collection:
-        own.objects.unlink(armature)
+    for collection in armature.users_collection if wanted else ():
+        if collection not in wanted:
+            collection.objects.unlink(armature)
 
 
 def _fill(
