@@ -104,7 +104,7 @@ def test_a_file_is_evaluated_and_a_second_run_goes_on(blender, tmp_path, charact
     before = (tmp_path / "out" / "rigs.csv").read_text()
     assert main(words, io.StringIO()) == 0
     assert (tmp_path / "out" / "rigs.csv").read_text() == before
-    assert "| same | figure | 1 |" in (tmp_path / "out" / "rigs.md").read_text()
+    assert "| same | figure | 1 | 0 |" in (tmp_path / "out" / "rigs.md").read_text()
 
 
 @pytest.mark.parametrize(

@@ -33,6 +33,22 @@ def test_a_mesh_without_keys_has_none_afterwards(blender, known, scan, lender):
     assert scene() == before
 
 
+@pytest.mark.parametrize("first", ["form", "rig"])
+def test_a_form_and_a_rig_in_any_order_leave_no_basis(blender, known, scan, lender, first):
+    obj = add_object("Bare", scan, lender.faces)
+    before = scene()
+    steps = {"form": bpy.ops.object.canonical_form, "rig": bpy.ops.object.canonical_form_rig}
+    clears = {"form": bpy.ops.object.canonical_form_clear, "rig": bpy.ops.object.canonical_form_rig_clear}
+    second = "rig" if first == "form" else "form"
+    for name in (first, second):
+        steps[name](**(RIG if name == "rig" else QUICK), **({"rest": "T"} if name == "rig" else {}))
+    clears[first]()
+    assert obj.data.shape_keys is not None
+    clears[second]()
+    assert obj.data.shape_keys is None
+    assert scene() == before
+
+
 def test_another_run_replaces_the_rig(body):
     bpy.ops.object.canonical_form_rig(**RIG, rest="T")
     once = scene()

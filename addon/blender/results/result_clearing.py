@@ -12,6 +12,7 @@ from ..mesh_items.slider import release
 from ..objects.object_states import object_mode
 from ..records.hidden_attributes import HIDDEN_FORM, HIDDEN_PATCHES
 from ..records.record import Record, read_record, remove_record
+from ..records.rig_record import read_rig, write_rig
 from .in_betweens import remove_curves, remove_in_betweens
 
 
@@ -132,7 +133,17 @@ def _remove_keys(obj: bpy.types.Object, record: Record, unconfirmed: bool) -> li
             left.append(name)
     if keys is not None and len(keys.key_blocks) == 1 and _is_own_basis(obj.data, record):
         remove_all_keys(obj)
+    elif keys is not None and _is_own_basis(obj.data, record):
+        _hand_over_basis(obj.data)
     return left
+
+
+def _hand_over_basis(mesh: bpy.types.Mesh) -> None:
+    """Let the rig remove the Basis that the form has added, as its keys still need it."""
+    rig = read_rig(mesh)
+    if rig is not None:
+        rig.basis = True
+        write_rig(mesh, rig)
 
 
 def _is_own_basis(mesh: bpy.types.Mesh, record: Record) -> bool:

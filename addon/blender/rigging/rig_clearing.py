@@ -14,6 +14,7 @@ from ..mesh_items.key_points import key_points
 from ..mesh_items.key_removal import remove_all_keys, remove_drivers
 from ..objects.object_states import object_mode
 from ..records.form_key import form_key
+from ..records.record import read_record, write_record
 from ..records.rig_record import RigRecord, read_rig, recorded_key, remove_rig_record
 from .made_data import MARK, PART, action_fingerprint, armature_fingerprint, made_by
 
@@ -176,6 +177,8 @@ def unbind(
             key.value = 0.0  # the bones are gone for which it was on
     if record.basis and _has_bare_basis(obj.data):
         remove_all_keys(obj)
+    elif record.basis:
+        _hand_over_basis(obj.data)
     form = form_key(obj.data)
     if record.slider is not None and form is not None and form.value == 0.0:
         form.value = record.slider
@@ -183,6 +186,15 @@ def unbind(
     restore_active_items(obj, active.kept(existing_items(obj), otherwise=active_items(obj)))
     obj.data.update()
     return left
+
+
+def _hand_over_basis(mesh: bpy.types.Mesh) -> None:
+    """Let the form remove the Basis that the rig has added, as its key still needs it."""
+    form = read_record(mesh)
+    if form is not None and form.basis is None and mesh.shape_keys is not None:
+        basis = mesh.shape_keys.reference_key
+        form.basis, form.basis_fingerprint = basis.name, key_fingerprint(basis)
+        write_record(mesh, form)
 
 
 def _has_bare_basis(mesh: bpy.types.Mesh) -> bool:

@@ -12,6 +12,7 @@ from ..store import Store
 from ..writing import csv_text, markdown_table, number
 
 _OURS = ("joints", "joint_most", "axes", "weights", "mean", "most", "aligned")
+_REFUSED = "stance_doubtful"  # the warning of what was written anyway
 _BLENDERS = ("found_mean", "found_most", "found_lost", "true_mean", "true_most", "true_lost")
 
 
@@ -77,7 +78,18 @@ def report_text(results: Sequence[Result], left_out: dict[str, str]) -> str:
     str
         The report.
     """
-    head = ["reference", "character", "poses", "joints (most)", "axes", "weights", "new poses: mean", "95 %", "aligned"]
+    head = [
+        "reference",
+        "character",
+        "poses",
+        "refused",
+        "joints (most)",
+        "axes",
+        "weights",
+        "new poses: mean",
+        "95 %",
+        "aligned",
+    ]
     head += ["Blender's weights on our bones", "on the true ones"]
     rows = []
     for reference in dict.fromkeys(each.reference for each in results):
@@ -91,7 +103,8 @@ def report_text(results: Sequence[Result], left_out: dict[str, str]) -> str:
         "",
         "Each character in poses of its own bones, reduced to 70 % of its vertices and shuffled, gets the bones of a "
         "reference. Joints, and vertices in its other poses: % of its size, mean (most); bones are turned as its own "
-        "turn. *Aligned*: without one motion of the whole. Axes: degrees; weights: share that is on another bone.",
+        "turn. What would be refused is counted, and not in the means. *Aligned*: without one motion of the whole. "
+        "Axes: degrees; weights: share that is on another bone.",
         "",
         markdown_table(head, rows),
     ]
@@ -104,7 +117,8 @@ def report_text(results: Sequence[Result], left_out: dict[str, str]) -> str:
 
 def _row(reference: str, name: str, results: Sequence[Result]) -> list[str]:
     """Write the means of some results."""
-    found = [each.outcome for each in results if isinstance(each.outcome, dict)]
+    every = [each.outcome for each in results if isinstance(each.outcome, dict)]
+    found = [each for each in every if _REFUSED not in each.get("told", "")]
 
     def mean(figure: str, form: str = ".2f") -> str:
         known = [each[figure] for each in found if each.get(figure) is not None]
@@ -113,5 +127,6 @@ def _row(reference: str, name: str, results: Sequence[Result]) -> list[str]:
     most = [each["joint_most"] for each in found if each.get("joint_most") is not None]
     joints = f"{mean('joints')} ({max(most):.1f})" if most else ""
     blenders = [f"{mean(f'{bones}_mean')}" for bones in ("found", "true")]
-    return [reference, name, str(len(found)), joints, mean("axes", ".1f"), mean("weights", ".1%"), mean("mean"),
-            mean("most", ".1f"), mean("aligned"), *blenders]  # fmt: skip
+    counts = [str(len(found)), str(len(every) - len(found))]
+    figures = [joints, mean("axes", ".1f"), mean("weights", ".1%"), mean("mean"), mean("most", ".1f"), mean("aligned")]
+    return [reference, name, *counts, *figures, *blenders]
