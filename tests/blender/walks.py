@@ -36,8 +36,8 @@ class Walk(RigSteps):
         Name of the package `addon` that is registered: it differs between the bpy module and an installed extension.
     arrays : (vertices, faces)
         The mesh at the start.
-    seed : int
-        Seed of the random choices.
+    seed : int or random.Random
+        Seed or source of the random choices.
     undo : bool
         Whether undo and redo are among the steps.
     """
@@ -49,7 +49,8 @@ class Walk(RigSteps):
         super().__init__(package)
         self.form_task = import_module(f"{package}.blender.jobs.form_task")
         self.request = import_module(f"{package}.blender.jobs.request")
-        self.arrays, self.chance, self.undo = arrays, random.Random(seed), undo
+        self.arrays, self.undo = arrays, undo
+        self.chance = seed if isinstance(seed, random.Random) else random.Random(seed)
         self.steps, self.counts, self.number = [], {}, 0
         self.folder = Path(tempfile.mkdtemp())
 
