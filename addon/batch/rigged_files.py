@@ -14,7 +14,7 @@ from ..blender.files.outside_references import pictures_not_held
 from ..blender.files.reading_files import add_meshes, open_meshes, scripts_left_off
 from ..blender.files.writing_files import Shown, save_blend, save_forms
 from ..blender.objects.mesh_reading import read_mesh, refusal
-from ..blender.objects.rest_reading import rigs_of
+from ..blender.objects.rest_reading import moved_by, rigs_of
 from ..blender.results.kept_rigs import movers_of, with_rigs
 from ..core import CanonicalFormError
 from .file_space import in_file_space, is_mirrored
@@ -43,8 +43,8 @@ def largest_of(donor: Path) -> bpy.types.Object:
 def character_of(mesh: bpy.types.Object) -> bpy.types.Object:
     """Return the armature that alone moves a mesh, and stands for all its meshes; the mesh if there is none."""
     bpy.context.view_layer.update()
-    rigs = rigs_of(mesh)
-    return next(iter(rigs)) if len(rigs) == 1 else mesh
+    rig = next(iter(rigs_of(mesh)), None)
+    return mesh if rig is None or mesh not in moved_by(rig) else rig
 
 
 def remove_all_but(own: Collection[bpy.types.Object], objects: list[bpy.types.Object]) -> None:

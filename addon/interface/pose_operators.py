@@ -82,10 +82,10 @@ class OBJECT_OT_canonical_form_pose_like(JobOperator, MethodProperties, RequestP
         from ..blender.jobs.pose_reading import named_reference, read_likeness
         from ..blender.jobs.request import Request
 
+        objects, self._refused = chosen_objects(context)
         likeness = Likeness(self.pose, side=self.side, anyway=self.anyway)
         if self.pose == "OBJECT":
-            likeness = read_likeness(named_reference(self.like), self.side)
-        objects, self._refused = chosen_objects(context)
+            likeness = read_likeness(named_reference(self.like), self.side, objects)
         objects = [obj for obj in objects if self.pose != "OBJECT" or obj.name != self.like]
         if not objects:
             raise CanonicalFormError(

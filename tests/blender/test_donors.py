@@ -6,9 +6,10 @@ import pytest
 
 from addon.blender.transfer.donor import read_donor
 from addon.blender.transfer.transfer_reading import read_source
-from addon.core import InvalidMeshError, match
+from addon.core import CanonicalFormError, InvalidMeshError, match
 from addon.core.transfers import require_fit
 from tests.blender.conftest import add_object, snapshot
+from tests.blender.rig_scenes import RIG, armature_of
 from tests.blender.test_limbs import keys_of, points_of
 from tests.blender.test_transfer import TRANSFER, pair, rig, small  # noqa: F401 (fixtures)
 from tests.meshes import shapes
@@ -91,12 +92,135 @@ def test_the_parts_of_a_donor_are_one_mesh(halves):
     np.testing.assert_array_equal(donor.data.vertex_of[donor.data.triangle_corners][:, [0, 1, 2]], donor.faces)
 
 
+def test_what_has_taken_over_is_no_donor_itself(halves, small, capfd):  # noqa: F811
+    scan, parts, rig, _ = halves  # noqa: F811
+    words = {**TRANSFER, "like": rig.name, "kinds": {"GROUPS"}}
+    assert bpy.ops.object.canonical_form_transfer(**words) == {"FINISHED"}
+    once = snapshot(scan)
+    assert bpy.ops.object.canonical_form_transfer(**words) == {"FINISHED"}
+    assert snapshot(scan) == once
+    assert {each.name for each in read_donor(rig).objects} == {each.name for each in parts}
+    bare = add_object("Bare", *small)
+    bare.parent = rig  # a garment, say, that is to follow
+    bpy.context.view_layer.update()
+    assert bpy.ops.object.canonical_form_transfer(**words) == {"FINISHED"}
+    assert {"Left", "Right"} <= {group.name for group in bare.vertex_groups}
+    for each in parts:
+        each.hide_set(True)
+    scan.select_set(True)
+    with pytest.raises(RuntimeError, match="moves no other mesh that is shown"):
+        bpy.ops.object.canonical_form_transfer(**words)
+
+
+def test_what_hangs_on_a_bone_follows_it(halves, small):  # noqa: F811
+    scan, parts, rig, old = halves  # noqa: F811
+    part = parts[0]
+    part.modifiers.clear()
+    part.vertex_groups.clear()
+    place = part.matrix_world.copy()
+    part.parent, part.parent_type, part.parent_bone = rig, "BONE", "Left"
+    part.matrix_world = place
+    rig.pose.bones["Left"].rotation_mode = "XYZ"
+    rig.pose.bones["Left"].rotation_euler.x = 0.4
+    bpy.context.view_layer.update()
+    assert bpy.ops.object.canonical_form_transfer(**{**TRANSFER, "like": rig.name}, kinds={"GROUPS"}) == {"FINISHED"}
+    here, vertices = read_source(scan), small[0][old]
+    np.testing.assert_allclose(here.groups["Left"][vertices[:, 0] < -0.4], 1.0, atol=0.01)
+    np.testing.assert_allclose(here.groups["Right"][vertices[:, 0] > 0.4], 0.75, atol=0.01)
+    assert [(each.type, each.object) for each in scan.modifiers] == [("ARMATURE", rig)]
+
+
+def test_a_part_without_materials_lends_none(halves, small):  # noqa: F811
+    scan, parts, rig, old = halves  # noqa: F811
+    parts[0].data.materials.clear()
+    parts[1].data.polygons.foreach_set("material_index", np.full(len(parts[1].data.polygons), 3, dtype=np.int32))
+    bpy.ops.object.canonical_form_transfer(**{**TRANSFER, "like": rig.name}, kinds={"MATERIALS"})
+    vertices = small[0][old]
+    centres = vertices[np.array([list(face.vertices) for face in scan.data.polygons])].mean(axis=1)[:, 0]
+    slots = [slot.material.name if slot.material else "" for slot in scan.material_slots]
+    chosen = np.array([slots[face.material_index] for face in scan.data.polygons])
+    assert (chosen[centres < -0.4] == "").all()
+    assert (chosen[centres > 0.4] == "Half R").all()
+
+
+def test_a_key_that_one_part_masks_moves_the_other_whole(halves, small):  # noqa: F811
+    scan, parts, rig, old = halves  # noqa: F811
+    left, right = parts
+    left.shape_key_add(name="Basis")
+    key = left.shape_key_add(name="Wide")
+    key.points.foreach_set("co", (points_of(key) * [1.5, 1, 1]).astype(np.float32).ravel())
+    right.vertex_groups.new(name="None")
+    keys_of(right)["Wide"].vertex_group = "None"  # so it moves nothing there
+    bpy.ops.object.canonical_form_transfer(**{**TRANSFER, "like": rig.name}, kinds={"KEYS"})
+    wide = points_of(keys_of(scan)["Wide"]) - points_of(keys_of(scan)["Basis"])
+    vertices = small[0][old]
+    assert keys_of(scan)["Wide"].vertex_group == ""
+    assert np.abs(wide[vertices[:, 0] > 0.4]).max() < 0.02
+    assert np.abs(wide[vertices[:, 0] < -1.0, 0]).mean() > 0.3
+
+
+def test_layers_that_only_a_smaller_part_has_come_too(halves):
+    scan, parts, rig, _ = halves  # noqa: F811
+    largest, smaller = sorted(parts, key=lambda each: -len(each.data.vertices))
+    while largest.data.uv_layers:
+        largest.data.uv_layers.remove(largest.data.uv_layers[0])
+    smaller.data.color_attributes.new(name="Paint", type="FLOAT_COLOR", domain="POINT")
+    bpy.ops.object.canonical_form_transfer(**{**TRANSFER, "like": rig.name}, kinds={"UVS", "COLOURS"})
+    assert [layer.name for layer in scan.data.uv_layers] == [smaller.data.uv_layers[0].name]
+    assert "Paint" in scan.data.color_attributes
+
+
+def test_props_of_an_armature_are_no_skin(halves):
+    _, parts, rig, _ = halves  # noqa: F811
+    floor = add_object("Floor", *shapes.sphere(4))
+    floor.parent = rig
+    bpy.context.view_layer.update()
+    assert {each.name for each in read_donor(rig).objects} == {each.name for each in parts}
+
+
+def test_an_armature_that_was_deleted_meanwhile_is_told(halves):
+    from addon.blender.transfer.transfer_task import TransferTask
+    from addon.core import Settings
+
+    scan, _, rig, _ = halves  # noqa: F811
+    settings = Settings(**{name: value for name, value in TRANSFER.items() if name in Settings.__dataclass_fields__})
+    task = TransferTask([scan], rig, {"GROUPS"}, settings, -1)
+    task.compute()
+    bpy.data.objects.remove(rig)
+    before = snapshot(scan)
+    with pytest.raises(CanonicalFormError, match="was deleted meanwhile"):
+        task.write()
+    assert snapshot(scan) == before
+
+
+def test_a_donor_of_ours_is_read_as_its_bones_rest(body, lender):
+    bpy.ops.object.canonical_form_rig(**RIG, rest="T")
+    donor = read_donor(armature_of(body))
+    np.testing.assert_allclose(donor.vertices, lender.vertices, atol=1e-5)
+    assert donor.rig is not None
+
+
+def test_bodies_in_two_halves_take_over_by_a_match(pair, rig, small):  # noqa: F811
+    """A rig of half of a body would be none; data do not need one."""
+    scan, base, _ = pair
+    vertices, faces = small
+    for obj in (scan, base):
+        twice = bpy.data.meshes.new(obj.name)
+        points = np.concatenate([vertices, vertices + np.array([9.0, 0, 0])])
+        twice.from_pydata(points.tolist(), [], np.concatenate([faces, faces + len(vertices)]).tolist())
+        obj.shape_key_clear()
+        obj.data = twice
+    for name, start in (("Left", 0), ("Right", len(vertices))):
+        base.vertex_groups.new(name=name).add(list(range(start, start + len(vertices))), 1.0, "REPLACE")
+    assert bpy.ops.object.canonical_form_transfer(**TRANSFER, kinds={"GROUPS"}) == {"FINISHED"}
+
+
 def test_an_armature_without_meshes_is_no_donor(halves):
     scan, parts, rig, _ = halves  # noqa: F811
     for each in parts:
         each.hide_set(True)
     before = snapshot(scan)
-    with pytest.raises(RuntimeError, match="moves no mesh that is shown"):
+    with pytest.raises(RuntimeError, match="moves no other mesh that is shown"):
         bpy.ops.object.canonical_form_transfer(**{**TRANSFER, "like": rig.name}, kinds={"GROUPS"})
     assert snapshot(scan) == before
 

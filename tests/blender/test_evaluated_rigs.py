@@ -109,7 +109,12 @@ def test_a_file_is_evaluated_and_a_second_run_goes_on(blender, tmp_path, charact
 
 @pytest.mark.parametrize(
     ("words", "sentence"),
-    [(["--random", "0", "--frames", "0"], "not both 0"), (["--workers", "0"], "at least 1"), ([], "bare")],
+    [
+        (["--random", "0", "--frames", "0"], "not both 0"),
+        (["--workers", "0"], "at least 1"),
+        ([], "bare"),
+        (["--references", "same/mannequin.glb"], "Two characters are called mannequin"),
+    ],
 )
 def test_what_cannot_be_done_is_a_sentence(blender, tmp_path, capsys, words, sentence):
     add_object("Body", *[np.eye(3), np.array([[0, 1, 2]])])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import bpy
 import numpy as np
 
@@ -15,7 +17,7 @@ from ..words.wording import told
 from .likeness import Likeness, PoseArrays
 
 
-def read_likeness(obj: bpy.types.Object | None, side: int = -1) -> Likeness:
+def read_likeness(obj: bpy.types.Object | None, side: int = -1, targets: Sequence[bpy.types.Object] = ()) -> Likeness:
     """Read the pose that an object is shown in.
 
     Parameters
@@ -24,6 +26,8 @@ def read_likeness(obj: bpy.types.Object | None, side: int = -1) -> Likeness:
         The object.
     side : int
         Which way to match: -1 for the most likely, or its index.
+    targets : sequence of bpy.types.Object
+        What is to take the pose, and gives none itself.
 
     Returns
     -------
@@ -35,9 +39,9 @@ def read_likeness(obj: bpy.types.Object | None, side: int = -1) -> Likeness:
     CanonicalFormError
         If the object does not exist, has no faces or is not visible.
     """
-    meshes = reference_meshes(obj)
+    meshes = reference_meshes(obj, targets)
     assert obj is not None  # it has meshes
-    return Likeness("OBJECT", obj.name, _together([_read(each, alone=len(meshes) == 1) for each in meshes]), side)
+    return Likeness("OBJECT", obj.name, _together(meshes), side)
 
 
 def named_reference(name: str) -> bpy.types.Object | None:
@@ -64,13 +68,15 @@ def named_reference(name: str) -> bpy.types.Object | None:
     return obj
 
 
-def reference_meshes(obj: bpy.types.Object | None) -> list[bpy.types.Object]:
+def reference_meshes(obj: bpy.types.Object | None, targets: Sequence[bpy.types.Object] = ()) -> list[bpy.types.Object]:
     """List the meshes that an object stands for as a reference: itself, or those that an armature alone moves.
 
     Parameters
     ----------
     obj : bpy.types.Object or None
         The object.
+    targets : sequence of bpy.types.Object
+        What is to take something over from it, and is none of its meshes.
 
     Returns
     -------
@@ -84,9 +90,11 @@ def reference_meshes(obj: bpy.types.Object | None) -> list[bpy.types.Object]:
     """
     if obj is None:
         raise CanonicalFormError(_reference_refusal(obj) or "")
-    meshes = moved_by(obj) if obj.type == "ARMATURE" else [obj]
+    meshes = [obj]
+    if obj.type == "ARMATURE":
+        meshes = [each for each in moved_by(obj) if each not in targets]
     if not meshes:
-        raise CanonicalFormError(told("{name} moves no mesh that is shown. Choose a mesh.", name=obj.name))
+        raise CanonicalFormError(told("{name} moves no other mesh that is shown. Choose a mesh.", name=obj.name))
     for each in meshes:
         reason = _reference_refusal(each)
         if reason is not None:
@@ -110,26 +118,23 @@ def _reference_refusal(obj: bpy.types.Object | None) -> str | None:
     return None
 
 
-def _together(parts: list[PoseArrays]) -> PoseArrays:
-    """Put the meshes of one character together."""
-    if len(parts) == 1:
-        return parts[0]
+def _together(meshes: Sequence[bpy.types.Object]) -> PoseArrays:
+    """Read the evaluated meshes of a character, and its base meshes for matching if they have the same vertices."""
+    read = []
+    for obj in meshes:
+        with object_mode(obj):
+            read.append((*read_mesh(obj.data), *read_evaluated(obj)))
+    same = all(len(base) == len(shown) for base, _, shown, _ in read)  # else all are matched as they are shown
+    parts = []
+    for obj, (base, faces, shown, shown_faces) in zip(meshes, read, strict=True):
+        rest, now = placement_of(obj, not same), placement_of(obj, True)
+        if len(meshes) == 1:  # where it is, and whether it rests, is nothing to its shape
+            rest = now = np.block([[now[:3, :3], np.zeros((3, 1))], [0, 0, 0, 1]])
+        own, corners = (base, faces) if same else (shown, shown_faces)
+        parts.append(PoseArrays(moved(own, rest), outward(corners, rest), moved(shown, now)))
     starts = np.cumsum([0, *(len(each.vertices) for each in parts)])
     return PoseArrays(
         np.concatenate([each.vertices for each in parts]),
         np.concatenate([each.faces + start for each, start in zip(parts, starts, strict=False)]),
         np.concatenate([each.pose for each in parts]),
     )
-
-
-def _read(obj: bpy.types.Object, *, alone: bool) -> PoseArrays:
-    """Read an object's evaluated mesh, and its base mesh for matching if both have the same vertices."""
-    with object_mode(obj):
-        vertices, faces = read_mesh(obj.data)
-        shown, shown_faces = read_evaluated(obj)
-    if len(shown) != len(vertices):
-        vertices, faces = shown, shown_faces
-    rest, now = placement_of(obj, False), placement_of(obj, True)
-    if alone:  # where it is, and whether it rests, is nothing to its shape
-        rest = now = np.block([[now[:3, :3], np.zeros((3, 1))], [0, 0, 0, 1]])
-    return PoseArrays(moved(vertices, rest), outward(faces, rest), moved(shown, now))

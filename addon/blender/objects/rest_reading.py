@@ -12,6 +12,7 @@ import numpy as np
 from ...core import CanonicalFormError
 from ..mesh_items.key_points import key_points
 from ..records.rig_record import read_rig, recorded_key
+from ..records.transfer_record import read_transfers
 from .combining import moved
 from .mesh_reading import Reading, read_shown
 from .placement import placement_of
@@ -96,12 +97,13 @@ def rigs_of(obj: bpy.types.Object) -> set[bpy.types.Object]:
 
 
 def moved_by(rig: bpy.types.Object) -> list[bpy.types.Object]:
-    """List the meshes that are shown and that an armature moves, and it alone."""
-    return [
+    """List the meshes that are shown and that an armature alone moves, without those that *Transfer* bound to it."""
+    found = [
         each
         for each in bpy.context.view_layer.objects
         if each.type == "MESH" and each.data.polygons and each.visible_get() and rigs_of(each) == {rig}
     ]
+    return [each for each in found if rig.name not in read_transfers(each.data)["rigs"].values()] or found
 
 
 def chain_of(obj: bpy.types.Object) -> Iterator[bpy.types.Object]:

@@ -2,26 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import bpy
 import numpy as np
 
+from ...core import CanonicalFormError
 from ...core.rigging.reference_rig import ReferenceRig
 from ..jobs.pose_reading import reference_meshes
 from ..objects.bone_reading import with_bones
 from ..objects.combining import moved, outward, require_thick
 from ..objects.mesh_reading import read_mesh, read_object
+from ..objects.mirrors import mirrors_of
 from ..objects.object_states import object_mode
 from ..objects.placement import placement_of
 from ..objects.rest_reading import rigs_of
-from .transfer_reading import Source, SourceColours, SourceKey, read_source
+from ..words.wording import told
+from .merged_sources import merged
+from .transfer_reading import Source, read_source
 
 if TYPE_CHECKING:
+    from ...core import Skeleton
     from ...core.numerics.arrays import FloatArray, IntArray
-
-_NEUTRAL = 1.0  # white, opaque: the colour of what has none
 
 
 class Donor(NamedTuple):
@@ -32,13 +35,15 @@ class Donor(NamedTuple):
     objects : list of bpy.types.Object
         Its meshes, the largest first.
     vertices : (n', 3) ndarray of float
-        Positions of their base meshes, in world space.
+        Positions of their base meshes, in world space; as their bones rest, if they have some.
     faces : (t, 3) ndarray of int
         Triangles, with normals that point outward.
     data : Source
-        What can be transferred; its name is that of the chosen object.
+        What can be transferred; its name is that of the chosen object, and keys lie in world space.
     rig : ReferenceRig or None
         The bones that move them, on the same vertices; None if no armature does, or more than one.
+    armature_uid : int
+        Blender's identifier of the armature in this session; 0 without one.
     """
 
     objects: list[bpy.types.Object]
@@ -46,6 +51,29 @@ class Donor(NamedTuple):
     faces: IntArray
     data: Source
     rig: ReferenceRig | None
+    armature_uid: int
+
+    def armature(self) -> bpy.types.Object | None:
+        """Find the armature again, to bind to it what has been computed.
+
+        Returns
+        -------
+        bpy.types.Object or None
+            The armature; None if there is none.
+
+        Raises
+        ------
+        CanonicalFormError
+            If it was deleted since.
+        """
+        if not self.armature_uid:
+            return None
+        found = next((each for each in bpy.data.objects if each.session_uid == self.armature_uid), None)
+        if found is None:
+            raise CanonicalFormError(
+                told("The armature of {name} was deleted meanwhile. Nothing was written.", name=self.data.name)
+            )
+        return found
 
 
 class _Part(NamedTuple):
@@ -54,16 +82,19 @@ class _Part(NamedTuple):
     vertices: FloatArray  # in world space
     faces: IntArray
     data: Source  # keys in world space
-    rig: ReferenceRig | None
+    skeleton: Skeleton | None
+    weights: FloatArray | None  # (n, b) of the bones
 
 
-def read_donor(obj: bpy.types.Object | None) -> Donor:
+def read_donor(obj: bpy.types.Object | None, targets: Sequence[bpy.types.Object] = ()) -> Donor:
     """Read what data are to be transferred from.
 
     Parameters
     ----------
     obj : bpy.types.Object or None
         A mesh, or an armature, which stands for all meshes that it moves.
+    targets : sequence of bpy.types.Object
+        What is to receive the data, and is no part of an armature's meshes.
 
     Returns
     -------
@@ -75,97 +106,55 @@ def read_donor(obj: bpy.types.Object | None) -> Donor:
     CanonicalFormError
         If it has no meshes, or one cannot be read.
     """
-    objects = sorted(reference_meshes(obj), key=lambda each: -len(each.data.vertices))
+    objects = reference_meshes(obj, targets)
     assert obj is not None  # it has meshes
-    parts = [_read(each, alone=len(objects) == 1) for each in objects]
+    found = [(each, _read(each)) for each in objects]
+    if obj.type == "ARMATURE" and any(_is_held(part) for _, part in found):  # widgets and props are no skin
+        found = [(each, part) for each, part in found if _is_held(part)]
+    found.sort(key=lambda each: -len(each[1].vertices))
+    parts = [part for _, part in found]
     starts = np.cumsum([0, *(len(each.vertices) for each in parts)])
-    rigs = [each.rig for each in parts if each.rig is not None]
     faces = np.concatenate([own.faces + start for own, start in zip(parts, starts, strict=False)])
     vertices = np.concatenate([each.vertices for each in parts])
-    rig = None
-    if len(rigs) == len(parts):  # of one armature, if there are several
-        rig = ReferenceRig(vertices, faces, rigs[0].skeleton, np.concatenate([each.weights for each in rigs]))
-        vertices = rig.vertices
-    return Donor(objects, vertices, faces, _merged(obj.name, [(each.data, each.vertices) for each in parts]), rig)
+    held = [each.weights for each in parts if each.weights is not None]
+    rig, skeleton = None, parts[0].skeleton
+    if skeleton is not None and len(held) == len(parts):  # of one armature
+        rig = ReferenceRig(vertices, faces, skeleton, np.concatenate(held))
+    data = merged(obj.name, [(each.data, each.vertices) for each in parts])
+    armature = obj if obj.type == "ARMATURE" else bpy.data.objects.get(data.armature)
+    data = data._replace(armature="" if armature is None else armature.name)
+    uid = 0 if armature is None else armature.session_uid
+    return Donor([each for each, _ in found], vertices, faces, data, rig, uid)
 
 
-def _read(obj: bpy.types.Object, *, alone: bool) -> _Part:
-    """Read one mesh."""
+def _is_held(part: _Part) -> bool:
+    """Return whether bones hold a mesh."""
+    return part.weights is not None and bool(part.weights.any())
+
+
+def _read(obj: bpy.types.Object) -> _Part:
+    """Read one mesh, as its bones rest if it has some."""
+    place = placement_of(obj, False)
+    require_thick(obj.name, place, alone=True)
     with object_mode(obj):
+        if mirrors_of(obj):
+            raise CanonicalFormError(told("{name} has a Mirror modifier. Apply it first.", name=obj.name))
         vertices, faces = read_mesh(obj.data)
+        if not np.isfinite(vertices).all():
+            raise CanonicalFormError(
+                told("{name} has vertices whose positions are not numbers. Choose another one, or delete them.",
+                     name=obj.name)
+            )  # fmt: skip
         data = read_source(obj)
         (reading,) = with_bones([obj], [read_object(obj)]) if len(rigs_of(obj)) == 1 else (None,)
-    place = placement_of(obj, False)
-    require_thick(obj.name, place, alone=alone)
-    data = data._replace(keys=[each._replace(shape=moved(each.shape, place)) for each in data.keys])
-    points, faces = moved(vertices, place), outward(faces, place)
-    rig = None
-    if reading is not None and reading.bones is not None and len(reading.bones.weights) == len(points):
-        rig = ReferenceRig(points, faces, reading.bones.skeleton, reading.bones.weights)
-    return _Part(points, faces, data, rig)
-
-
-def _merged(name: str, parts: Sequence[tuple[Source, FloatArray]]) -> Source:
-    """Put the data of several meshes together, by name, as Blender joins objects."""
-    first = parts[0][0]
-    if len(parts) == 1:
-        return first._replace(name=name)
-    corners = np.cumsum([0, *(len(data.vertex_of) for data, _ in parts)])
-    vertices = np.cumsum([0, *(len(points) for _, points in parts)])
-    slots = np.cumsum([0, *(len(data.materials) for data, _ in parts)])
-    own = list(zip(parts, corners, vertices, slots, strict=False))
-    return Source(
-        name,
-        np.concatenate([data.triangle_corners + start for (data, _), start, _, _ in own]),
-        np.concatenate([data.vertex_of + start for (data, _), _, start, _ in own]),
-        {group: _groups(group, parts) for group in _names(data.groups for data, _ in parts)},
-        {layer: _uvs(layer, parts) for layer in first.uvs},
-        [_colours(each, parts) for each in first.colours],
-        [_key(each, parts) for each in _keys(parts)],
-        [material for data, _ in parts for material in data.materials],
-        np.concatenate([data.material_of + start for (data, _), _, _, start in own]),
-        first.armature,
-        list(dict.fromkeys(damaged for data, _ in parts for damaged in data.damaged)),
-    )
-
-
-def _names(parts: Iterable[Iterable[str]]) -> list[str]:
-    """List names in the order in which they come."""
-    return list(dict.fromkeys(name for part in parts for name in part))
-
-
-def _groups(name: str, parts: Sequence[tuple[Source, FloatArray]]) -> FloatArray:
-    """Put the weights of one group together; what is not in it has none."""
-    return np.concatenate([data.groups.get(name, np.zeros(len(points))) for data, points in parts])
-
-
-def _uvs(name: str, parts: Sequence[tuple[Source, FloatArray]]) -> FloatArray:
-    """Put one UV map together; a mesh without one of that name lends its first."""
-    maps = [data.uvs.get(name, next(iter(data.uvs.values()), None)) for data, _ in parts]
-    return np.concatenate(
-        [
-            np.zeros((len(data.vertex_of), 2)) if layer is None else layer
-            for layer, (data, _) in zip(maps, parts, strict=True)
-        ]
-    )
-
-
-def _colours(like: SourceColours, parts: Sequence[tuple[Source, FloatArray]]) -> SourceColours:
-    """Put one colour attribute together; what has none of that name and domain is white."""
-    found = []
-    for data, points in parts:
-        own = next((x for x in data.colours if (x.name, x.on_corners) == (like.name, like.on_corners)), None)
-        count = len(data.vertex_of) if like.on_corners else len(points)
-        found.append(np.full((count, 4), _NEUTRAL) if own is None else own.values)
-    return like._replace(values=np.concatenate(found))
-
-
-def _keys(parts: Sequence[tuple[Source, FloatArray]]) -> list[SourceKey]:
-    """List the shape keys of all meshes, one of each name."""
-    return list({key.name: key for data, _ in reversed(parts) for key in data.keys}.values())
-
-
-def _key(like: SourceKey, parts: Sequence[tuple[Source, FloatArray]]) -> SourceKey:
-    """Put one shape key together; it does not move what does not have it."""
-    shapes = [{key.name: key.shape for key in data.keys}.get(like.name, points) for data, points in parts]
-    return like._replace(shape=np.concatenate(shapes))
+    bones = None if reading is None else reading.bones
+    if bones is None or len(bones.rest) != len(vertices):
+        keys = [each._replace(shape=moved(each.shape, place)) for each in data.keys]
+        return _Part(moved(vertices, place), outward(faces, place), data._replace(keys=keys), None, None)
+    off = bones.rest - vertices
+    keys = [each._replace(shape=moved(each.shape + off, place)) for each in data.keys]
+    bound = {name: own for name, own in zip(bones.skeleton.names, bones.weights.T, strict=True) if own.any()}
+    if not any(name in data.groups for name in bound):  # it hangs on a bone
+        data = data._replace(groups={**data.groups, **bound})
+    points = moved(bones.rest, place)
+    return _Part(points, outward(faces, place), data._replace(keys=keys), bones.skeleton, bones.weights)

@@ -182,20 +182,22 @@ class TransferItem:
         with object_mode(obj):
             require_unchanged(obj, self.reading)
 
-    def write(self, source: Source) -> None:
+    def write(self, source: Source, armature: bpy.types.Object | None) -> None:
         """Write the transferred data, in the main thread, after `require_unchanged`.
 
         Parameters
         ----------
         source : Source
             Data of the other object.
+        armature : bpy.types.Object or None
+            What moves the other object, and is to move this one.
         """
         assert self.carried is not None
         obj = find_object(self.reading)
         with object_mode(obj):
             written, active = read_transfers(obj.data), active_items(obj)
             with _recording(obj.data, written):
-                self._write_groups(obj, source, self.carried, written)
+                self._write_groups(obj, source, self.carried, armature, written)
                 self._write_uvs(obj, source, self.carried, written)
                 self._write_colours(obj, source, self.carried, written)
                 self._write_keys(obj, source, self.carried, written)
@@ -223,15 +225,25 @@ class TransferItem:
             self.told.append(f"{told(CALLED[kind])}: {len(kept)}")
         return kept
 
-    def _write_groups(self, obj: bpy.types.Object, source: Source, carried: Carried, written: Written) -> None:
+    def _write_groups(
+        self,
+        obj: bpy.types.Object,
+        source: Source,
+        carried: Carried,
+        armature: bpy.types.Object | None,
+        written: Written,
+    ) -> None:
         """Write weights, and set up the armature for them."""
         room = self._room(obj, source, "groups", list(carried.groups), written)
         for name in room:
             weights = carried.groups[name]
             group = obj.vertex_groups.new(name=name)
             written["groups"][group.name] = fill_group(group, np.where(weights > _LEAST, weights, np.nan))
-        armature = bpy.data.objects.get(source.armature) if carried.rest is not None else None
-        if armature is None or (not room and any(each.type == "ARMATURE" for each in obj.modifiers)):
+        if (
+            carried.rest is None
+            or armature is None
+            or (not room and any(each.type == "ARMATURE" for each in obj.modifiers))
+        ):
             return  # its own groups belong to a rig of its own
         for name, rig in list(written["rigs"].items()):  # two rigs would move the object twice
             now = getattr(obj.modifiers.get(name), "object", None)
@@ -310,6 +322,8 @@ class TransferItem:
         Polygons that match one without a material keep theirs.
         """
         used = np.unique(material_of[material_of >= 0])
+        if not obj.material_slots and len(used) and (material_of < 0).any():
+            obj.data.materials.append(None)  # polygons without one keep none
         slot = np.full(int(used.max(initial=0)) + 1, -1, dtype=np.int32)
         for number in used.tolist():
             name = source.materials[number] if number < len(source.materials) else ""

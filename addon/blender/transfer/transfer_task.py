@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import bpy
 import numpy as np
 
-from ...core import CanonicalFormError, TooLargeError
+from ...core import CanonicalFormError, InvalidMeshError, TooLargeError
 from ...core.matching.seam_sides import SeamSides
 from ...core.numerics.arrays import FloatArray, IntArray
 from ..objects.combining import moved, outward, require_thick, touching
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from ...core.run.monitor import Cancelled, Progress
 
 TRANSFERS = ("GROUPS", "UVS", "COLOURS", "KEYS", "MATERIALS")
+_OF_RIGS = ("stance_parts", "stance_strained")  # what speaks against a rig, and not against a match
 _LIKE_SIZED = 1.25  # size ratio of a body and the rig's own, either way, above which the rig hardly fits
 
 
@@ -79,7 +80,7 @@ class TransferTask:
         *,
         anyway: bool = False,
     ) -> None:
-        self._donor = read_donor(source)
+        self._donor = read_donor(source, objects)
         self._source = self._donor.data
         own = [obj.data for obj in self._donor.objects]
         first = {obj.data: obj for obj in reversed(objects) if obj.data not in own}  # of objects that share a mesh
@@ -137,8 +138,9 @@ class TransferTask:
         """
         for item in self._items:
             item.require_unchanged()
+        armature = self._donor.armature() if self._rigged else None
         for item in self._items:
-            item.write(self._source)
+            item.write(self._source, armature)
             self.warnings += item.warnings
             self.told += [each for each in item.told if each not in self.told]
 
@@ -179,20 +181,25 @@ class TransferTask:
 
         there, there_faces, bones = self._donor.vertices, self._donor.faces, self._donor.rig
         if bones is not None and self._side < 0:
-            fitted = rig(
-                placed,
-                faces,
-                bones,
-                self._settings,
-                pose="rest" if self._rigged else None,
-                equal=False,
-                anyway=self._anyway,
-                progress=progress,
-                cancelled=cancelled,
-            )
-            found = replace(fitted.match, warnings=fitted.warnings)
-            rest = _in_the_rig(fitted.vertices, found, there) if self._rigged else None
-            return _Found(found, rest, dict(zip(fitted.skeleton.names, fitted.weights.T, strict=True)))
+            try:
+                fitted = rig(
+                    placed,
+                    faces,
+                    bones,
+                    self._settings,
+                    pose="rest" if self._rigged else None,
+                    equal=False,
+                    anyway=self._anyway,
+                    progress=progress,
+                    cancelled=cancelled,
+                )
+            except InvalidMeshError as error:
+                if error.kind not in _OF_RIGS:
+                    raise
+            else:
+                found = replace(fitted.match, warnings=fitted.warnings)
+                rest = _in_the_rig(fitted.vertices, found, there) if self._rigged else None
+                return _Found(found, rest, dict(zip(fitted.skeleton.names, fitted.weights.T, strict=True)))
         side: str | int = "auto" if self._side < 0 else self._side
         rest = None
         if self._rigged:
@@ -284,8 +291,9 @@ def side_of(obj: bpy.types.Object, source: str) -> int:
     Returns
     -------
     int
-        Index of the way to match; -1 if the object is not in that pose.
+        Index of the way to match; -1 if the object is not in that pose, or matched in the likeliest way.
     """
     record = read_record(obj.data)
     like = None if record is None else record.report.like
-    return like.side if like is not None and (like.pose, like.name) == ("OBJECT", source) else -1
+    chosen = like is not None and like.side > 0 and (like.pose, like.name) == ("OBJECT", source)
+    return like.side if like is not None and chosen else -1

@@ -69,6 +69,11 @@ def _evaluate(options: argparse.Namespace, output: TextIO) -> bool:
     if options.frames < 0 or options.random < 0 or options.frames + options.random < 1:
         raise CanonicalFormError("--frames and --random must not be negative, and not both 0.")
     others = [Path(each) for each in options.references if each not in (_SAME, _MANNEQUIN)]
+    paths = {path.resolve(): path for path in [*options.files, *others]}.values()
+    names = [_SAME, _MANNEQUIN, *(path.stem for path in paths)]
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice is not None:
+        raise CanonicalFormError(f"Two characters are called {twice}. Rename one of the files.")
     own_folder(options.output, [*options.files, *others])
     characters, left_out = _characters([*options.files, *others], options)
     lent = {each.stem: each for each in others}
