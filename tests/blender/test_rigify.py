@@ -7,7 +7,7 @@ import pytest
 from addon.blender.rigging.made_data import MARK
 from addon.interface.rig_panel import VIEW3D_PT_canonical_form_rig
 from tests.blender.conftest import drawn
-from tests.blender.rig_scenes import RIG, armature_of, scene, shown
+from tests.blender.rig_scenes import RIG, act, armature_of, scene, shown
 
 
 @pytest.fixture
@@ -36,11 +36,36 @@ def test_its_rig_moves_nothing_at_rest_and_is_removed_whole(rigify, body, rest):
     armature = armature_of(body)
     assert {"torso", "hand_ik.L", "foot_ik.R", "DEF-forearm.L"} <= set(armature.data.bones.keys())
     assert {group.name for group in body.vertex_groups if group.name != "Mine"} <= set(armature.data.bones.keys())
-    assert not bpy.data.actions
+    assert sorted(each.name for each in bpy.data.actions) == (["Scan", "T-Pose"] if rest == "T" else [])
     assert made()
     bpy.ops.object.canonical_form_rig_clear()
     assert made() == []
     assert scene() == before
+
+
+def test_it_stands_where_the_body_stands(rigify, body):
+    body.location = (5.0, 3.0, -1.0)
+    bpy.context.view_layer.update()
+    bpy.ops.object.canonical_form_rig(**RIG, rest="NONE")
+    plain = armature_of(body)
+    places = {bone.name: plain.matrix_world @ bone.head_local for bone in plain.data.bones}
+    bpy.ops.object.canonical_form_rig(**RIG, rest="NONE", rigify=True)
+    armature = armature_of(body)
+    for name, place in places.items():
+        assert (armature.matrix_world @ armature.data.bones[f"DEF-{name}"].head_local - place).length < 1e-4, name
+
+
+def test_its_controls_reach_the_scan(rigify, body, scan):
+    bpy.ops.object.canonical_form_rig(**RIG, rest="T", rigify=True)
+    armature, there = armature_of(body), shown(body)
+    drivers = len(armature.animation_data.drivers)
+    assert drivers > 10
+    act(armature, "Scan")
+    assert armature.pose.bones["upper_arm_parent.L"]["IK_FK"] == 1.0
+    assert np.abs(shown(body) - scan).max() < 5e-3
+    act(armature, "T-Pose")
+    assert np.abs(shown(body) - there).max() < 1e-4
+    assert len(armature.animation_data.drivers) == drivers
 
 
 def test_the_rig_lies_in_the_collections_of_the_body(rigify, body):

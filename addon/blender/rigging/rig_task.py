@@ -28,7 +28,7 @@ from .armatures import add_armature, add_pose, bone_matrices, colour_bones, foll
 from .made_data import MARK, action_fingerprint, armature_fingerprint, marked_as, new_token
 from .rig_clearing import armature_given_to, release, unbind
 from .rig_reading import RigSource, rolled
-from .rigify import DEFORMING, add_rigify, require_rigify
+from .rigify import DEFORMING, add_rigify, add_rigify_pose, require_rigify
 
 if TYPE_CHECKING:
     from ...core import KeptStages, Rigged, Settings
@@ -246,10 +246,8 @@ class RigTask:
         self.confidence, self.sides = confidence, [float(each) for each in found.match.sides]
         colour_bones(armature, [self._called(name) for name, sure in confidence.items() if sure < DOUBTFUL])
         actions = []
-        if self._corrected is not None and not self._rigify:
-            matrices = bone_matrices(armature, found.skeleton, found.to_given)
-            still = {name: (rest, rest.copy()) for name, (rest, _) in matrices.items()}
-            actions = [add_pose(armature, _SCAN, matrices), add_pose(armature, _NAMES[self._pose], still)]
+        if self._corrected is not None:
+            actions = self._poses(armature, found)
         return RigRecord(
             token,
             armature_fingerprint(armature),
@@ -261,6 +259,22 @@ class RigTask:
             confidence,
             self.warnings,
         )
+
+    def _poses(self, armature: bpy.types.Object, found: Rigged) -> list[bpy.types.Action]:
+        """Keep the pose of the scan, and that at rest."""
+        bones, back = found.skeleton, found.to_given
+        still = back._replace(heads=back.starts, turns=np.broadcast_to(np.eye(3), back.turns.shape))
+        poses = {_SCAN: back, _NAMES[self._pose]: still}
+        if not self._rigify:
+            return [add_pose(armature, name, bone_matrices(armature, bones, each)) for name, each in poses.items()]
+        origin = np.array(armature.location)
+        made = {name: add_rigify_pose(armature, name, bones, each, origin) for name, each in poses.items()}
+        self.warnings += [
+            told("Rigify's controls do not reach the pose {name}: it was left out.", name=name)
+            for name, action in made.items()
+            if action is None
+        ]
+        return [action for action in made.values() if action is not None]
 
     def _bind_object(
         self, obj: bpy.types.Object, number: int, armature: bpy.types.Object, found: Rigged, about: RigRecord

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import bpy
 import numpy as np
-from mathutils import Vector
+from mathutils import Matrix, Vector
 
 from ...core import CanonicalFormError
 from ...core.rigging.reference_rig import MANNEQUIN_BONES
@@ -14,12 +14,15 @@ from ..words.wording import told
 from .armatures import active_alone, bones_edited, put_beside
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     from ...core import Skeleton
     from ...core.numerics.arrays import FloatArray
+    from ...core.rigging.skeleton import BoneMotions
 
 _METARIG = "Metarig of {}"
+_SWITCH = "IK_FK"  # property of a limb
+_MISSED = 0.02  # of the size: joints that are off by more show a pose that the controls do not reach
 DEFORMING = "DEF-"  # how Rigify calls the bones that move the skin
 _LIMBS = ("upper_arm", "forearm", "hand", "thigh", "shin", "foot", "toe")
 _BACK, _WIDE = 0.35, 0.2  # lengths of a foot: from the ankle back to the heel, and half the heel's width
@@ -88,11 +91,96 @@ def add_rigify(
             raise CanonicalFormError(
                 told("Rigify has made no rig. Its messages are in Window > Toggle System Console.")
             )
+    rig.location = origin  # Rigify leaves a new rig at the scene's origin
     for each in (rig, metarig):
         put_beside(each, beside)
     rig.name, metarig.name = name, _METARIG.format(beside.name)
     metarig.hide_set(True)
     return rig
+
+
+def add_rigify_pose(
+    rig: bpy.types.Object, name: str, skeleton: Skeleton, motions: BoneMotions, origin: FloatArray
+) -> bpy.types.Action | None:
+    """Keep a pose of Rigify's rig, by its FK controls, as an action in the asset browser.
+
+    Parameters
+    ----------
+    rig : bpy.types.Object
+        The rig, without an action, in its rest pose; it is left so.
+    name : str
+        Name of the action, if that is free.
+    skeleton : Skeleton
+        The mannequin's bones, in world space.
+    motions : BoneMotions
+        How they move.
+    origin : (3,) ndarray of float
+        Where the rig was made.
+
+    Returns
+    -------
+    bpy.types.Action or None
+        The action; None if the controls do not reach the pose.
+    """
+    layer, bones = bpy.context.view_layer, rig.pose.bones
+    sizes = np.ptp(np.vstack([skeleton.heads, skeleton.tails]), axis=0)
+    switches = [bone for bone in bones if bone.name.endswith(("_parent.L", "_parent.R")) and _SWITCH in bone]
+    before = [bone[_SWITCH] for bone in switches]
+    moved = []
+    try:
+        for bone in switches:
+            bone[_SWITCH] = 1.0  # FK
+            bone.keyframe_insert(f'["{_SWITCH}"]', frame=1)
+        for control, bone in ((bones.get(each), name) for each, name in _controls()):
+            if control is None:
+                continue
+            moved.append(control)
+            layer.update()  # where its parents are by now
+            control.matrix = _motion(skeleton.names.index(bone), motions, origin) @ control.bone.matrix_local
+            turn = {"QUATERNION": "rotation_quaternion", "AXIS_ANGLE": "rotation_axis_angle"}
+            for path in ("location", turn.get(control.rotation_mode, "rotation_euler")):
+                control.keyframe_insert(path, frame=1)
+        layer.update()
+        off = max(
+            (
+                _motion(number, motions, origin) @ Vector(skeleton.heads[number] - origin)
+                - bones[DEFORMING + bone].head
+            ).length
+            for number, bone in enumerate(skeleton.names)
+        )
+        action = rig.animation_data.action
+        rig.animation_data.action = None  # its drivers stay
+    finally:
+        for bone, value in zip(switches, before, strict=True):
+            bone[_SWITCH] = value
+        for control in moved:
+            control.matrix_basis = Matrix.Identity(4)
+        layer.update()
+    if off > _MISSED * sizes.max():
+        bpy.data.actions.remove(action)
+        return None
+    action.name = name
+    action.asset_mark()
+    return action
+
+
+def _controls() -> Iterator[tuple[str, str]]:
+    """Name controls, each after those that it hangs on, and the bones of the mannequin that they move."""
+    yield "torso", "spine"
+    for number in ("", ".001", ".002", ".003"):
+        yield f"spine_fk{number}", f"spine{number}"
+    yield from (("neck", "spine.004"), ("head", "spine.006"))
+    for side in "LR":
+        yield f"shoulder.{side}", f"shoulder.{side}"
+        for limb in _LIMBS:
+            yield f"{limb}_fk.{side}", f"{limb}.{side}"
+
+
+def _motion(bone: int, motions: BoneMotions, origin: FloatArray) -> Matrix:
+    """Return how a bone moves, as a matrix in the space of the rig."""
+    turn = Matrix(motions.turns[bone].tolist()).to_4x4()
+    there, start = (Vector(each[bone] - origin) for each in (motions.heads, motions.starts))
+    return Matrix.Translation(there) @ turn @ Matrix.Translation(-start)
 
 
 def _lay(data: bpy.types.Armature, skeleton: Skeleton, bends: FloatArray, origin: FloatArray) -> None:
