@@ -167,7 +167,7 @@ def add_rigify_pose(
 def _controls() -> Iterator[tuple[str, str]]:
     """Name controls, each after those that it hangs on, and the bones of the mannequin that they move."""
     yield "torso", "spine"
-    for number in ("", ".001", ".002", ".003"):
+    for number in (".001", ".002", ".003", ""):  # the lowest hangs on the next
         yield f"spine_fk{number}", f"spine{number}"
     yield from (("neck", "spine.004"), ("head", "spine.006"))
     for side in "LR":
