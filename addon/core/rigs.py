@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from typing import NamedTuple
@@ -38,6 +39,7 @@ from .run.kept_stages import KeptStages
 from .run.monitor import Cancelled, Monitor, Progress
 
 _FACING = {"Ways to face": 1}  # stages
+_MATCHED = 0.2  # of the work of a skeleton, if the mannequin has to bring two bodies together
 _LEAST = 0.1  # least belief in a point
 _POSES = ("T", "A", "rest")
 _FITTED = 0.9  # of the work
@@ -170,26 +172,35 @@ def fitted_skeleton(
     here, there = pair.pairs[0]
 
     def look() -> tuple[list[Candidate], Alike]:
-        own, one = monitor.piece(UNFOLDED * share, share, _FACING), pair.surfaces[here]
+        one = pair.surfaces[here]
+        lender = adult(whole, pair.other_surfaces[there], pair.others.bodies[there].vertices)
+
+        def piece(begin: float, end: float) -> Monitor:
+            start, left = UNFOLDED * share, (1 - UNFOLDED) * share
+            return monitor.piece(start + left * begin, start + left * end, _FACING)
+
+        if reference is not None:
+            return _facing_like(one, lender, settings, piece)
+        own = piece(0.0, 1.0)
         with own.stage("Ways to face"):
-            lender = adult(whole, pair.other_surfaces[there], pair.others.bodies[there].vertices)
-            if reference is None:
-                return candidates(one, lender, lambda: other_builds(lender, settings, own), own), Alike.YES
-            return _facing_like(one, lender, settings, own)
+            return candidates(one, lender, lambda: other_builds(lender, settings, own), own), Alike.YES
 
     kinds = [pair, reference is None, *whole.skeleton, whole.weights]
     return Fitted(pair, whole, *kept.take("Ways to face", kinds, look, monitor.warnings))
 
 
 def _facing_like(
-    one: Unfolded, lender: Reference, settings: Settings, monitor: Monitor
+    one: Unfolded, lender: Reference, settings: Settings, piece: Callable[[float, float], Monitor]
 ) -> tuple[list[Candidate], Alike]:
     """Fit the skeleton of a rigged body by a match, and where that fits badly, by what the mannequin knows of both."""
-    found = candidates_of(one, lender, monitor)
+    first = piece(0.0, _MATCHED)
+    with first.stage("Ways to face"):
+        found = candidates_of(one, lender, first)
     if found[0].cost <= GOOD:
         return found, Alike.YES
-    human = unfolded_reference(mannequin_rig(*mannequin()), settings, monitor)
-    bridge = over_mannequin(one, lender, human, cache(lambda: other_builds(human, settings, monitor)), monitor)
+    human = unfolded_reference(mannequin_rig(*mannequin()), settings, first)
+    builds, half = cache(lambda: other_builds(human, settings, first)), (1 + _MATCHED) / 2
+    bridge = over_mannequin(one, lender, human, builds, (piece(_MATCHED, half), piece(half, 1.0)))
     if bridge.candidates and bridge.candidates[0].cost < found[0].cost:
         found = bridge.candidates
     return found, bridge.alike(found[0])

@@ -200,6 +200,34 @@ def test_a_donor_of_ours_is_read_as_its_bones_rest(body, lender):
     assert donor.rig is not None
 
 
+def test_a_renamed_armature_still_knows_who_has_taken_from_it(halves):
+    _, parts, rig, _ = halves  # noqa: F811
+    bpy.ops.object.canonical_form_transfer(**{**TRANSFER, "like": rig.name}, kinds={"GROUPS"})
+    rig.name = "Hero"
+    assert {each.name for each in read_donor(rig).objects} == {each.name for each in parts}
+
+
+def test_what_has_taken_over_a_rig_lends_it_at_its_rest(pair, rig, small):  # noqa: F811
+    scan, _, old = pair
+    bpy.ops.object.canonical_form_transfer(**TRANSFER, kinds={"GROUPS"})
+    third = add_object("Third", *small)
+    third.location.x = -6.0
+    scan.select_set(False)
+    bpy.context.view_layer.update()
+    assert bpy.ops.object.canonical_form_transfer(**{**TRANSFER, "like": "Scan"}, kinds={"GROUPS", "KEYS"}) == {
+        "FINISHED"
+    }
+    assert [key.name for key in keys_of(third)] == ["Basis", "Rest of Scan"]
+    placed = points_of(keys_of(third)["Rest of Scan"]) + np.array(third.location)
+    assert np.linalg.norm(placed - small[0], axis=1).mean() < 0.2  # on the rig
+    assert len(old) == len(placed)
+
+
+def test_keys_of_a_rig_of_ours_are_not_lent(body, scan, lender):
+    bpy.ops.object.canonical_form_rig(**RIG, rest="T")
+    assert [key.name for key in read_source(body).keys] == ["Smile"]
+
+
 def test_bodies_in_two_halves_take_over_by_a_match(pair, rig, small):  # noqa: F811
     """A rig of half of a body would be none; data do not need one."""
     scan, base, _ = pair

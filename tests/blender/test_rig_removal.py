@@ -49,6 +49,16 @@ def test_a_form_and_a_rig_in_any_order_leave_no_basis(blender, known, scan, lend
     assert scene() == before
 
 
+def test_a_basis_that_the_user_has_renamed_stays(blender, known, scan, lender):
+    obj = add_object("Bare", scan, lender.faces)
+    bpy.ops.object.canonical_form_rig(**RIG, rest="T")
+    bpy.ops.object.canonical_form(**QUICK)
+    obj.data.shape_keys.reference_key.name = "MyBase"
+    bpy.ops.object.canonical_form_rig_clear()
+    bpy.ops.object.canonical_form_clear()
+    assert [key.name for key in obj.data.shape_keys.key_blocks] == ["MyBase"]
+
+
 def test_another_run_replaces_the_rig(body):
     bpy.ops.object.canonical_form_rig(**RIG, rest="T")
     once = scene()

@@ -6,7 +6,7 @@ import pytest
 
 from addon.blender.rigging.made_data import MARK
 from addon.interface.rig_panel import VIEW3D_PT_canonical_form_rig
-from tests.blender.conftest import drawn
+from tests.blender.conftest import add_object, drawn
 from tests.blender.rig_scenes import RIG, act, armature_of, scene, shown
 
 
@@ -83,6 +83,49 @@ def test_the_rig_lies_in_the_collections_of_the_body(rigify, body):
         assert armature_of(body).users_collection == (own,)
         assert bpy.ops.object.canonical_form_rig_clear() == {"FINISHED"}
         assert scene() == before
+
+
+def widgets(armature):
+    """The shapes of the controls."""
+    return [bone.custom_shape for bone in armature.pose.bones if bone.custom_shape is not None]
+
+
+def test_rigs_share_no_widgets(rigify, body, scan, lender):
+    """Neither with another body's rig nor with one that the user has generated."""
+    other = add_object("Two", scan, lender.faces)
+    for obj in (body, other):
+        bpy.context.view_layer.objects.active = obj
+        for each in (body, other):
+            each.select_set(each == obj)
+        assert bpy.ops.object.canonical_form_rig(**RIG, rest="NONE", rigify=True) == {"FINISHED"}
+    bpy.ops.object.armature_basic_human_metarig_add()
+    metarig = bpy.context.view_layer.objects.active
+    bpy.ops.pose.rigify_generate()
+    own = metarig.data.rigify_target_rig
+    before = len(widgets(armature_of(other))), len(widgets(own))
+    assert min(before) > 60
+    assert not {*widgets(armature_of(other))} & {*widgets(own)}
+    bpy.context.view_layer.objects.active = body
+    assert bpy.ops.object.canonical_form_rig_clear() == {"FINISHED"}
+    assert (len(widgets(armature_of(other))), len(widgets(own))) == before
+
+
+@pytest.mark.parametrize("state", ["hide_viewport", "hide_select"])
+def test_collections_that_are_off_or_locked_are_no_hindrance(rigify, body, state):
+    own = bpy.data.collections.new("Bodies")
+    bpy.context.scene.collection.children.link(own)
+    layer = bpy.context.view_layer
+    if state == "hide_viewport":  # the body's; else that which is active
+        own.objects.link(body)
+        bpy.context.scene.collection.objects.unlink(body)
+    layer.active_layer_collection = layer.layer_collection.children["Bodies"]
+    setattr(own, state, True)
+    active = layer.active_layer_collection
+    layer.objects.active = body
+    assert bpy.ops.object.canonical_form_rig(**RIG, rest="T", rigify=True) == {"FINISHED"}
+    assert {"Scan", "T-Pose"} <= set(bpy.data.actions.keys())
+    assert layer.active_layer_collection == active
+    assert armature_of(body).users_collection == body.users_collection
 
 
 def test_knees_bend_forward_and_feet_stay(rigify, body):

@@ -12,7 +12,7 @@ import numpy as np
 from ...core import CanonicalFormError
 from ..mesh_items.key_points import key_points
 from ..records.rig_record import read_rig, recorded_key
-from ..records.transfer_record import read_transfers
+from ..records.transfer_record import read_transfers, rest_key
 from .combining import moved
 from .mesh_reading import Reading, read_shown
 from .placement import placement_of
@@ -59,10 +59,10 @@ def with_rests(objects: Sequence[bpy.types.Object], readings: Sequence[Reading])
 
 
 def _base_at_rest(obj: bpy.types.Object, reading: Reading) -> FloatArray:
-    """Read a base mesh as its bones rest: by the key that *Rig* wrote, if it did, else as it is."""
+    """Read a base mesh as its bones rest: by the key that *Rig* or *Transfer* wrote, if one did, else as it is."""
     record = read_rig(obj.data)
     rest = None if record is None else record.rest
-    key = None if rest is None else recorded_key(obj.data, *rest)
+    key = rest_key(obj.data) if rest is None else recorded_key(obj.data, *rest)
     return reading.vertices if key is None else key_points(key).astype(np.float64)
 
 
@@ -103,7 +103,13 @@ def moved_by(rig: bpy.types.Object) -> list[bpy.types.Object]:
         for each in bpy.context.view_layer.objects
         if each.type == "MESH" and each.data.polygons and each.visible_get() and rigs_of(each) == {rig}
     ]
-    return [each for each in found if rig.name not in read_transfers(each.data)["rigs"].values()] or found
+    return [each for each in found if not _has_taken(each, rig)] or found
+
+
+def _has_taken(obj: bpy.types.Object, rig: bpy.types.Object) -> bool:
+    """Return whether *Transfer* has bound an object to an armature."""
+    modifiers = (obj.modifiers.get(name) for name in read_transfers(obj.data)["rigs"])
+    return any(getattr(each, "object", None) == rig for each in modifiers)
 
 
 def chain_of(obj: bpy.types.Object) -> Iterator[bpy.types.Object]:

@@ -11,6 +11,7 @@ from ..mesh_items.key_removal import remove_drivers
 from .stored_values import named, words
 
 TRANSFERS_PROPERTY = "canonical_form_transfers"
+REST = "Rest of {}"
 KINDS = ("groups", "uvs", "colours", "keys", "rigs")
 
 Written = dict[str, dict[str, str]]  # by kind: fingerprints by name
@@ -35,6 +36,26 @@ def read_transfers(mesh: bpy.types.Mesh) -> Written:
         return {kind: known.get(kind, {}) for kind in KINDS}
     except (ValueError, RecursionError):  # a property of that name from the user, or from an untrusted file
         return {kind: {} for kind in KINDS}
+
+
+def rest_key(mesh: bpy.types.Mesh) -> bpy.types.ShapeKey | None:
+    """Find the key that puts a mesh into the rest pose of the rig that it has taken over.
+
+    Parameters
+    ----------
+    mesh : bpy.types.Mesh
+        The mesh.
+
+    Returns
+    -------
+    bpy.types.ShapeKey or None
+        The key that was transferred last, as it is now.
+    """
+    if mesh.shape_keys is None:
+        return None
+    blocks = mesh.shape_keys.key_blocks
+    names = [name for name in read_transfers(mesh)["keys"] if name.startswith(REST.format("")) and name in blocks]
+    return blocks[names[-1]] if names else None
 
 
 def write_transfers(mesh: bpy.types.Mesh, written: Written) -> None:

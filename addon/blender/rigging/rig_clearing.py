@@ -25,6 +25,7 @@ _SHOWING = (  # what holds or shows data, such as the Outliner, and is none of t
     bpy.types.WorkSpace,
     bpy.types.WindowManager,
 )
+_BASIS = "Basis"  # as Blender calls it
 
 
 def armature_given_to(obj: bpy.types.Object) -> bpy.types.Object | None:
@@ -191,8 +192,8 @@ def unbind(
 def _hand_over_basis(mesh: bpy.types.Mesh) -> None:
     """Let the form remove the Basis that the rig has added, as its key still needs it."""
     form = read_record(mesh)
-    if form is not None and form.basis is None and mesh.shape_keys is not None:
-        basis = mesh.shape_keys.reference_key
+    basis = None if mesh.shape_keys is None else mesh.shape_keys.reference_key
+    if form is not None and form.basis is None and basis is not None and basis.name == _BASIS:
         form.basis, form.basis_fingerprint = basis.name, key_fingerprint(basis)
         write_record(mesh, form)
 
@@ -200,7 +201,7 @@ def _hand_over_basis(mesh: bpy.types.Mesh) -> None:
 def _has_bare_basis(mesh: bpy.types.Mesh) -> bool:
     """Return whether the only shape key is a Basis that says nothing that the mesh does not."""
     keys = mesh.shape_keys
-    if keys is None or len(keys.key_blocks) != 1 or keys.reference_key.name != "Basis":
+    if keys is None or len(keys.key_blocks) != 1 or keys.reference_key.name != _BASIS:
         return False
     points = np.empty((len(mesh.vertices), 3), dtype=np.float32)
     mesh.vertices.foreach_get("co", points.ravel())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 import bpy
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from ...core.numerics.arrays import FloatArray
     from ...core.rigging.skeleton import BoneMotions
 
+_WIDGETS = "WGTS_"  # what Rigify puts before the name of a rig to name the collection of its widgets
 _METARIG = "Metarig of {}"
 _SWITCH = "IK_FK"  # property of a limb
 _MISSED = 0.02  # of the size: joints that are off by more show a pose that the controls do not reach
@@ -71,9 +73,10 @@ def add_rigify(
     CanonicalFormError
         If Rigify fails; the message says why.
     """
-    with active_alone(None):
+    with active_alone(None), _in_the_scene():
         bpy.ops.object.armature_basic_human_metarig_add()
         metarig = bpy.context.view_layer.objects.active
+        metarig.data.rigify_rig_basename = _free(name)
         metarig.location, metarig.rotation_euler = origin, (0.0, 0.0, 0.0)
         with bones_edited(metarig.data):
             _lay(metarig.data, skeleton, bends, origin)
@@ -122,8 +125,22 @@ def add_rigify_pose(
     bpy.types.Action or None
         The action; None if the controls do not reach the pose.
     """
+    with _evaluated(rig):
+        action, off = _keyed(rig, skeleton, motions, origin)
+    size = float(np.ptp(np.vstack([skeleton.heads, skeleton.tails]), axis=0).max())
+    if off > _MISSED * size:
+        bpy.data.actions.remove(action)
+        return None
+    action.name = name
+    action.asset_mark()
+    return action
+
+
+def _keyed(
+    rig: bpy.types.Object, skeleton: Skeleton, motions: BoneMotions, origin: FloatArray
+) -> tuple[bpy.types.Action, float]:
+    """Key a pose on the FK controls, and leave the rig as it was; also how far joints are off it."""
     layer, bones = bpy.context.view_layer, rig.pose.bones
-    sizes = np.ptp(np.vstack([skeleton.heads, skeleton.tails]), axis=0)
     switches = [bone for bone in bones if bone.name.endswith(("_parent.L", "_parent.R")) and _SWITCH in bone]
     before = [bone[_SWITCH] for bone in switches]
     moved = []
@@ -156,12 +173,7 @@ def add_rigify_pose(
         for control in moved:
             control.matrix_basis = Matrix.Identity(4)
         layer.update()
-    if off > _MISSED * sizes.max():
-        bpy.data.actions.remove(action)
-        return None
-    action.name = name
-    action.asset_mark()
-    return action
+    return action, off
 
 
 def _controls() -> Iterator[tuple[str, str]]:
@@ -181,6 +193,41 @@ def _motion(bone: int, motions: BoneMotions, origin: FloatArray) -> Matrix:
     turn = Matrix(motions.turns[bone].tolist()).to_4x4()
     there, start = (Vector(each[bone] - origin) for each in (motions.heads, motions.starts))
     return Matrix.Translation(there) @ turn @ Matrix.Translation(-start)
+
+
+def _free(name: str) -> str:
+    """Return a name that neither an object has nor the widgets of a rig: rigs of one name would share them."""
+    number, found = 0, name
+    while found in bpy.data.objects or f"{_WIDGETS}{found}" in bpy.data.collections:
+        number += 1
+        found = f"{name}.{number:03}"
+    return found
+
+
+@contextmanager
+def _in_the_scene() -> Iterator[None]:
+    """Let new objects lie in the scene's own collection, whatever collection is active, locked or hidden."""
+    layer = bpy.context.view_layer
+    active = layer.active_layer_collection
+    layer.active_layer_collection = layer.layer_collection
+    try:
+        yield
+    finally:
+        layer.active_layer_collection = active
+
+
+@contextmanager
+def _evaluated(rig: bpy.types.Object) -> Iterator[None]:
+    """Let Blender compute a rig even if its collections are switched off."""
+    own = bpy.context.scene.collection
+    linked = rig.name in own.objects
+    if not linked:
+        own.objects.link(rig)
+    try:
+        yield
+    finally:
+        if not linked:
+            own.objects.unlink(rig)
 
 
 def _lay(data: bpy.types.Armature, skeleton: Skeleton, bends: FloatArray, origin: FloatArray) -> None:

@@ -18,7 +18,7 @@ from ..mesh_items.key_points import key_points
 from ..objects.mesh_reading import find_object, read_object, require_unchanged
 from ..objects.object_states import object_mode
 from ..records.form_key import form_key
-from ..records.transfer_record import Written, make_room, read_transfers, write_transfers
+from ..records.transfer_record import REST, Written, make_room, read_transfers, write_transfers
 from ..results.in_betweens import PROPERTY, has_in_betweens
 from ..words.wording import listed, told
 from .transfer_reading import SourceKey
@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from ...core import Match
     from .transfer_reading import Source
 
-REST = "Rest of {}"
 _LEAST = 5e-4  # a vertex with a smaller weight is not a member, as it would be rounded to 0
 CALLED = {"groups": "vertex groups", "uvs": "UV maps", "colours": "colour attributes", "keys": "shape keys"}
 

@@ -12,6 +12,8 @@ from ..mesh_items.active_items import ItemNames
 from ..mesh_items.key_points import key_points
 from ..mesh_items.weight_reading import weights_of
 from ..records.record import read_record
+from ..records.rig_record import read_rig
+from ..records.transfer_record import rest_key
 from ..results.match_colours import source_colours
 
 
@@ -157,6 +159,8 @@ def _keys(mesh: bpy.types.Mesh, own: ItemNames) -> list[SourceKey]:
     if keys is None:
         return []
     basis = key_points(keys.reference_key).astype(np.float64)
+    rig, rest = read_rig(mesh), rest_key(mesh)
+    internal = {*own.shape_keys, *(() if rig is None else rig.keys), *(() if rest is None else (rest.name,))}
     return [
         SourceKey(
             key.name,
@@ -166,7 +170,7 @@ def _keys(mesh: bpy.types.Mesh, own: ItemNames) -> list[SourceKey]:
             "" if key.relative_key in (keys.reference_key, key) else key.relative_key.name,
         )
         for key in keys.key_blocks
-        if key != keys.reference_key and key.name not in own.shape_keys
+        if key != keys.reference_key and key.name not in internal
     ]
 
 

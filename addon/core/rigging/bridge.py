@@ -56,15 +56,20 @@ def over_mannequin(
     reference: Reference,
     adult: Reference,
     builds: Callable[[], Sequence[Reference]],
-    monitor: Monitor,
+    monitors: tuple[Monitor, Monitor],
 ) -> Bridge:
     """Fit the skeleton of a reference to a body by the points of the mannequin that both of them are.
 
     So what the mannequin knows of joints, toes and proportions decides, whatever the bones of the reference are called.
 
-    `one`: the body; `adult`, `builds`: the mannequin, and gives it in other proportions.
+    `one`: the body; `adult`, `builds`: the mannequin, and gives it in other proportions; `monitors`: of the work on
+    the body and on the reference.
     """
-    here, there = (candidates(body, adult, builds, monitor) for body in (one, reference.body))
+    fits = []
+    for body, monitor in zip((one, reference.body), monitors, strict=True):
+        with monitor.stage("Ways to face"):
+            fits.append(candidates(body, adult, builds, monitor))
+    here, there = fits
     humans = sum(refusal(found[0], 1.0) is None for found in (here, there))
     if humans < len((one, reference)):
         return Bridge([], humans)
@@ -72,9 +77,9 @@ def over_mannequin(
     others, known = _on_mannequin(there[0], adult.rig), there[0].fit.closeness()[:, None]
     found = []
     for way in here:
-        near = closest_points(others, faces, _on_mannequin(way, adult.rig), monitor)
+        near = closest_points(others, faces, _on_mannequin(way, adult.rig), monitors[1])
         sure = way.fit.closeness() * near.on(known, faces)[:, 0] * np.exp(-((near.distances / size / _APART) ** 2))
-        own = candidate_by(one, reference, Points(near, sure), monitor)
+        own = candidate_by(one, reference, Points(near, sure), monitors[1])
         found.append(own._replace(cost=own.cost + way.cost - here[0].cost))  # of the ways to face, it knows more
     return Bridge(found, humans)
 

@@ -34,7 +34,7 @@ def test_bones_of_any_name_find_their_way_by_what_the_mannequin_knows(adult):
     motions = posed(adult.rig, BENDS)
     walker = adult.rig._replace(vertices=skinned(adult.rig.vertices, adult.rig.weights, motions))
     body = unfolded_reference(walker, Settings(), Monitor()).body
-    found = over_mannequin(body, lender, adult, lambda: [], Monitor())
+    found = over_mannequin(body, lender, adult, lambda: [], (Monitor(), Monitor()))
     heads = found.candidates[0].fit.bones.heads * body.found.unit + body.found.centre
     off = np.linalg.norm(heads - motions.heads, axis=1) / np.ptp(walker.vertices[:, 2])
     assert found.humans == 2
