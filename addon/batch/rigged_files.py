@@ -41,10 +41,11 @@ def largest_of(donor: Path) -> bpy.types.Object:
 
 
 def character_of(mesh: bpy.types.Object) -> bpy.types.Object:
-    """Return the armature that alone moves a mesh, and stands for all its meshes; the mesh if there is none."""
+    """Return the armature that alone moves a mesh and others, and stands for them; the mesh if there is none."""
     bpy.context.view_layer.update()
     rig = next(iter(rigs_of(mesh)), None)
-    return mesh if rig is None or mesh not in moved_by(rig) else rig
+    meshes = [] if rig is None else moved_by(rig)
+    return rig if rig is not None and mesh in meshes and len(meshes) > 1 else mesh
 
 
 def remove_all_but(own: Collection[bpy.types.Object], objects: list[bpy.types.Object]) -> None:

@@ -228,6 +228,18 @@ def test_keys_of_a_rig_of_ours_are_not_lent(body, scan, lender):
     assert [key.name for key in read_source(body).keys] == ["Smile"]
 
 
+def test_the_skeleton_of_a_donor_tells_the_weights(body, scan, lender):
+    bpy.ops.object.canonical_form_rig(**RIG, rest="NONE")
+    taker = add_object("Taker", scan, lender.faces)
+    body.select_set(False)
+    bpy.context.view_layer.update()
+    words = {**TRANSFER, "like": armature_of(body).name, "kinds": {"GROUPS"}}
+    assert bpy.ops.object.canonical_form_transfer(**words) == {"FINISHED"}
+    found = read_source(taker).groups
+    for number, name in enumerate(lender.skeleton.names):
+        assert np.abs(found.get(name, 0.0) - lender.weights[:, number]).mean() < 0.05, name
+
+
 def test_bodies_in_two_halves_take_over_by_a_match(pair, rig, small):  # noqa: F811
     """A rig of half of a body would be none; data do not need one."""
     scan, base, _ = pair

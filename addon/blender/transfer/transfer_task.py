@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 TRANSFERS = ("GROUPS", "UVS", "COLOURS", "KEYS", "MATERIALS")
 _OF_RIGS = ("stance_parts", "stance_strained")  # what speaks against a rig, and not against a match
+_FEW = 5  # bones that hold skin: a trunk and four limbs; fewer do not tell how a body is posed
 _LIKE_SIZED = 1.25  # size ratio of a body and the rig's own, either way, above which the rig hardly fits
 
 
@@ -180,7 +181,7 @@ class TransferTask:
         from ...core import match, pose_like, require_fit, rig
 
         there, there_faces, bones = self._donor.vertices, self._donor.faces, self._donor.rig
-        if bones is not None and self._side < 0:
+        if bones is not None and self._side < 0 and bones.weights.any(axis=0).sum() >= _FEW:
             try:
                 fitted = rig(
                     placed,
