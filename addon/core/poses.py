@@ -11,7 +11,7 @@ from .deformation.struts import struts_through
 from .matches import matched_bodies
 from .matching.point_map import PointMap
 from .matching.unfolded import Unfolded
-from .measures.form_measures import edge_stretch
+from .measures.form_measures import median_distortion
 from .mesh.geometry import moved_by_frames, vertex_areas
 from .method_api.settings import Settings
 from .numerics.arrays import FloatArray
@@ -102,9 +102,8 @@ def pose_like(
             places = wanted[found.others.bodies[there].vertices]
             shapes[here] = _posed(found.surfaces[here], found.other_surfaces[there], places, each, own)
     posed = shaped(found.bodies, shapes, monitor)
-    lengths = edge_stretch(found.bodies.vertices, posed, found.bodies.faces)
     features = gathered_features(found.bodies, [each.found.prolonged(monitor) for each in found.surfaces])
-    distortion = float(np.median(np.abs(lengths - 1)))
+    distortion = median_distortion(found.bodies.vertices, posed, found.bodies.faces)
     return PosedLike(
         posed,
         found.bodies.faces,

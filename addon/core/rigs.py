@@ -16,7 +16,7 @@ from .matches import UNFOLDED, UnfoldedPair, on_meshes, unfolded_pair
 from .matching.point_map import PointMap
 from .matching.sides import index_of_side, require_side
 from .matching.unfolded import Unfolded
-from .measures.form_measures import edge_stretch
+from .measures.form_measures import median_distortion
 from .mesh.closest_points import SurfacePoints
 from .mesh.geometry import surface_area, vertex_normals
 from .method_api.settings import Settings
@@ -25,13 +25,10 @@ from .results import Match, Rigged
 from .rigging.articulated_fit import explained_whole
 from .rigging.bridge import Alike, over_mannequin
 from .rigging.candidates import GOOD, Candidate, candidates, candidates_of
-from .rigging.evidence import strayed
 from .rigging.fitted_rig import bend_axes, filled_in, moved_bend_axes, settled_turns, with_equal_sides
-from .rigging.fitted_stance import fitted_stance, goal_turns
 from .rigging.reference_rig import ReferenceRig, checked_rig, mannequin_rig
 from .rigging.references import Reference, adult, other_builds, unfolded_reference
 from .rigging.skeleton import BoneMotions, Skeleton, inverted, moved_skeleton
-from .rigging.stance import ARMS_LOWERED
 from .rigging.stance_gate import pass_gate, refusal
 from .rigging.standing import stood
 from .run.errors import InvalidMeshError, InvalidSettingsError
@@ -159,10 +156,11 @@ def fitted_skeleton(
     CanonicalFormError
         As in `match`.
     """
-    if reference is None:
-        whole = kept.take("Mannequin", [], lambda: mannequin_rig(*mannequin()), monitor.warnings)
-    else:
-        whole = checked_rig(reference)
+
+    def figure() -> ReferenceRig:
+        return kept.take("Mannequin", [], lambda: mannequin_rig(*mannequin()), monitor.warnings)
+
+    whole = figure() if reference is None else checked_rig(reference)
 
     def unfold() -> UnfoldedPair:
         own, triangles = _own(vertices), _own(faces)  # they are kept
@@ -180,7 +178,7 @@ def fitted_skeleton(
             return monitor.piece(start + left * begin, start + left * end, _FACING)
 
         if reference is not None:
-            return _facing_like(one, lender, settings, piece)
+            return _facing_like(one, lender, figure, settings, piece)
         own = piece(0.0, 1.0)
         with own.stage("Ways to face"):
             return candidates(one, lender, lambda: other_builds(lender, settings, own), own), Alike.YES
@@ -190,7 +188,11 @@ def fitted_skeleton(
 
 
 def _facing_like(
-    one: Unfolded, lender: Reference, settings: Settings, piece: Callable[[float, float], Monitor]
+    one: Unfolded,
+    lender: Reference,
+    figure: Callable[[], ReferenceRig],
+    settings: Settings,
+    piece: Callable[[float, float], Monitor],
 ) -> tuple[list[Candidate], Alike]:
     """Fit the skeleton of a rigged body by a match, and where that fits badly, by what the mannequin knows of both."""
     first = piece(0.0, _MATCHED)
@@ -198,7 +200,7 @@ def _facing_like(
         found = candidates_of(one, lender, first)
     if found[0].cost <= GOOD:
         return found, Alike.YES
-    human = unfolded_reference(mannequin_rig(*mannequin()), settings, first)
+    human = unfolded_reference(figure(), settings, first)
     builds, half = cache(lambda: other_builds(human, settings, first)), (1 + _MATCHED) / 2
     bridge = over_mannequin(one, lender, human, builds, (piece(_MATCHED, half), piece(half, 1.0)))
     if bridge.candidates and bridge.candidates[0].cost < found[0].cost:
@@ -303,10 +305,8 @@ def rig(
         if pose is None:
             return found
         found, error = _at_rest(found, fitted, chosen, pose, piece)
-        if error is not None and not anyway:
-            raise error
         if error is not None:
-            monitor.warn("stance_doubtful")
+            pass_gate(error, fitted.found, side, anyway, monitor)
         return found
 
 
@@ -317,16 +317,12 @@ def _at_rest(
     fit, reference, own = chosen.fit, chosen.reference.rig, fitted.body.found
     heads, tails = ((each - own.centre) / own.unit for each in found.skeleton[2:])
     bones = fit.bones._replace(heads=heads, tails=tails)
-    motions = fitted_stance(reference, bones, own.surface.points, fit.weights, goal_turns(reference, pose))
-    there = stood(fitted.body, fit, motions, monitor)
+    there = stood(fitted.body, reference, fit, bones, pose, monitor)
     shapes = [body.points for body in fitted.pair.bodies.bodies]
     shapes[fitted.pair.pairs[0][0]] = there.vertices
     at_rest = moved_skeleton(found.skeleton, there.motions)
     bodies, posed = fitted.pair.bodies, shaped(fitted.pair.bodies, shapes, monitor).copy()
-    distortion = float(np.median(np.abs(edge_stretch(bodies.vertices, posed, bodies.faces) - 1)))
-    off = 0.0
-    if reference.is_human and pose in ARMS_LOWERED:
-        off = strayed(reference, there.working, own.mass, fit.weights, ARMS_LOWERED[pose])
+    distortion = median_distortion(bodies.vertices, posed, bodies.faces)
     rested = replace(
         found,
         vertices=posed,
@@ -334,7 +330,7 @@ def _at_rest(
         to_given=inverted(there.motions),
         bends=moved_bend_axes(reference, found.bends, there.motions.turns, at_rest),
     )
-    return rested, refusal(chosen, fitted.share, distortion, off)
+    return rested, refusal(chosen, fitted.share, distortion, there.off)
 
 
 def _rigged(fitted: Fitted, chosen: Candidate, equal: bool, monitor: Monitor) -> Rigged:

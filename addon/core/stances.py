@@ -7,16 +7,13 @@ from numpy.typing import ArrayLike
 
 from .assembly.gathering import gathered_features, shaped
 from .matching.sides import index_of_side, require_side
-from .matching.unfolded import Unfolded
-from .measures.form_measures import edge_stretch
+from .measures.form_measures import median_distortion
 from .mesh.geometry import checked_arrays, surface_area, vertex_areas
 from .method_api.settings import Settings
 from .numerics.arrays import FloatArray, IntArray
 from .results import PosedLike, Stance
 from .rigging.bone_fit import known_bones
 from .rigging.candidates import Candidate
-from .rigging.evidence import strayed
-from .rigging.fitted_stance import fitted_stance, goal_turns
 from .rigging.limb_bones import LimbBones, limb_bones
 from .rigging.skeleton import Skeleton, skinned
 from .rigging.stance import ARMS_LOWERED, facing_of, stance
@@ -103,7 +100,7 @@ def stance_by_bones(
         posed = np.where(total > 0, skinned(points, held, motions), points @ facing.T)
         areas = vertex_areas(points, triangles)
         posed += areas / areas.sum() @ (points - posed)
-        distortion = float(np.median(np.abs(edge_stretch(points, posed, triangles) - 1)))
+        distortion = median_distortion(points, posed, triangles)
     return Stance(
         posed,
         triangles,
@@ -205,21 +202,14 @@ def stance_by_match(
         piece = monitor.piece(_MATCHED, 1.0, {"Pose": 1})
         with piece.stage("Pose"):
             shapes = [body.points for body in pair.bodies.bodies]
-            shapes[here], off = _stood(fitted.body, chosen, pose, piece)
-            return shaped(pair.bodies, shapes, monitor), off
+            there = stood(fitted.body, chosen.reference.rig, chosen.fit, chosen.fit.bones, pose, piece)
+            shapes[here] = there.vertices
+            return shaped(pair.bodies, shapes, monitor), there.off
 
     posed, off = kept.take("Pose", [pair, number, pose], stand, monitor.warnings)
-    distortion = float(np.median(np.abs(edge_stretch(pair.bodies.vertices, posed, pair.bodies.faces) - 1)))
+    distortion = median_distortion(pair.bodies.vertices, posed, pair.bodies.faces)
     pass_gate(refusal(chosen, fitted.share, distortion, off), found, side, anyway, monitor)
     return _as_posed_like(fitted, posed, distortion, chosen, monitor)
-
-
-def _stood(one: Unfolded, chosen: Candidate, pose: str, monitor: Monitor) -> tuple[FloatArray, float]:
-    """Let a body stand by its skeleton, and tell by how many degrees a limb is off."""
-    fit, rig = chosen.fit, chosen.reference.rig
-    motions = fitted_stance(rig, fit.bones, one.found.surface.points, fit.weights, goal_turns(rig, pose))
-    there = stood(one, fit, motions, monitor)
-    return there.vertices, strayed(rig, there.working, one.found.mass, fit.weights, ARMS_LOWERED[pose])
 
 
 def _as_posed_like(

@@ -72,12 +72,24 @@ def _plain_triangles(path: Path) -> tuple[FloatArray, IntArray] | None:
     return mesh.vertices, fans(mesh.polygons)
 
 
+def load_blender() -> None:
+    """Import Blender as a module in this process.
+
+    If the parent process has loaded Blender, it passed on Blender's folders, which contain an incomplete bpy.
+
+    Raises
+    ------
+    ImportError
+        If it is not installed.
+    """
+    sys.path[:] = [folder for folder in sys.path if Path(folder).parts[-2:] != ("scripts", "modules")]
+    import bpy  # noqa: F401
+
+
 def _read_by_blender(path: Path) -> tuple[FloatArray, IntArray]:
     """Read a file in this process, which Blender may crash."""
-    # if the parent process has loaded Blender, it passed on Blender's folders, which contain an incomplete bpy
-    sys.path[:] = [folder for folder in sys.path if Path(folder).parts[-2:] != ("scripts", "modules")]
     try:
-        import bpy  # noqa: F401
+        load_blender()
     except ImportError as error:
         raise InvalidMeshError(
             f"{path.name} can only be read by Blender as a module: pip install bpy. Triangles in .off, .obj and .ply "

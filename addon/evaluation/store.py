@@ -340,6 +340,7 @@ _MATTER = (  # in addition to the core
     "evaluation/correspondences/work.py",
     "evaluation/descriptor.py",
     "evaluation/reading.py",
+    "evaluation/remeshing.py",
     "evaluation/rigs/automatic.py",
     "evaluation/rigs/characters.py",
     "evaluation/rigs/work.py",

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 
 from ...core import CanonicalFormError
-from ..objects.combining import moved, outward
+from ..objects.combining import concatenated, moved, outward
 from ..objects.mesh_reading import read_evaluated, read_mesh
 from ..objects.object_states import object_mode
 from ..objects.placement import placement_of
@@ -132,9 +132,5 @@ def _together(meshes: Sequence[bpy.types.Object]) -> PoseArrays:
             rest = now = np.block([[now[:3, :3], np.zeros((3, 1))], [0, 0, 0, 1]])
         own, corners = (base, faces) if same else (shown, shown_faces)
         parts.append(PoseArrays(moved(own, rest), outward(corners, rest), moved(shown, now)))
-    starts = np.cumsum([0, *(len(each.vertices) for each in parts)])
-    return PoseArrays(
-        np.concatenate([each.vertices for each in parts]),
-        np.concatenate([each.faces + start for each, start in zip(parts, starts, strict=False)]),
-        np.concatenate([each.pose for each in parts]),
-    )
+    vertices, triangles, _ = concatenated([each[:2] for each in parts])
+    return PoseArrays(vertices, triangles, np.concatenate([each.pose for each in parts]))

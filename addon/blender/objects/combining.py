@@ -254,6 +254,26 @@ def touching(readings: Sequence[Reading], *, together: bool, cancelled: Cancelle
     return [np.flatnonzero(label == label[index]).tolist() for index in np.sort(first)]
 
 
+def concatenated(parts: Sequence[tuple[FloatArray, IntArray]]) -> tuple[FloatArray, IntArray, IntArray]:
+    """Put meshes into one, each after the other.
+
+    Parameters
+    ----------
+    parts : sequence of ((n, 3) ndarray of float, (m, 3) ndarray of int)
+        Positions and triangles of each, at least one.
+
+    Returns
+    -------
+    vertices, faces : ndarray
+        Those of all.
+    starts : (p + 1,) ndarray of int
+        Where the vertices of each begin, and where the last ends.
+    """
+    starts = np.cumsum([0, *(len(points) for points, _ in parts)])
+    faces = np.concatenate([own + start for (_, own), start in zip(parts, starts, strict=False)])
+    return np.concatenate([points for points, _ in parts]), faces, starts
+
+
 def moved(points: FloatArray, transform: FloatArray) -> FloatArray:
     """Transform points.
 

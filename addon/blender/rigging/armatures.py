@@ -274,8 +274,27 @@ def bone_matrices(
     origin = np.array(armature.location)
     for number, name in enumerate(skeleton.names):
         rest = armature.data.bones[name].matrix_local.copy()
-        wanted = Matrix(motions.turns[number].tolist()) @ rest.to_3x3()
-        pose = wanted.to_4x4()
-        pose.translation = Vector(motions.heads[number] - origin)
-        found[name] = rest, pose
+        found[name] = rest, motion_matrix(number, motions, origin) @ rest
     return found
+
+
+def motion_matrix(bone: int, motions: BoneMotions, origin: FloatArray) -> Matrix:
+    """Return how a bone moves, in the space of an armature.
+
+    Parameters
+    ----------
+    bone : int
+        Its number.
+    motions : BoneMotions
+        How bones move, in world space.
+    origin : (3,) ndarray of float
+        Where the armature stands.
+
+    Returns
+    -------
+    Matrix
+        The motion.
+    """
+    turn = Matrix(motions.turns[bone].tolist()).to_4x4()
+    there, start = (Vector(each[bone] - origin) for each in (motions.heads, motions.starts))
+    return Matrix.Translation(there) @ turn @ Matrix.Translation(-start)

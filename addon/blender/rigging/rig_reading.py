@@ -11,7 +11,7 @@ from ...core import CanonicalFormError
 from ...core.rigging.fitted_rig import rest_bends
 from ...core.rigging.reference_rig import ReferenceRig
 from ..objects.bone_reading import with_bones
-from ..objects.combining import moved, outward
+from ..objects.combining import concatenated, moved, outward
 from ..objects.mesh_reading import read_object
 from ..objects.object_states import object_mode
 from ..objects.rest_reading import moved_by, rigs_of
@@ -78,15 +78,13 @@ def read_rig_source(obj: bpy.types.Object | None) -> RigSource:
                 name=obj.name,
             )
         )
-    starts = np.cumsum([0, *(len(each.vertices) for each in parts)])
-    rig = ReferenceRig(
-        np.concatenate([moved(own.rest, each.placement) for own, each in zip(bones, parts, strict=True)]),
-        np.concatenate(
-            [outward(each.faces, each.placement) + start for each, start in zip(parts, starts, strict=False)]
-        ),
-        bones[0].skeleton,
-        np.concatenate([each.weights for each in bones]),
+    vertices, faces, _ = concatenated(
+        [
+            (moved(own.rest, each.placement), outward(each.faces, each.placement))
+            for own, each in zip(bones, parts, strict=True)
+        ]
     )
+    rig = ReferenceRig(vertices, faces, bones[0].skeleton, np.concatenate([each.weights for each in bones]))
     return RigSource(obj.name, rig, _rolls(armature, rig))
 
 

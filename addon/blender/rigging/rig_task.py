@@ -15,7 +15,7 @@ from ...core.rigging.reference_rig import MANNEQUIN_BONES
 from ..mesh_items.active_items import active_items, existing_items, restore_active_items
 from ..mesh_items.fingerprints import group_fingerprints, key_fingerprint
 from ..mesh_items.group_weights import fill_group, in_steps
-from ..objects.combining import moved, outward, require_thick
+from ..objects.combining import concatenated, moved, outward, require_thick
 from ..objects.mesh_reading import Reading, find_object, read_object, require_unchanged
 from ..objects.object_states import object_mode
 from ..objects.rest_reading import rigs_of
@@ -115,11 +115,9 @@ class RigTask:
         self._readings = [self._read(obj) for obj in objects]
         for reading in self._readings:
             require_thick(reading.name, reading.placement, alone=len(self._readings) == 1)
-        parts = [moved(each.vertices, each.placement) for each in self._readings]
-        self._starts = np.cumsum([0, *map(len, parts)])
-        self._vertices = np.concatenate(parts)
-        faces = [outward(each.faces, each.placement) for each in self._readings]
-        self._faces = np.concatenate([own + start for own, start in zip(faces, self._starts, strict=False)])
+        self._vertices, self._faces, self._starts = concatenated(
+            [(moved(each.vertices, each.placement), outward(each.faces, each.placement)) for each in self._readings]
+        )
         self._corrected: FloatArray | None = None
         self.warnings: list[str] = [sentence for obj in objects for sentence in _doubts(obj, pose)]
         self.armature, self.bones = "", 0

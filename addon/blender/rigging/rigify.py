@@ -12,7 +12,7 @@ from mathutils import Matrix, Vector
 from ...core import CanonicalFormError
 from ...core.rigging.reference_rig import MANNEQUIN_BONES
 from ..words.wording import told
-from .armatures import active_alone, bones_edited, put_beside
+from .armatures import active_alone, bones_edited, motion_matrix, put_beside
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -153,14 +153,14 @@ def _keyed(
                 continue
             moved.append(control)
             layer.update()  # where its parents are by now
-            control.matrix = _motion(skeleton.names.index(bone), motions, origin) @ control.bone.matrix_local
+            control.matrix = motion_matrix(skeleton.names.index(bone), motions, origin) @ control.bone.matrix_local
             turn = {"QUATERNION": "rotation_quaternion", "AXIS_ANGLE": "rotation_axis_angle"}
             for path in ("location", turn.get(control.rotation_mode, "rotation_euler")):
                 control.keyframe_insert(path, frame=1)
         layer.update()
         off = max(
             (
-                _motion(number, motions, origin) @ Vector(skeleton.heads[number] - origin)
+                motion_matrix(number, motions, origin) @ Vector(skeleton.heads[number] - origin)
                 - bones[DEFORMING + bone].head
             ).length
             for number, bone in enumerate(skeleton.names)
@@ -186,13 +186,6 @@ def _controls() -> Iterator[tuple[str, str]]:
         yield f"shoulder.{side}", f"shoulder.{side}"
         for limb in _LIMBS:
             yield f"{limb}_fk.{side}", f"{limb}.{side}"
-
-
-def _motion(bone: int, motions: BoneMotions, origin: FloatArray) -> Matrix:
-    """Return how a bone moves, as a matrix in the space of the rig."""
-    turn = Matrix(motions.turns[bone].tolist()).to_4x4()
-    there, start = (Vector(each[bone] - origin) for each in (motions.heads, motions.starts))
-    return Matrix.Translation(there) @ turn @ Matrix.Translation(-start)
 
 
 def _free(name: str) -> str:

@@ -12,12 +12,9 @@ from ...core import CanonicalFormError
 from ...core.rigging.reference_rig import ReferenceRig
 from ..jobs.pose_reading import reference_meshes
 from ..objects.bone_reading import with_bones
-from ..objects.combining import moved, outward, require_thick
-from ..objects.mesh_reading import read_mesh, read_object
-from ..objects.mirrors import mirrors_of
+from ..objects.combining import concatenated, moved, outward, require_thick
+from ..objects.mesh_reading import read_object
 from ..objects.object_states import object_mode
-from ..objects.placement import placement_of
-from ..objects.rest_reading import rigs_of
 from ..words.wording import told
 from .merged_sources import merged
 from .transfer_reading import Source, read_source
@@ -113,9 +110,7 @@ def read_donor(obj: bpy.types.Object | None, targets: Sequence[bpy.types.Object]
         found = [(each, part) for each, part in found if _is_held(part)]
     found.sort(key=lambda each: -len(each[1].vertices))
     parts = [part for _, part in found]
-    starts = np.cumsum([0, *(len(each.vertices) for each in parts)])
-    faces = np.concatenate([own.faces + start for own, start in zip(parts, starts, strict=False)])
-    vertices = np.concatenate([each.vertices for each in parts])
+    vertices, faces, _ = concatenated([each[:2] for each in parts])
     held = [each.weights for each in parts if each.weights is not None]
     rig, skeleton = None, parts[0].skeleton
     if skeleton is not None and len(held) == len(parts):  # of one armature
@@ -134,20 +129,19 @@ def _is_held(part: _Part) -> bool:
 
 def _read(obj: bpy.types.Object) -> _Part:
     """Read one mesh, as its bones rest if it has some."""
-    place = placement_of(obj, False)
-    require_thick(obj.name, place, alone=True)
     with object_mode(obj):
-        if mirrors_of(obj):
+        reading = read_object(obj)
+        vertices, faces, place = reading.vertices, reading.faces, reading.placement
+        require_thick(obj.name, place, alone=True)
+        if reading.mirrors:
             raise CanonicalFormError(told("{name} has a Mirror modifier. Apply it first.", name=obj.name))
-        vertices, faces = read_mesh(obj.data)
         if not np.isfinite(vertices).all():
             raise CanonicalFormError(
                 told("{name} has vertices whose positions are not numbers. Choose another one, or delete them.",
                      name=obj.name)
             )  # fmt: skip
         data = read_source(obj)
-        (reading,) = with_bones([obj], [read_object(obj)]) if len(rigs_of(obj)) == 1 else (None,)
-    bones = None if reading is None else reading.bones
+        bones = with_bones([obj], [reading])[0].bones
     if bones is None or len(bones.rest) != len(vertices):
         keys = [each._replace(shape=moved(each.shape, place)) for each in data.keys]
         return _Part(moved(vertices, place), outward(faces, place), data._replace(keys=keys), None, None)

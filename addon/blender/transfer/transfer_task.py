@@ -13,7 +13,7 @@ import numpy as np
 from ...core import CanonicalFormError, InvalidMeshError, TooLargeError
 from ...core.matching.seam_sides import SeamSides
 from ...core.numerics.arrays import FloatArray, IntArray
-from ..objects.combining import moved, outward, require_thick, touching
+from ..objects.combining import concatenated, moved, outward, require_thick, touching
 from ..records.record import read_record
 from ..words.advice import all_advised
 from ..words.wording import listed, progress_of, told
@@ -147,10 +147,10 @@ class TransferTask:
 
     def _carry_to(self, items: list[TransferItem], progress: Progress | None, cancelled: Cancelled | None) -> None:
         """Match the objects of one body and transfer the data to them."""
-        starts = np.cumsum([0, *(len(item.reading.vertices) for item in items)])
-        parts = [_placed(each.reading.vertices, each.reading.faces, each.reading.placement) for each in items]
-        placed = np.concatenate([points for points, _ in parts])
-        faces = np.concatenate([own + start for (_, own), start in zip(parts, starts, strict=False)])
+        readings = [item.reading for item in items]
+        placed, faces, starts = concatenated(
+            [(moved(each.vertices, each.placement), outward(each.faces, each.placement)) for each in readings]
+        )
         name = items[0].reading.name
         try:
             found = self._brought_together(placed, faces, progress, cancelled)
@@ -272,11 +272,6 @@ def _in_the_rig(posed: FloatArray, found: Match, there: FloatArray) -> FloatArra
     known = found.confidence > np.median(found.confidence) / 2
     rotation, shift = rigid_fit(posed[known], transferred(found, there)[known])
     return np.asarray(posed @ rotation + shift)
-
-
-def _placed(points: FloatArray, faces: IntArray, placement: FloatArray) -> tuple[FloatArray, IntArray]:
-    """Transform a mesh to world space, with normals that still point outward."""
-    return moved(points, placement), outward(faces, placement)
 
 
 def side_of(obj: bpy.types.Object, source: str) -> int:

@@ -45,6 +45,20 @@ def edge_stretch(before: FloatArray, after: FloatArray, faces: IntArray) -> Floa
     return new[old > 0] / old[old > 0]
 
 
+def median_distortion(before: FloatArray, after: FloatArray, faces: IntArray) -> float:
+    """Measure by how much half of the edges of a mesh change their lengths at most, relative to their lengths.
+
+    `before`, `after` (n, 3); `faces` (m, 3).
+
+    Examples
+    --------
+    >>> points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
+    >>> round(median_distortion(points, 1.25 * points, np.array([[0, 1, 2]])), 6)
+    0.25
+    """
+    return float(np.median(np.abs(edge_stretch(before, after, faces) - 1)))
+
+
 def hausdorff(first: FloatArray, second: FloatArray, mirror: bool = False) -> float:
     """Compute the symmetric Hausdorff distance of two vertex sets after rigid alignment (multi-start ICP).
 

@@ -15,7 +15,12 @@ from ..posing.taken_pose import taken_pose
 from ..posing.untangling import untangled
 from ..run.monitor import Monitor
 from .articulated_fit import Explained
+from .bone_fit import BoneFit
+from .evidence import strayed
+from .fitted_stance import fitted_stance, goal_turns
+from .reference_rig import ReferenceRig
 from .skeleton import BoneMotions, skinned
+from .stance import ARMS_LOWERED
 
 _LEAST = 0.1  # least confidence of skin that follows the skeleton
 
@@ -29,22 +34,23 @@ class Stood(NamedTuple):
         All its vertices.
     motions : BoneMotions
         How each bone has moved there.
-    working : (c, 3) ndarray of float
-        Its working vertices, of unit area.
+    off : float
+        By how many degrees a limb is off its way, where that is known: of a human in a T-pose or an A-pose.
     """
 
     vertices: FloatArray
     motions: BoneMotions
-    working: FloatArray
+    off: float
 
 
-def stood(one: Unfolded, fit: Explained, motions: BoneMotions, monitor: Monitor) -> Stood:
-    """Let a body follow its bones.
+def stood(one: Unfolded, rig: ReferenceRig, fit: Explained, bones: BoneFit, pose: str, monitor: Monitor) -> Stood:
+    """Let a body follow its bones into a pose.
 
-    `one`: the body; `fit`: the bones as they lie in it; `motions`: from there,
-    in the body's own unit.
+    `one`: the body; `rig`: the reference that lends its skeleton; `fit`: how that explains the body; `bones`: as they
+    lie in it, in its own unit; `pose`: as `goal_turns` takes it.
     """
     own, surface = one.found, one.found.surface
+    motions = fitted_stance(rig, bones, surface.points, fit.weights, goal_turns(rig, pose))
     struts = struts_through(surface.points, surface.faces, own.limbs.to_features, monitor)
     body = ElasticBody(own.stiffness, own.mass, surface.points, surface.faces, struts)
     working = taken_pose(body, skinned(surface.points, fit.weights, motions), fit.trust(_LEAST))
@@ -56,6 +62,7 @@ def stood(one: Unfolded, fit: Explained, motions: BoneMotions, monitor: Monitor)
     areas = vertex_areas(own.whole_points, own.whole_faces)
     shift = areas / areas.sum() @ (own.whole_points - posed)
     starts, heads = (each * own.unit + own.centre for each in (motions.starts, motions.heads + shift))
-    return Stood(
-        np.asarray((posed + shift) * own.unit + own.centre), BoneMotions(starts, heads, motions.turns), working
-    )
+    off = 0.0
+    if rig.is_human and pose in ARMS_LOWERED:
+        off = strayed(rig, working, own.mass, fit.weights, ARMS_LOWERED[pose])
+    return Stood(np.asarray((posed + shift) * own.unit + own.centre), BoneMotions(starts, heads, motions.turns), off)

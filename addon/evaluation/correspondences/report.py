@@ -8,12 +8,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..remeshing import LEFT
 from ..store import Store
 from ..writing import csv_text, markdown_table, number
 from .matchers import Matcher
 from .pairs import Pair, Poses
 from .picture import matches_figure
-from .work import APART, LEFT
+from .work import APART
 
 Outcome = tuple[dict[str, Any], dict[str, np.ndarray]] | str
 _CROSSINGS = ("crossings", "crossings_before", "crossings_true")

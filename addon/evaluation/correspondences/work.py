@@ -10,16 +10,15 @@ import numpy as np
 from ...core.distances.heat import HeatMethod
 from ...core.measures.crossings import crossings
 from ...core.mesh.closest_points import closest_points
-from ...core.mesh.coarsening import coarsened
 from ...core.mesh.geometry import surface_area
 from ...core.numerics.arrays import FloatArray
 from ...core.surface.delaunay import intrinsic_delaunay
 from ...core.surface.triangulation import triangulated
+from ..remeshing import thinned
 from ..tables import mean_apart
 from ..work import one_thread
 from .matchers import MATCHERS, Mesh
 
-LEFT = 0.7  # share of the vertices of the other mesh that are kept
 NEAR, NEARER = 0.10, 0.05  # sqrt(area), error bounds of the columns
 FLIPPED, WRONG = 0.1, 0.3  # sides count as swapped if this share of the vertices has a larger error (in sqrt(area))
 APART = 0.1  # sqrt(area): poses that differ by less cannot show whether a pose was transferred
@@ -55,13 +54,8 @@ def remeshed(mesh: Mesh) -> Mesh:
     Mesh
         A remeshed copy: the same surface with other triangles.
     """
-    coarse = coarsened(mesh.vertices, mesh.faces, int(LEFT * len(mesh.vertices)))
-    rng = np.random.default_rng(1)
-    order = rng.permutation(len(coarse.kept))
-    number = np.empty_like(order)
-    number[order] = np.arange(len(order))
-    faces = number[coarse.faces]
-    return Mesh(mesh.vertices[coarse.kept][order], faces[rng.permutation(len(faces))])
+    rows, faces = thinned(*mesh)
+    return Mesh(mesh.vertices[rows], faces)
 
 
 def matched(one: Mesh, other: Mesh, matcher: str, same_body: bool) -> Outcome:

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
 import numpy as np
 
 from ...core import Skeleton
 from ...core.numerics.arrays import FloatArray, IntArray
+from ..reading import load_blender
 
 _SHORTEST = 1e-3  # of the skeleton: shorter bones are lengthened, as Blender removes them
 
@@ -34,7 +32,7 @@ def automatic_weights(vertices: FloatArray, faces: IntArray, bones: Skeleton) ->
     ----------
     Baran and Popović, "Automatic Rigging and Animation of 3D Characters", 2007, doi:10.1145/1276377.1276467.
     """
-    sys.path[:] = [folder for folder in sys.path if Path(folder).parts[-2:] != ("scripts", "modules")]
+    load_blender()
     import bpy
 
     bpy.ops.wm.read_factory_settings(use_empty=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import NamedTuple
 
@@ -10,8 +9,9 @@ import numpy as np
 
 from ...core import InvalidMeshError
 from ...core.numerics.arrays import FloatArray
-from ...core.rigging.reference_rig import ReferenceRig
+from ...core.rigging.reference_rig import ReferenceRig, checked_rig
 from ...core.rigging.skeleton import BoneMotions, Skeleton
+from ..reading import load_blender
 
 _LIMB, _TRUNK = 35.0, 10.0  # degrees that a random bone turns at most: one that carries little skin, or much
 _MUCH = 0.5  # share of the skin that a bone carries with all that hangs on it
@@ -58,11 +58,12 @@ def read_character(path: Path, frames: int, randoms: int) -> Character:
     InvalidMeshError
         If it cannot be read.
     """
-    sys.path[:] = [folder for folder in sys.path if Path(folder).parts[-2:] != ("scripts", "modules")]
     try:
-        import bpy
+        load_blender()
     except ImportError as error:
         raise InvalidMeshError(f"{path.name} can only be read by Blender as a module: pip install bpy.") from error
+    import bpy
+
     from ...blender.files.reading_files import open_meshes
     from ...blender.objects.rest_reading import rigs_of
     from ...blender.rigging.rig_reading import read_rig_source
@@ -70,11 +71,7 @@ def read_character(path: Path, frames: int, randoms: int) -> Character:
     objects = open_meshes(path)
     largest = max(objects, key=lambda each: len(each.data.vertices))
     bpy.context.view_layer.update()
-    found = read_rig_source(largest).rig
-    total = found.weights.sum(axis=1, keepdims=True)
-    root = np.eye(len(found.skeleton.names))[0]
-    weights = np.where(total > 0, found.weights / np.maximum(total, np.finfo(float).tiny), root)
-    whole = found._replace(weights=weights)
+    whole = checked_rig(read_rig_source(largest).rig)
     poses = _of_clips(next(iter(rigs_of(largest))), whole.skeleton, frames) if frames else {}
     poses |= {f"random {seed + 1}": random_pose(whole, seed) for seed in range(randoms)}
     return Character(path.stem, whole, poses)

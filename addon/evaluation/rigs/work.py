@@ -9,16 +9,15 @@ import numpy as np
 
 from ...core import Skeleton, rig
 from ...core.measures.alignment import rigid_fit
-from ...core.mesh.coarsening import coarsened
 from ...core.numerics.arrays import FloatArray, IntArray
 from ...core.rigging.limb_bones import limb_bones
 from ...core.rigging.reference_rig import ReferenceRig
 from ...core.rigging.skeleton import BoneMotions, moved_skeleton, skinned
+from ..remeshing import thinned
 from ..work import one_thread
 from .automatic import automatic_weights
 from .characters import Character, rotations
 
-_LEFT = 0.7  # share of the vertices that are kept
 _LEAST = 0.004  # share of the skin below which a bone holds none
 _TOUCHED = 1e-3  # weight below which a bone does not hold a vertex
 
@@ -73,7 +72,7 @@ def judged(
     CanonicalFormError
         If it cannot be rigged.
     """
-    truth, kept, order = _remeshed(character, pose)
+    truth, rows = _remeshed(character, pose)
     with one_thread():
         began = time.perf_counter()
         found = rig(truth.vertices, truth.faces, reference, anyway=True)
@@ -90,7 +89,7 @@ def judged(
     heads = character.rig.skeleton.heads
     rest = BoneMotions(heads, heads, np.broadcast_to(np.eye(3), truth.turns.shape))
     others = [rest, *(motions for name, motions in character.poses.items() if name != pose)]
-    later = [_later(character, truth, each, kept[order]) for each in others]
+    later = [_later(character, truth, each, rows) for each in others]
     figures |= _new_poses("", truth, own, found.weights, moved_by, later)
     if automatic:
         figures |= _automatic("found", truth, own, moved_by, later)
@@ -98,23 +97,17 @@ def judged(
     return figures, {}
 
 
-def _remeshed(character: Character, pose: str) -> tuple[_Truth, IntArray, IntArray]:
-    """Reduce a pose and shuffle its vertices; return also which vertices are kept, and their new order."""
+def _remeshed(character: Character, pose: str) -> tuple[_Truth, IntArray]:
+    """Reduce a pose and shuffle its vertices; return also which vertices are kept, in their new order."""
     motions, whole = character.poses[pose], character.rig
     points = skinned(whole.vertices, whole.weights, motions)
     at, triangles = _merged(whole.vertices, whole.faces)
-    coarse = coarsened(points[at], triangles, int(_LEFT * len(at)))
-    kept = at[coarse.kept]
-    rng = np.random.default_rng(1)
-    order = rng.permutation(len(kept))
-    number = np.empty_like(order)
-    number[order] = np.arange(len(order))
-    faces = number[coarse.faces][rng.permutation(len(coarse.faces))]
-    rows = kept[order]
+    some, faces = thinned(points[at], triangles)
+    rows = at[some]
     size = float(np.ptp(whole.vertices, axis=0).max())
     skeleton = moved_skeleton(whole.skeleton, motions)
     truth = _Truth(points[rows], faces, whole.weights[rows], skeleton, rotations(motions), size)
-    return truth, kept, order
+    return truth, rows
 
 
 def _merged(points: FloatArray, faces: IntArray) -> tuple[IntArray, IntArray]:
