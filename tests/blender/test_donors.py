@@ -4,9 +4,11 @@ import bpy
 import numpy as np
 import pytest
 
+from addon.blender.rigging.rig_reading import read_rig_source
 from addon.blender.transfer.donor import read_donor
 from addon.blender.transfer.transfer_reading import read_source
-from addon.core import CanonicalFormError, InvalidMeshError, match
+from addon.blender.transfer.transfer_task import TransferTask
+from addon.core import CanonicalFormError, InvalidMeshError, Settings, match
 from addon.core.transfers import require_fit
 from tests.blender.conftest import add_object, snapshot
 from tests.blender.rig_scenes import RIG, armature_of
@@ -175,13 +177,27 @@ def test_props_of_an_armature_are_no_skin(halves):
     floor = add_object("Floor", *shapes.sphere(4))
     floor.parent = rig
     bpy.context.view_layer.update()
-    assert {each.name for each in read_donor(rig).objects} == {each.name for each in parts}
+    donor = read_donor(rig)
+    assert {each.name for each in donor.objects} == {each.name for each in parts}
+    assert len(donor.warnings) == 1
+    assert donor.warnings[0].endswith("does: Floor.")
+
+
+def test_a_part_that_another_armature_moves_too_is_told(halves):
+    scan, parts, rig, _ = halves  # noqa: F811
+    other = bpy.data.objects.new("Second", bpy.data.armatures.new("Second"))
+    bpy.context.scene.collection.objects.link(other)
+    parts[1].modifiers.new("Second", "ARMATURE").object = other
+    bpy.context.view_layer.update()
+    donor = read_donor(rig)
+    assert [each.name for each in donor.objects] == ["Half L"]
+    assert donor.warnings[0].endswith("does: Half R.")
+    assert read_rig_source(rig).warnings == donor.warnings
+    task = TransferTask([scan], rig, {"GROUPS"}, Settings(), -1)
+    assert donor.warnings[0] in task.warnings
 
 
 def test_an_armature_that_was_deleted_meanwhile_is_told(halves):
-    from addon.blender.transfer.transfer_task import TransferTask
-    from addon.core import Settings
-
     scan, _, rig, _ = halves  # noqa: F811
     settings = Settings(**{name: value for name, value in TRANSFER.items() if name in Settings.__dataclass_fields__})
     task = TransferTask([scan], rig, {"GROUPS"}, settings, -1)

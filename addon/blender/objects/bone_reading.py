@@ -10,6 +10,7 @@ import numpy as np
 
 from ...core import Skeleton
 from ..mesh_items.weight_reading import weights_of
+from ..words.wording import listed, told
 from .mesh_reading import Bones, Reading
 from .rest_reading import chain_of, rigs_of, with_rests
 
@@ -48,6 +49,31 @@ def with_bones(objects: Sequence[bpy.types.Object], readings: Sequence[Reading])
                 bones = Bones(rig.name, skeleton, weights, reading.rest)
             found[number] = readings[number]._replace(bones=bones, rig=rig.name)
     return found
+
+
+def without_bones(names: Sequence[str], source: str) -> list[str]:
+    """Say which meshes of a character its bones do not move, so that they are left out.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Names of the meshes.
+    source : str
+        Name of the character.
+
+    Returns
+    -------
+    list of str
+        One sentence for the user, or none.
+    """
+    if not names:
+        return []
+    told_so = told(
+        "Left out of {source}, as its bones do not move them, or another armature does: {left}.",
+        source=source,
+        left=listed(names),
+    )
+    return [told_so]
 
 
 def _skeleton_of(rig: bpy.types.Object) -> Skeleton:

@@ -98,12 +98,19 @@ def rigs_of(obj: bpy.types.Object) -> set[bpy.types.Object]:
 
 def moved_by(rig: bpy.types.Object) -> list[bpy.types.Object]:
     """List the meshes that are shown and that an armature alone moves, without those that *Transfer* bound to it."""
-    found = [
-        each
-        for each in bpy.context.view_layer.objects
-        if each.type == "MESH" and each.data.polygons and each.visible_get() and rigs_of(each) == {rig}
-    ]
+    found = [each for each in _shown_meshes() if rigs_of(each) == {rig}]
     return [each for each in found if not _has_taken(each, rig)] or found
+
+
+def moved_with_others(rig: bpy.types.Object) -> list[bpy.types.Object]:
+    """List the meshes that are shown and that an armature moves together with another one."""
+    return [each for each in _shown_meshes() if rig in rigs_of(each) and rigs_of(each) != {rig}]
+
+
+def _shown_meshes() -> list[bpy.types.Object]:
+    """List the objects of the view layer that have faces and are shown."""
+    objects = bpy.context.view_layer.objects
+    return [each for each in objects if each.type == "MESH" and each.data.polygons and each.visible_get()]
 
 
 def _has_taken(obj: bpy.types.Object, rig: bpy.types.Object) -> bool:

@@ -6,11 +6,12 @@ import bpy
 import numpy as np
 
 from ...core.deformation.vertex_turns import vertex_turns
+from ..mesh_items.fingerprints import key_fingerprint
 from ..mesh_items.key_points import key_points
 from ..mesh_items.key_removal import remove_drivers
 from ..objects.mesh_reading import read_mesh
 from ..objects.object_states import object_mode
-from ..records.record import read_record
+from ..records.record import read_record, write_record
 from ..records.rig_record import RigRecord, read_rig, recorded_key, write_rig
 
 
@@ -45,6 +46,9 @@ def _keep(obj: bpy.types.Object, key: bpy.types.ShapeKey, record: RigRecord) -> 
     rest = key_points(key).astype(np.float64)
     turns = vertex_turns(before, rest, faces)
     forms = read_record(mesh)
+    basis = None if forms is None or forms.basis is None else keys.key_blocks.get(forms.basis)
+    if basis != keys.reference_key or key_fingerprint(basis) != forms.basis_fingerprint:
+        basis = None  # the user's
     own = {*record.keys}  # shapes, not changes of one
     if forms is not None:
         own |= {*forms.keys, *forms.in_between_keys}
@@ -74,5 +78,8 @@ def _keep(obj: bpy.types.Object, key: bpy.types.ShapeKey, record: RigRecord) -> 
     obj.shape_key_remove(key)
     obj.active_shape_key_index = keys.key_blocks.find(active)
     record.pose = "NONE"
+    if forms is not None and basis is not None:
+        forms.basis_fingerprint = key_fingerprint(keys.reference_key)  # it is still the form's to remove
+        write_record(mesh, forms)
     write_rig(mesh, record)
     mesh.update()

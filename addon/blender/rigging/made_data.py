@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 import bpy
@@ -34,27 +34,25 @@ def new_token(name: str) -> str:
 
 
 @contextmanager
-def marked_as(token: str) -> Iterator[None]:
-    """Mark what is made meanwhile; after an error, remove it.
-
-    Parameters
-    ----------
-    token : str
-        The mark.
+def all_or_nothing() -> Iterator[Callable[[str], None]]:
+    """Remove after an error what was made meanwhile.
 
     Yields
     ------
-    None
-        Control.
+    callable
+        Marks what was made so far with a token.
     """
     before = {each.session_uid for kind in _KINDS for each in getattr(bpy.data, kind)}
+
+    def mark(token: str) -> None:
+        for each in _since(before):
+            each[MARK] = token + PART
+
     try:
-        yield
+        yield mark
     except BaseException:
         bpy.data.batch_remove(_since(before))
         raise
-    for each in _since(before):
-        each[MARK] = token + PART
 
 
 def _since(before: set[int]) -> list[bpy.types.ID]:
@@ -80,6 +78,21 @@ def made_by(token: str) -> list[bpy.types.ID]:
         for each in getattr(bpy.data, kind)
         if each.get(MARK) in (token, token + PART) and each.library is None
     ]
+
+
+def unnumbered(token: str) -> None:
+    """Take the numbers off the names of objects and armatures that were made while those names were taken.
+
+    Parameters
+    ----------
+    token : str
+        Their mark.
+    """
+    for each in made_by(token):
+        name, _, number = each.name.rpartition(".")
+        kind = bpy.data.objects if isinstance(each, bpy.types.Object) else bpy.data.armatures
+        if isinstance(each, (bpy.types.Object, bpy.types.Armature)) and number.isdecimal() and name not in kind:
+            each.name = name
 
 
 def armature_fingerprint(armature: bpy.types.Object) -> str:

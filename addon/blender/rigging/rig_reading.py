@@ -10,11 +10,11 @@ import numpy as np
 from ...core import CanonicalFormError
 from ...core.rigging.fitted_rig import rest_bends
 from ...core.rigging.reference_rig import ReferenceRig
-from ..objects.bone_reading import with_bones
+from ..objects.bone_reading import with_bones, without_bones
 from ..objects.combining import concatenated, moved, outward
 from ..objects.mesh_reading import read_object
 from ..objects.object_states import object_mode
-from ..objects.rest_reading import moved_by, rigs_of
+from ..objects.rest_reading import moved_by, moved_with_others, rigs_of
 from ..words.wording import told
 
 if TYPE_CHECKING:
@@ -32,11 +32,14 @@ class RigSource(NamedTuple):
         Its skin and bones, in world space.
     rolls : dict of str to float
         By bone, the angle about it, in radians, from the axis about which the core lets it bend to its own X axis.
+    warnings : list of str
+        Sentences for the user.
     """
 
     name: str
     rig: ReferenceRig
     rolls: dict[str, float]
+    warnings: list[str]
 
 
 def read_rig_source(obj: bpy.types.Object | None) -> RigSource:
@@ -63,12 +66,14 @@ def read_rig_source(obj: bpy.types.Object | None) -> RigSource:
         raise CanonicalFormError(
             told("{name} has no rig. Choose an armature with its mesh, or a mesh that one armature moves.", name=name)
         )
-    parts = []
+    parts, left = [], [each.name for each in moved_with_others(armature)]
     for each in moved_by(armature):
         with object_mode(each):
             (reading,) = with_bones([each], [read_object(each)])
         if reading.bones is not None:
             parts.append(reading)
+        else:
+            left.append(each.name)
     bones = [each.bones for each in parts if each.bones is not None]
     if not bones:
         raise CanonicalFormError(
@@ -85,7 +90,7 @@ def read_rig_source(obj: bpy.types.Object | None) -> RigSource:
         ]
     )
     rig = ReferenceRig(vertices, faces, bones[0].skeleton, np.concatenate([each.weights for each in bones]))
-    return RigSource(obj.name, rig, _rolls(armature, rig))
+    return RigSource(obj.name, rig, _rolls(armature, rig), without_bones(left, obj.name))
 
 
 def _armature_of(obj: bpy.types.Object | None) -> bpy.types.Object | None:

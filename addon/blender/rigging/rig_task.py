@@ -25,7 +25,7 @@ from ..results.in_betweens import PROPERTY, has_in_betweens
 from ..words.advice import all_advised
 from ..words.wording import listed, told
 from .armatures import add_armature, add_pose, bone_matrices, colour_bones, follow
-from .made_data import MARK, action_fingerprint, armature_fingerprint, marked_as, new_token
+from .made_data import MARK, action_fingerprint, all_or_nothing, armature_fingerprint, new_token, unnumbered
 from .rig_clearing import armature_given_to, release, unbind
 from .rig_reading import RigSource, rolled
 from .rigify import DEFORMING, add_rigify, add_rigify_pose, require_rigify
@@ -119,7 +119,8 @@ class RigTask:
             [(moved(each.vertices, each.placement), outward(each.faces, each.placement)) for each in self._readings]
         )
         self._corrected: FloatArray | None = None
-        self.warnings: list[str] = [sentence for obj in objects for sentence in _doubts(obj, pose)]
+        self.warnings = [] if source is None else list(source.warnings)
+        self.warnings += [sentence for obj in objects for sentence in _doubts(obj, pose)]
         self.armature, self.bones = "", 0
         self.confidence: dict[str, float] = {}
         self.sides: list[float] = []
@@ -189,22 +190,25 @@ class RigTask:
             with object_mode(obj):
                 require_unchanged(obj, reading)
                 self._require_room(obj)
-        left = release(objects)
-        if left:
-            self.warnings.append(told("Kept, since they may hold your changes: {left}.", left=listed(left)))
-        for obj in objects:
-            with object_mode(obj):
-                self._require_room(obj)  # what was kept may be in the way
-        token = new_token(objects[0].name)
-        with marked_as(token):
-            armature = self._bind(objects, found, token)
+        with all_or_nothing() as mark:
+            armature, held = self._armature(objects[0], found)  # if that fails, an earlier rig is still there
+            left = release(objects)
+            if left:
+                self.warnings.append(told("Kept, since they may hold your changes: {left}.", left=listed(left)))
+            for obj in objects:
+                with object_mode(obj):
+                    self._require_room(obj)  # what was kept may be in the way
+            follow(armature, objects[0])
+            token = new_token(objects[0].name)
+            self._bind(objects, armature, self._record(armature, found, held, token))
+            mark(token)
         armature[MARK] = token
+        unnumbered(token)
         self.armature, self.bones = armature.name, len(found.skeleton.names)
 
-    def _bind(self, objects: list[bpy.types.Object], found: Rigged, token: str) -> bpy.types.Object:
-        """Make the armature, and bind the objects to it; all of them or none."""
-        first, skeleton = objects[0], found.skeleton
-        bends = found.bends
+    def _armature(self, first: bpy.types.Object, found: Rigged) -> tuple[bpy.types.Object, BoolArray]:
+        """Make the armature beside an object; return also which of its bones hold skin, (b,)."""
+        skeleton, bends = found.skeleton, found.bends
         if self._source is not None:
             rolls = np.array([self._source.rolls[name] for name in skeleton.names])
             bends = rolled(skeleton.axes, bends, rolls)
@@ -213,12 +217,13 @@ class RigTask:
         held = (found.weights > _LEAST).any(axis=0)
         name = _RIG.format(first.name)
         if self._rigify:
-            armature = add_rigify(name, skeleton, bends, origin, first)
-        else:
-            armature = add_armature(name, skeleton, bends, held, origin, first)
-        follow(armature, first)
-        record = self._record(armature, found, held, token)
-        bound: list[bpy.types.Object] = []
+            return add_rigify(name, skeleton, bends, origin, first), held
+        return add_armature(name, skeleton, bends, held, origin, first), held
+
+    def _bind(self, objects: list[bpy.types.Object], armature: bpy.types.Object, record: RigRecord) -> None:
+        """Bind objects to the armature; all of them or none."""
+        found, bound = self._found, []
+        assert found is not None
         try:
             for number, obj in enumerate(objects):
                 bound.append(obj)
@@ -231,7 +236,6 @@ class RigTask:
                     with object_mode(obj):
                         unbind(obj, made, armature, unconfirmed=True)
             raise
-        return armature
 
     def _called(self, name: str) -> str:
         """Return how the bone that moves the skin is called."""

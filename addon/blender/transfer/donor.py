@@ -11,10 +11,11 @@ import numpy as np
 from ...core import CanonicalFormError
 from ...core.rigging.reference_rig import ReferenceRig
 from ..jobs.pose_reading import reference_meshes
-from ..objects.bone_reading import with_bones
+from ..objects.bone_reading import with_bones, without_bones
 from ..objects.combining import concatenated, moved, outward, require_thick
 from ..objects.mesh_reading import read_object
 from ..objects.object_states import object_mode
+from ..objects.rest_reading import moved_with_others
 from ..words.wording import told
 from .merged_sources import merged
 from .transfer_reading import Source, read_source
@@ -41,6 +42,8 @@ class Donor(NamedTuple):
         The bones that move them, on the same vertices; None if no armature does, or more than one.
     armature_uid : int
         Blender's identifier of the armature in this session; 0 without one.
+    warnings : list of str
+        Sentences for the user.
     """
 
     objects: list[bpy.types.Object]
@@ -49,6 +52,7 @@ class Donor(NamedTuple):
     data: Source
     rig: ReferenceRig | None
     armature_uid: int
+    warnings: list[str]
 
     def armature(self) -> bpy.types.Object | None:
         """Find the armature again, to bind to it what has been computed.
@@ -106,7 +110,9 @@ def read_donor(obj: bpy.types.Object | None, targets: Sequence[bpy.types.Object]
     objects = reference_meshes(obj, targets)
     assert obj is not None  # it has meshes
     found = [(each, _read(each)) for each in objects]
+    left = [each.name for each in moved_with_others(obj) if each not in targets] if obj.type == "ARMATURE" else []
     if obj.type == "ARMATURE" and any(_is_held(part) for _, part in found):  # widgets and props are no skin
+        left += [each.name for each, part in found if not _is_held(part)]
         found = [(each, part) for each, part in found if _is_held(part)]
     found.sort(key=lambda each: -len(each[1].vertices))
     parts = [part for _, part in found]
@@ -119,7 +125,7 @@ def read_donor(obj: bpy.types.Object | None, targets: Sequence[bpy.types.Object]
     armature = obj if obj.type == "ARMATURE" else bpy.data.objects.get(data.armature)
     data = data._replace(armature="" if armature is None else armature.name)
     uid = 0 if armature is None else armature.session_uid
-    return Donor([each for each, _ in found], vertices, faces, data, rig, uid)
+    return Donor([each for each, _ in found], vertices, faces, data, rig, uid, without_bones(left, obj.name))
 
 
 def _is_held(part: _Part) -> bool:

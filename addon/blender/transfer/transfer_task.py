@@ -97,7 +97,7 @@ class TransferTask:
             require_thick(item.reading.name, item.reading.placement, alone=len(objects) == 1)
         self._kinds, self._settings, self._side, self._anyway = kinds, settings, side, anyway
         self._rigged = "GROUPS" in kinds and bool(self._source.armature)
-        self.warnings: list[str] = []
+        self.warnings = list(self._donor.warnings)
         if self._source.damaged:
             self.warnings.append(
                 told(
