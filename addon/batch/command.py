@@ -19,7 +19,8 @@ from ..blender.words.file_errors import sentence
 from ..core import CanonicalFormError
 from ..scheduling.attempts import Failure
 from ..scheduling.crews import Crew, DaskCrew, InThisProcess, LocalCrew
-from .arguments import parsed, wanted_of
+from .arguments import parsed
+from .asked import wanted_of
 from .claims import remove_left
 from .computing import compute_file, compute_reference, read_pose
 from .inputs import found_files, listed_files, output_stems, separators

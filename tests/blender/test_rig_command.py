@@ -73,6 +73,7 @@ def test_a_character_lends_its_bones(path, tmp_path):
     [
         (("--format", "obj"), "holds no armature"),
         (("--mesh", "shown"), "works on the mesh itself"),
+        (("--rigify", "--names", "vrm"), "leave out --reference and --names"),
     ],
 )
 def test_what_cannot_be_is_told(path, tmp_path, words, sentence):

@@ -17,7 +17,7 @@ sys.path[:0] = [str(ROOT / "tests" / "window"), str(ROOT)]
 from tests.window.driving import drive  # noqa: E402
 from tests.window.hand import Hand  # noqa: E402
 
-HEADERS = {"pose": 274, "features": 299, "distance": 325}  # of closed panels before a run, below the sidebar's top
+HEADERS = {"pose": 274, "rig": 300, "features": 325, "distance": 351}  # of closed panels before a run, below the sidebar's top
 hand = Hand(PICTURES)
 
 
@@ -39,6 +39,7 @@ def session():
         filepath=str(PACKAGE), repo="user_default", enable_on_install=True, overwrite=True
     )
     yield from panels_on_a_bare_figure()
+    yield from a_rig()
     yield from another_pose()
     yield from a_clothed_character()
     bpy.ops.screen.userpref_show("INVOKE_DEFAULT", section="EXTENSIONS")
@@ -190,6 +191,49 @@ def another_pose():
     yield 0.5
 
 
+def a_rig():
+    """Show a posed figure without a rig, the same at rest in a T-pose with its new bones, and posed by them."""
+    from tools.sample.posed_figure import build
+
+    bpy.data.batch_remove([*bpy.data.objects])
+    bpy.context.view_layer.update()
+    build(levels=3)
+    scan = figure()
+    scan.name = "Scan"
+    with in_view():
+        bpy.ops.view3d.view_selected()
+    yield from hand.over_view()
+    yield from hand.click(*hand.below_top(HEADERS["rig"], 0.3))
+    yield 0.7
+    yield from hand.picture("10-rig")
+    run("canonical_form_rig", rest="T")
+    armature = scan.modifiers[0].object
+    with in_view():
+        bpy.ops.view3d.view_selected()
+    yield 1.0
+    yield from hand.picture("11-rig-at-rest")
+    turns = {"upper_arm.L": (0.0, 0.0, 1.1), "upper_arm.R": (0.0, 0.0, -0.6), "forearm.L": (0.9, 0.0, 0.0)}
+    turns |= {"thigh.R": (-1.0, 0.0, 0.0), "shin.R": (1.2, 0.0, 0.0), "spine.002": (0.0, 0.3, 0.0)}
+    for name, turn in turns.items():
+        bone = armature.pose.bones[name]
+        bone.rotation_mode, bone.rotation_euler = "XYZ", turn
+    bpy.context.view_layer.objects.active = armature
+    armature.select_set(True)
+    with in_view():
+        bpy.ops.object.mode_set(mode="POSE")
+    yield 1.0
+    yield from hand.picture("12-rig-in-pose-mode")
+    with in_view():
+        bpy.ops.object.mode_set(mode="OBJECT")
+    bpy.data.batch_remove([*bpy.data.objects])
+    bpy.context.view_layer.update()
+    build(levels=3)  # the panel is where it was
+    yield from hand.over_view()
+    yield 0.7
+    yield from hand.click(*hand.below_top(HEADERS["rig"], 0.3))
+    yield 0.5
+
+
 def leads(obj):
     """Return whether the slider of this object moves the other objects."""
     data = obj.data.shape_keys.animation_data
@@ -210,7 +254,8 @@ def open_tab():
     hand.region("UI").active_panel_category = "Canonical Form"
     with in_view():
         bpy.ops.view3d.view_selected()
-    yield 0.7
+    yield from hand.move(*hand.below_top(HEADERS["distance"], 0.3))  # the tab takes no click before it is drawn
+    yield 1.5
 
 
 drive(session(), "PICTURES TAKEN")

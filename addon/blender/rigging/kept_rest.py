@@ -46,9 +46,8 @@ def _keep(obj: bpy.types.Object, key: bpy.types.ShapeKey, record: RigRecord) -> 
     rest = key_points(key).astype(np.float64)
     turns = vertex_turns(before, rest, faces)
     forms = read_record(mesh)
-    basis = None if forms is None or forms.basis is None else keys.key_blocks.get(forms.basis)
-    if basis != keys.reference_key or key_fingerprint(basis) != forms.basis_fingerprint:
-        basis = None  # the user's
+    first = keys.reference_key
+    added = forms is not None and (forms.basis, forms.basis_fingerprint) == (first.name, key_fingerprint(first))
     own = {*record.keys}  # shapes, not changes of one
     if forms is not None:
         own |= {*forms.keys, *forms.in_between_keys}
@@ -78,8 +77,8 @@ def _keep(obj: bpy.types.Object, key: bpy.types.ShapeKey, record: RigRecord) -> 
     obj.shape_key_remove(key)
     obj.active_shape_key_index = keys.key_blocks.find(active)
     record.pose = "NONE"
-    if forms is not None and basis is not None:
-        forms.basis_fingerprint = key_fingerprint(keys.reference_key)  # it is still the form's to remove
+    if forms is not None and added:
+        forms.basis_fingerprint = key_fingerprint(first)  # it is still the form's to remove
         write_record(mesh, forms)
     write_rig(mesh, record)
     mesh.update()

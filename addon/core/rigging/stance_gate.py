@@ -24,7 +24,7 @@ _UNUSUAL = {  # what only one right stance in twenty exceeds
     "off": 11.3,
 }
 _CLOSE = 2.5  # of cost: the other way to face is usually 3 to 5 worse, and may be the right one if it is not
-_CLOSE_BY_SKIN = 0.5  # the same, where limits of joints and toes are not known
+_CLOSE_BY_SKIN = 0.2, 0.1  # the same, where the skin alone tells: share of the cost, and least
 
 
 def refusal(chosen: Candidate, share: float, distortion: float = 0.0, off: float = 0.0) -> InvalidMeshError | None:
@@ -64,8 +64,10 @@ def is_doubtful(found: Sequence[Candidate]) -> bool:
     """Return whether another way to face may be the right one."""
     if len(found) < 2:
         return False
-    least = _CLOSE if found[0].reference.rig.is_human else _CLOSE_BY_SKIN
-    return found[1].cost - found[0].cost < least
+    best, other = (each.cost for each in found[:2])
+    share, least = _CLOSE_BY_SKIN
+    margin = _CLOSE if found[0].reference.rig.is_human else max(share * best, least)
+    return other - best < margin
 
 
 def pass_gate(

@@ -68,10 +68,9 @@ def test_a_second_way_that_is_nearly_as_likely_is_told(costs, doubt):
         assert [each.kind for each in monitor.warnings] == (["match_sides"] if doubt and side == "auto" else [])
 
 
-def test_where_only_the_skin_tells_a_smaller_margin_is_enough():
-    found = [fitted(cost)._replace(reference=ANIMAL) for cost in (0.5, 2.0)]
-    assert not is_doubtful(found)
-    assert is_doubtful([found[0], found[1]._replace(cost=0.8)])
+@pytest.mark.parametrize(("costs", "doubt"), [((0.0, 0.05), True), ((1.0, 1.15), True), ((1.0, 1.3), False)])
+def test_where_only_the_skin_tells_a_smaller_margin_is_enough(costs, doubt):
+    assert is_doubtful([fitted(cost)._replace(reference=ANIMAL) for cost in costs]) is doubt
 
 
 def test_what_is_refused_is_kept_only_if_wanted():
