@@ -14,14 +14,15 @@ from .run.errors import (
 
 if TYPE_CHECKING:
     from .canonical import canonical_form
+    from .contacts import find_contacts
     from .distance_fields import distance_field, heat_geodesics
     from .features import feature_patches
     from .limbs import limb_shapes
-    from .mannequins import mannequin
     from .matches import match
     from .method_api.settings import Settings
+    from .modelling.mannequins import mannequin
     from .poses import pose_like
-    from .results import CanonicalForm, FeaturePatches, Match, PosedLike, Rigged, Stance
+    from .results import CanonicalForm, Contacts, FeaturePatches, Match, PosedLike, Rigged, Stance
     from .rigging.skeleton import Skeleton
     from .rigs import rig
     from .run.kept_stages import KeptStages
@@ -32,6 +33,7 @@ __all__ = [
     "CancelledError",
     "CanonicalForm",
     "CanonicalFormError",
+    "Contacts",
     "FeaturePatches",
     "InvalidMeshError",
     "InvalidSettingsError",
@@ -47,6 +49,7 @@ __all__ = [
     "canonical_form",
     "distance_field",
     "feature_patches",
+    "find_contacts",
     "heat_geodesics",
     "limb_shapes",
     "mannequin",
@@ -65,6 +68,7 @@ __all__ = [
 _DOORS = {
     "Settings": "method_api.settings",
     "CanonicalForm": "results",
+    "Contacts": "results",
     "FeaturePatches": "results",
     "KeptStages": "run.kept_stages",
     "Match": "results",
@@ -75,9 +79,10 @@ _DOORS = {
     "canonical_form": "canonical",
     "distance_field": "distance_fields",
     "feature_patches": "features",
+    "find_contacts": "contacts",
     "heat_geodesics": "distance_fields",
     "limb_shapes": "limbs",
-    "mannequin": "mannequins",
+    "mannequin": "modelling.mannequins",
     "match": "matches",
     "pose_like": "poses",
     "rig": "rigs",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -18,9 +19,11 @@ from .method_api.settings import Settings
 from .numerics.arrays import FloatArray, IntArray
 from .results import CanonicalForm
 from .run.kept_stages import KeptStages
-from .run.messages import doubts_first
+from .run.messages import doubts_first, message
 from .run.monitor import Cancelled, Monitor, Progress
 from .symmetry.trunk_twist import TWISTED, trunk_twist
+
+_LOOKED_FOR = 0.8  # of the work, where contacts are looked for
 
 if TYPE_CHECKING:
     from .method_api.method_result import MethodResult
@@ -93,12 +96,79 @@ def canonical_form(
     ----------
     "Local Feature-Based 3D Canonical Form".
     """
+    settings = settings or Settings()
+    if settings.contacts == "open" and rest is None:
+        return _opened_form(vertices, faces, settings, reference, Monitor(progress, cancelled), keep or KeptStages())
+    return _form(vertices, faces, settings, rest, reference, Monitor(progress, cancelled, OPENING, keep))
+
+
+def _opened_form(
+    vertices: ArrayLike,
+    faces: ArrayLike,
+    settings: Settings,
+    reference: CanonicalForm | None,
+    monitor: Monitor,
+    kept: KeptStages,
+) -> CanonicalForm:
+    """Compute the form of a body whose skin is opened where it has grown together, on the mesh as given."""
+    from .contacts import contacts_of
+    from .fused.on_given import given_of, labels_on_given, limbs_on_given, shape_on_given
+
+    plain = Settings(pieces=settings.pieces, memory_limit=settings.memory_limit)  # whatever unfolds it later
+    piece = monitor.piece(0.0, _LOOKED_FOR, {})
+    found = kept.take(
+        "Contacts",
+        [np.array(vertices), np.array(faces), repr(plain)],
+        lambda: contacts_of(vertices, faces, plain, kept, piece),
+        piece.warnings,
+    )
+    rest = Monitor(
+        lambda done, stage: monitor.report(_LOOKED_FOR + (1 - _LOOKED_FOR) * done, stage),
+        monitor.is_cancelled,
+        OPENING,
+        kept.part("Form"),
+    )
+    settings = replace(settings, contacts="keep")
+    if not found.gone.any():
+        form = _form(vertices, faces, settings, None, reference, rest)
+        if not found.explained:
+            form.warnings.append(message("contacts_unknown"))
+        return form
+    mesh = found.parted()
+    chosen = settings.feature_points
+    if chosen is not None:
+        numbers = labels_on_given(mesh, np.arange(len(mesh.vertices)), found.vertices)
+        settings = replace(settings, feature_points=[int(numbers[each]) for each in chosen])
+    form = _form(mesh.vertices, mesh.faces, settings, None, reference, rest)
+    told = message("contacts_opened", count=len(found.between))
+    touched = np.zeros(len(found.vertices), dtype=bool)
+    touched[found.faces[found.gone].ravel()] = True
+    return replace(
+        form,
+        vertices=shape_on_given(mesh, form.vertices, len(found.vertices), found.faces),
+        faces=found.faces,
+        feature_points=given_of(mesh)[form.feature_points],
+        patches=labels_on_given(mesh, form.patches, found.vertices),
+        adf=labels_on_given(mesh, form.adf, found.vertices),
+        warnings=[told, *form.warnings],
+        bodies=limbs_on_given(mesh, form.bodies),
+        contacts=touched,
+    )
+
+
+def _form(
+    vertices: ArrayLike,
+    faces: ArrayLike,
+    settings: Settings,
+    rest: ArrayLike | None,
+    reference: CanonicalForm | None,
+    monitor: Monitor,
+) -> CanonicalForm:
+    """Compute the form of a mesh as it is."""
     from .placing.reference import reference_bodies
 
-    settings = settings or Settings()
     method = method_named(settings.method)
     settings = method.settings(settings)
-    monitor = Monitor(progress, cancelled, OPENING, keep)
     bodies = opened(vertices, faces, settings, monitor, rest=rest)
     others = reference_bodies(reference, bodies.faces, [body.vertices for body in bodies.bodies], monitor)
     plan = {**DETECTION, **method.stages, "Alignment": 1}

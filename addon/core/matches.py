@@ -9,16 +9,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .assembly.bodies import Bodies
-from .assembly.body import Body
 from .assembly.gathering import gathered
-from .assembly.opening import OPENING, opened
+from .assembly.opening import OPENING
+from .assembly.unfolded_bodies import unfolded_bodies
 from .matching.point_map import PointMap, point_map
 from .matching.seam_sides import CutSurface, seam_sides
 from .matching.sides import Side, index_of_side, require_side, sides
-from .matching.unfolded import Unfolded, unfolded
+from .matching.unfolded import Unfolded
 from .mesh.geometry import surface_area
 from .mesh.tables import rows_in
-from .method_api.catalogue import DETECTION, method_named
+from .method_api.catalogue import method_named
 from .method_api.costs import require_match_memory
 from .method_api.settings import Settings
 from .numerics.arrays import FloatArray, IntArray
@@ -251,9 +251,9 @@ def unfolded_pair(
     require_match_memory(_count(vertices), _count(other_vertices), settings)
     one = monitor.piece(0.0, UNFOLDED / 2 * share, OPENING)
     two = monitor.piece(UNFOLDED / 2 * share, UNFOLDED * share, OPENING)
-    bodies, surfaces = _unfolded_bodies(vertices, faces, settings, one, rest)
+    bodies, surfaces = unfolded_bodies(vertices, faces, settings, one, rest)
     try:
-        others, other_surfaces = _unfolded_bodies(
+        others, other_surfaces = unfolded_bodies(
             other_vertices, other_faces, replace(settings, feature_points=None), two
         )
     except CancelledError:
@@ -266,21 +266,6 @@ def unfolded_pair(
         monitor.warn("match_bodies", count=len(order), others=len(other_order))
     pairs = list(zip(order, other_order, strict=False))
     return UnfoldedPair(bodies, others, surfaces, other_surfaces, pairs, two.warnings)
-
-
-def _unfolded_bodies(
-    vertices: ArrayLike, faces: ArrayLike, settings: Settings, monitor: Monitor, rest: ArrayLike | None = None
-) -> tuple[Bodies, list[Unfolded]]:
-    """Find the bodies of a mesh and their forms."""
-    method = method_named(settings.method)
-    bodies = opened(vertices, faces, settings, monitor, rest=rest)
-
-    def work(body: Body, chosen: IntArray | None, own: Monitor) -> Unfolded:
-        found = body.features(chosen, settings, own)
-        form = method.unfold(found, settings, own).points
-        return unfolded(found, form / np.sqrt(surface_area(form, found.whole_faces)), own)
-
-    return bodies, bodies.map(work, monitor, {**DETECTION, **method.stages}, bodies.chosen_vertices)
 
 
 def _count(vertices: ArrayLike) -> int:

@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from .numerics.arrays import FloatArray, IntArray
+from .numerics.arrays import BoolArray, FloatArray, IntArray
 from .run.messages import Message
 
 if TYPE_CHECKING:
+    from .fused.parting import PartedMesh
     from .matching.seam_sides import SeamSides
     from .rigging.skeleton import BoneMotions, Skeleton
     from .symmetry.limbs import BodyLimbs
@@ -56,6 +57,56 @@ class FeaturePatches(_Summarised):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
+class Contacts(_Summarised):
+    """Where the skin of a body has grown together.
+
+    Attributes
+    ----------
+    vertices : (n, 3) ndarray of float
+        The vertices as given.
+    faces : (m', 3) ndarray of int
+        The triangles: those given, repaired where the warnings say so.
+    gone : (m',) ndarray of bool
+        Triangles in which two parts of the body have grown together.
+    places : (n, 3) ndarray of float
+        The place of each vertex on the mannequin, which stands with arms and legs spread, in units of sqrt(area); that
+        of the mesh where the body is no human one.
+    between : list of (str, str)
+        By contact, the bones of the mannequin on either side.
+    explained : bool
+        Whether the body is a human one; of others nothing is known.
+    residual : float
+        Mean distance of the skin from that of the mannequin, in sizes of the body.
+    timings : dict of str to float
+        Seconds by stage.
+    warnings : list of Message
+        Sentences for the user.
+    """
+
+    vertices: FloatArray
+    faces: IntArray
+    gone: BoolArray
+    places: FloatArray
+    between: list[tuple[str, str]]
+    explained: bool
+    residual: float
+    timings: dict[str, float]
+    warnings: list[Message]
+
+    def parted(self) -> PartedMesh:
+        """Take those triangles out, and close both sides by caps.
+
+        Returns
+        -------
+        PartedMesh
+            The mesh without contacts.
+        """
+        from .fused.parting import parted
+
+        return parted(self.vertices, self.faces, self.gone, self.places)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class CanonicalForm(_Summarised):
     """The canonical form of a mesh and intermediate results.
 
@@ -93,6 +144,8 @@ class CanonicalForm(_Summarised):
     bends : (k, 2) ndarray of float
         Degrees by which each limb is bent at its joint, in the input and in the form; nan where a patch is no limb, but
         a head or a trunk.
+    contacts : (n,) ndarray of bool
+        Vertices at which skin that had grown together was opened for the form; empty if none was.
     """
 
     vertices: FloatArray
@@ -108,6 +161,7 @@ class CanonicalForm(_Summarised):
     asymmetry: float = float("nan")
     bodies: list[BodyLimbs] = field(default_factory=list)
     bends: FloatArray = field(default_factory=lambda: np.empty((0, 2)))
+    contacts: BoolArray = field(default_factory=lambda: np.empty(0, dtype=bool))
 
 
 class MatchedSeams(NamedTuple):

@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .assembly.gathering import gathered, shaped
-from .mannequins import mannequin
 from .matches import UNFOLDED, UnfoldedPair, on_meshes, unfolded_pair
 from .matching.point_map import PointMap
 from .matching.sides import index_of_side, require_side
@@ -20,6 +19,7 @@ from .measures.form_measures import median_distortion
 from .mesh.closest_points import SurfacePoints
 from .mesh.geometry import surface_area, vertex_normals
 from .method_api.settings import Settings
+from .modelling.mannequins import mannequin
 from .numerics.arrays import FloatArray
 from .results import Match, Rigged
 from .rigging.articulated_fit import explained_whole

@@ -39,6 +39,7 @@ _EVERY_METHOD = (
     "value",
     "feature_points",
     "quality",
+    "contacts",
     "pieces",
     "orientation",
     "memory_limit",

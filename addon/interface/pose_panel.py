@@ -166,7 +166,7 @@ def match_estimate(
     memory, seconds : float
         Gigabytes and seconds.
     """
-    from ..core.mannequins import VERTEX_COUNT
+    from ..core.modelling.mannequins import VERTEX_COUNT
 
     settings = Settings(**{name: chosen_value(chosen, name) for name in ("method", "quality", "pieces")})
     counts = sum(len(obj.data.vertices) for obj in objects), VERTEX_COUNT if other is None else other

@@ -5,9 +5,9 @@ import pytest
 from scipy.spatial import cKDTree
 
 from addon.core import InvalidMeshError, InvalidSettingsError, Settings, mannequin, pose_like
-from addon.core.mannequins import A_POSE, T_POSE, VERTEX_COUNT
 from addon.core.mesh.edges import is_closed
 from addon.core.mesh.geometry import signed_volume, surface_area
+from addon.core.modelling.mannequins import A_POSE, T_POSE, VERTEX_COUNT
 from addon.core.modelling.solids import Ellipsoid, RoundCone, smooth_union
 from addon.core.modelling.surface_nets import surface_net
 from tests.meshes.shapes import figure

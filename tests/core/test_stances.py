@@ -13,7 +13,7 @@ from addon.core import (
     stance_by_match,
     transferred,
 )
-from addon.core.mannequins import A_POSE
+from addon.core.modelling.mannequins import A_POSE
 from addon.core.rigging.reference_rig import mannequin_rig
 from tests.core.rigging.conftest import hand_drawn
 from tests.meshes import shapes

@@ -139,7 +139,7 @@ def _colours_of(found: AnyResult, whole: Combined) -> Colours:
 
 def _split(found: AnyResult, readings: Sequence[Reading], whole: Combined) -> Sequence[AnyResult]:
     """Split forms or patches by object."""
-    from ...core import FeaturePatches
+    from ...core import CanonicalForm, FeaturePatches
 
     surfaces = list(
         zip(whole.owned(found.feature_points), whole.split(found.patches), whole.split(found.adf), strict=True)
@@ -147,10 +147,14 @@ def _split(found: AnyResult, readings: Sequence[Reading], whole: Combined) -> Se
     if isinstance(found, FeaturePatches):
         return [replace(found, feature_points=points, patches=patches, adf=adf) for points, patches, adf in surfaces]
     forms = whole.brought_back(found.vertices)
-    return [
+    parts = [
         replace(found, vertices=form, faces=reading.faces, feature_points=points, patches=patches, adf=adf)
         for form, reading, (points, patches, adf) in zip(forms, readings, surfaces, strict=True)
     ]
+    if isinstance(found, CanonicalForm) and len(found.contacts):
+        own = whole.split(found.contacts)
+        return [replace(part, contacts=each) for part, each in zip(parts, own, strict=True)]  # type: ignore[arg-type]
+    return parts
 
 
 def _report(readings: Sequence[Reading], whole: Combined, found: AnyResult, request: Request) -> FormReport:

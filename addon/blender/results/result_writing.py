@@ -27,7 +27,7 @@ from .in_betweens import is_animated, remove_in_betweens, value_path
 from .result_clearing import clear_results, remove_results
 
 if TYPE_CHECKING:
-    from ...core.numerics.arrays import FloatArray
+    from ...core.numerics.arrays import BoolArray, FloatArray
     from ...core.results import AnyResult
     from ..mesh_items.palette import Colours
     from ..records.form_report import FormReport
@@ -40,6 +40,7 @@ FIELD_COLOURS = "Auto Diffusion Function"
 PATCH_COLOURS = "Patches"
 MATCH_COLOURS = "Match"
 CONFIDENCE_GROUP = "Match Confidence"
+CONTACT_GROUP = "Contacts"
 
 
 def write_results(
@@ -237,6 +238,7 @@ def _is_same_surface(obj: bpy.types.Object, old: Record, found: AnyResult, colou
         and np.array_equal(known, found.patches)
         and old.colours.get(FIELD_COLOURS) == fingerprint(colours.field)
         and all(name in obj.vertex_groups for name in old.groups)
+        and contacts_of(found).any() == any(name.startswith(CONTACT_GROUP) for name in old.groups)
         and all(name in mesh.color_attributes for name in old.colours)
     )
 
@@ -263,11 +265,22 @@ def _write_groups(obj: bpy.types.Object, record: Record, found: AnyResult, patch
     members = [np.sort(found.feature_points[found.feature_points >= 0])]
     if patches:
         members += [np.flatnonzero(found.patches == index) for index in range(len(found.feature_points))]
-    for number, vertices in enumerate(members):
-        group = obj.vertex_groups.new(name=PATCH_GROUP.format(number) if number else FEATURE_GROUP)
+    names = [FEATURE_GROUP, *(PATCH_GROUP.format(number) for number in range(1, len(members)))]
+    contacts = np.flatnonzero(contacts_of(found))
+    if len(contacts):
+        names.append(CONTACT_GROUP)
+        members.append(contacts)
+    for name, vertices in zip(names, members, strict=True):
+        group = obj.vertex_groups.new(name=name)
         record.groups[group.name] = None
         group.add(vertices.tolist(), 1.0, "REPLACE")
         record.groups[group.name] = members_fingerprint(vertices, np.ones(len(vertices)))
+
+
+def contacts_of(found: AnyResult) -> BoolArray:
+    """Return at which vertices skin that had grown together was parted, (n,); none but for forms that were opened."""
+    contacts = getattr(found, "contacts", np.empty(0, dtype=bool))
+    return contacts if len(contacts) else np.zeros(len(found.patches), dtype=bool)
 
 
 def _write_confidence(obj: bpy.types.Object, record: Record, confidence: FloatArray) -> None:

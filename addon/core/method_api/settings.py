@@ -46,6 +46,9 @@ class Settings:
         Orientation of the form: that of the input, or determined by the surface, equal for all poses: Z up, facing -Y.
     max_iterations : int
         Maximum number of majorisation steps.
+    contacts : {'keep', 'open'}
+        Whether skin that has grown together, such as that of a hand on a hip in a scan, is opened for the form of a
+        human body.
     pieces : {'together', 'apart'}
         Whether loose parts that lie on, in or inside each other are one body, or each has a form of its own.
     memory_limit : float
@@ -131,6 +134,15 @@ class Settings:
         ),
     )
     max_iterations: int = option(300, "Iterations", "Maximum number of minimisation steps", low=0, soft_high=1000)
+    contacts: str = option(
+        "keep",
+        "Grown Together",
+        "What is done where skin has grown together, such as that of a hand on a hip in a scan",
+        choices=(
+            Choice("keep", "Keep", "Leave it: the form keeps the pose there"),
+            Choice("open", "Open", "Find it on a human body, and part it for the form; takes some seconds more"),
+        ),
+    )
     pieces: str = option(
         "together",
         "Loose Parts",

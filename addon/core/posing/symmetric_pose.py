@@ -30,7 +30,7 @@ def mirror_planes(points: FloatArray, faces: IntArray, monitor: Monitor) -> list
 
     Examples
     --------
-    >>> from addon.core.mannequins import mannequin
+    >>> from addon.core.modelling.mannequins import mannequin
     >>> planes = mirror_planes(*mannequin(), Monitor())
     >>> [np.abs(plane.normal).round(3).tolist() for plane in planes]
     [[1.0, 0.0, 0.0]]

@@ -20,6 +20,7 @@ _STRAYED = 0.06  # of the reference's size: as far from the match, a closest poi
 _BELIEVED, _LEAST = 0.1, 0.02  # least belief in one, and weight of a point that keeps its match
 _FAR, _NEARER = 0.08, 3.0  # of the body's size: what a match misses by that much goes to a point so many times nearer
 _TRUSTED = 0.03  # of the body's size: residual of skin that hardly follows the skeleton
+_LAID = 0.05  # of the body's size: distance at which a closest point is hardly believed, where no match helps
 _DOUBTFUL = 0.1  # least confidence of a point
 
 
@@ -87,7 +88,7 @@ def explained(
     matched, matched_weights = at, weights
     for _ in range(rounds):
         monitor.check()
-        near = _nearest(rig, bones, points, normals, monitor)
+        near = nearest_of_posed(rig, bones, points, normals, monitor)
         found, found_weights = near.on(rig.vertices, rig.faces), near.on(rig.weights, rig.faces)
         belief = np.exp(-((np.linalg.norm(found - matched, axis=1) / scale / _STRAYED) ** 2))
         missed = np.linalg.norm(bones.posed(rig, matched, matched_weights) - points, axis=1) / size
@@ -112,7 +113,7 @@ def explained_whole(
     `points` (n, 3), `normals` (n, 3): the body; `at` (n, 3): about where the points of the reference are.
     """
     scale = float(np.ptp(rig.vertices, axis=0).max())
-    found = _nearest(rig, bones, points, normals, monitor)
+    found = nearest_of_posed(rig, bones, points, normals, monitor)
     apart = np.linalg.norm(found.on(rig.vertices, rig.faces) - at, axis=1) / scale
     belief = np.exp(-((apart / _STRAYED) ** 2))
     lost = belief <= _BELIEVED
@@ -122,10 +123,13 @@ def explained_whole(
     return found, belief
 
 
-def _nearest(
+def nearest_of_posed(
     rig: ReferenceRig, bones: BoneFit, points: FloatArray, normals: FloatArray, monitor: Monitor
 ) -> SurfacePoints:
-    """Find the points of the posed reference that are closest to those of a body, and face the same way."""
+    """Find the points of the posed reference that are closest to those of a body, and face the same way.
+
+    `points` (n, 3), `normals` (n, 3): the body.
+    """
     facing = _FACING * float(np.ptp(points, axis=0).max())
     laid = bones.posed(rig, rig.vertices, rig.weights)
     others = np.column_stack([laid, facing * vertex_normals(laid, rig.faces)])
@@ -142,3 +146,20 @@ def turned_round(rig: ReferenceRig, at: FloatArray, weights: FloatArray) -> tupl
     found = closest_points(rig.vertices, rig.faces, at * [-1.0, -1, 1])
     there = found.on(rig.weights, rig.faces)
     return found.on(rig.vertices, rig.faces), (weights[:, rig.mates] + there) / 2
+
+
+def laid_on(
+    rig: ReferenceRig, bones: BoneFit, points: FloatArray, normals: FloatArray, areas: FloatArray, monitor: Monitor
+) -> BoneFit:
+    """Refine a skeleton that lies about right by closest points alone, without a match.
+
+    `points` (n, 3), `normals` (n, 3), `areas` (n,): the body.
+    """
+    size = float(np.ptp(points, axis=0).max())
+    for _ in range(UNLIKE):
+        monitor.check()
+        near = nearest_of_posed(rig, bones, points, normals, monitor)
+        at, weights = near.on(rig.vertices, rig.faces), near.on(rig.weights, rig.faces)
+        apart = np.linalg.norm(bones.posed(rig, at, weights) - points, axis=1) / size
+        bones = laid_bones(rig, bones, points, normals, at, weights, areas * np.exp(-((apart / _LAID) ** 2)))
+    return connected(rig, bones)

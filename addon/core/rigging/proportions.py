@@ -67,7 +67,7 @@ def reshaped(rig: ReferenceRig, scales: FloatArray) -> ReferenceRig:
 
     Examples
     --------
-    >>> from addon.core.mannequins import mannequin
+    >>> from addon.core.modelling.mannequins import mannequin
     >>> from addon.core.rigging.reference_rig import mannequin_rig
     >>> rig = mannequin_rig(*mannequin())
     >>> child = reshaped(rig, scales_of(rig, BUILDS["figure"]))

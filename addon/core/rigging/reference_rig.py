@@ -133,7 +133,7 @@ def mannequin_rig(vertices: FloatArray, faces: IntArray) -> ReferenceRig:
 
     Examples
     --------
-    >>> from addon.core.mannequins import mannequin
+    >>> from addon.core.modelling.mannequins import mannequin
     >>> rig = mannequin_rig(*mannequin())
     >>> len(rig.skeleton.names), bool(np.allclose(rig.weights.sum(axis=1), 1))
     (22, True)

@@ -66,6 +66,11 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
     ),
     "twisted": "Arms and legs of the form have left and right on different sides: its trunk is twisted, or limbs are "
     "crossed. Check the feature points, and choose them by hand.",
+    "contacts_opened": (
+        "Skin has probably grown together in 1 place. It was parted there for the form.",
+        "Skin has probably grown together in {count} places. It was parted there for the form.",
+    ),
+    "contacts_unknown": "Where skin has grown together is known of human bodies in one piece only. Nothing was parted.",
     "hardly_unbent": "The form is nearly the mesh itself: nothing was unbent.",
     "loose_vertices": (
         "1 vertex that belongs to no face stays where it is.",

@@ -142,6 +142,11 @@ class Monitor:
             else:
                 warned(sentence)
 
+    def report(self, done: float, stage: str) -> None:
+        """Report how much is done of all, as a part of the work does. `stage`: what it is at."""
+        self._name = stage or self._name
+        self._report(done)
+
     def _report(self, done: float) -> None:
         self._done = max(self._done, done)
         if self._progress is not None:

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from addon.core.mannequins import mannequin
 from addon.core.matching import strain as module
 from addon.core.matching.sides import sides
 from addon.core.matching.starts import Start
 from addon.core.matching.strain import fit_strain
 from addon.core.mesh.edges import vertex_pairs
+from addon.core.modelling.mannequins import mannequin
 from addon.core.run.errors import CancelledError
 from addon.core.run.monitor import Monitor
 from tests.meshes import shapes

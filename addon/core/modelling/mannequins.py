@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from .modelling.body_plan import SHOULDER, human
-from .modelling.solids import smooth_union
-from .modelling.surface_nets import surface_net
-from .numerics.arrays import FloatArray, IntArray
-from .numerics.ramps import smooth_ramp
-from .run.errors import InvalidSettingsError
+from ..numerics.arrays import FloatArray, IntArray
+from ..numerics.ramps import smooth_ramp
+from ..run.errors import InvalidSettingsError
+from .body_plan import SHOULDER, human
+from .solids import smooth_union
+from .surface_nets import surface_net
 
 T_POSE, A_POSE = 0.0, 45.0  # degrees
 VERTEX_COUNT = 30_346  # of a mannequin

@@ -1,0 +1,206 @@
+"""A mesh parted along triangles that are taken out: both lips are closed by caps."""
+
+from __future__ import annotations
+
+import heapq
+from typing import NamedTuple
+
+import numpy as np
+
+from ..mesh.connectivity import component_labels
+from ..mesh.edges import edge_table, half_edges, undirected_keys
+from ..mesh.geometry import area_vectors
+from ..numerics.arrays import BoolArray, FloatArray, IntArray
+
+_LEAST = 0.01  # of the area: what comes off and is smaller is left out
+_POSE = 0.2  # weight of the length of a cap's edges in the pose, beside that at rest
+_LONGEST = 0.03  # sqrt(area): inner edges of caps are split until they are shorter
+_ROUNDS = 4  # of splitting
+_INWARD = 0.12  # way of a doubled vertex to the middle of its own triangles, so that repair does not join it again
+
+
+class PartedMesh(NamedTuple):
+    """A mesh that was parted.
+
+    Attributes
+    ----------
+    vertices : (n', 3) ndarray of float
+        Its vertices.
+    faces : (m', 3) ndarray of int
+        Its triangles; those of the caps come last.
+    origin : (n',) ndarray of int
+        The vertex of the given mesh that each is; -1 for those of caps.
+    caps : int
+        How many caps it has.
+    """
+
+    vertices: FloatArray
+    faces: IntArray
+    origin: IntArray
+    caps: int
+
+
+def parted(vertices: FloatArray, faces: IntArray, gone: BoolArray, places: FloatArray) -> PartedMesh:
+    """Take triangles out of a mesh, part what only a vertex holds together, and close the lips.
+
+    Caps are made of ears, first those that are short at rest, and not in the pose: there both lips lie against each
+    other. Borders that were there before stay open.
+
+    `vertices` (n, 3), `faces` (m, 3); `gone` (m,): triangles to take out; `places` (n, 3): of the vertices at rest, in
+    units of sqrt(area), or the vertices themselves.
+
+    Examples
+    --------
+    >>> points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1]])
+    >>> two = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 4], [2, 3, 4], [3, 1, 4]])
+    >>> found = parted(points, two, np.zeros(6, dtype=bool), points)
+    >>> len(found.faces), found.caps
+    (6, 0)
+    """
+    areas = np.linalg.norm(area_vectors(vertices, faces), axis=1)
+    unit = float(np.sqrt(areas.sum()))
+    kept = faces[~gone]
+    piece, before = _pieces(kept), _pieces(faces)
+    large = np.bincount(piece, areas[~gone])[piece] > _LEAST * areas.sum()
+    speck = np.bincount(before, areas)[before][~gone] <= _LEAST * areas.sum()  # it was small from the beginning
+    kept = kept[large | speck]
+    corners, origin = _split_at_vertices(kept)
+    points, rest = vertices[origin], places[origin]
+    open_before = _border_keys(faces, len(vertices))
+    caps = []
+    for loop in _border_loops(corners):
+        own = origin[loop]
+        keys = undirected_keys(own, np.roll(own, -1), len(vertices))
+        if len(loop) > 2 and not np.isin(keys, open_before).all():
+            caps.append(_ears(loop, rest, points / unit))
+    done, made = [corners], len(points)
+    for cap in caps:
+        points, rest, cap_faces = _refined(points, rest, cap, _LONGEST * unit)
+        done.append(cap_faces)
+    triangles = np.concatenate(done)
+    origin = np.append(origin, np.full(len(points) - made, -1))
+    return PartedMesh(_moved_apart(points, triangles, origin), triangles, origin, len(caps))
+
+
+def _pieces(faces: IntArray) -> IntArray:
+    """Label triangles that are connected over edges, (m,)."""
+    table = edge_table(faces)
+    owner = table.order // 3
+    rank = np.arange(len(owner)) - np.repeat(table.start, table.count)
+    later = np.flatnonzero(rank > 0)
+    return component_labels(len(faces), np.column_stack([owner[later - 1], owner[later]]))
+
+
+def _split_at_vertices(faces: IntArray) -> tuple[IntArray, IntArray]:
+    """Double the vertices where several fans meet, so that each border vertex lies on one border.
+
+    Gives the triangles, and the given vertex that each vertex is.
+    """
+    table, count = edge_table(faces), len(faces)
+    rank = np.arange(3 * count) - np.repeat(table.start, table.count)
+    later = np.flatnonzero(rank > 0)
+    one, two = table.order[later - 1], table.order[later]  # half-edges, which begin at a corner of the same number
+    following = 3 * (np.arange(3 * count) // 3) + (np.arange(3 * count) + 1) % 3  # next corner of the triangle
+    ends = [(each, following[each]) for each in (one, two)]
+    alike = table.tail[one] == table.tail[two]
+    second = [np.where(alike, ends[1][0], ends[1][1]), np.where(alike, ends[1][1], ends[1][0])]
+    pairs = np.column_stack([np.concatenate(ends[0]), np.concatenate(second)])
+    fan = component_labels(3 * count, pairs)
+    _, first, corners = np.unique(fan, return_index=True, return_inverse=True)
+    return corners.reshape(-1, 3), faces.ravel()[first]
+
+
+def _border_keys(faces: IntArray, count: int) -> IntArray:
+    """List the edges at borders."""
+    table = edge_table(faces)
+    return undirected_keys(table.tail[table.alone], table.head[table.alone], count)
+
+
+def _border_loops(faces: IntArray) -> list[list[int]]:
+    """List the borders as loops, in the direction of triangles that would close them."""
+    tail, head = half_edges(faces)
+    count = int(faces.max(initial=-1)) + 1
+    lonely = ~np.isin(tail * count + head, head * count + tail)
+    after = dict(zip(head[lonely].tolist(), tail[lonely].tolist(), strict=True))
+    loops = []
+    while after:
+        start, at = after.popitem()
+        loop = [start]
+        while at != start and at in after:
+            loop.append(at)
+            at = after.pop(at)
+        if at == start:
+            loops.append(loop)
+    return loops
+
+
+def _ears(loop: list[int], rest: FloatArray, points: FloatArray) -> IntArray:
+    """Close a border by ears, those with the shortest diagonal first. `rest`, `points` (n, 3); gives (t, 3)."""
+    count = len(loop)
+    before, after = [(k - 1) % count for k in range(count)], [(k + 1) % count for k in range(count)]
+    there, here = rest[loop], points[loop]
+
+    def cost(ear: int) -> float:
+        one, two = before[ear], after[ear]
+        return float(np.linalg.norm(there[one] - there[two]) + _POSE * np.linalg.norm(here[one] - here[two]))
+
+    queue = [(cost(k), k, 0) for k in range(count)]
+    heapq.heapify(queue)
+    age, found, left = [0] * count, [], count
+    while left > 3:
+        _, ear, known = heapq.heappop(queue)
+        if known != age[ear]:
+            continue
+        one, two = before[ear], after[ear]
+        found.append((loop[one], loop[ear], loop[two]))
+        age[ear], after[one], before[two], left = -1, two, one, left - 1
+        for each in (one, two):
+            age[each] += 1
+            heapq.heappush(queue, (cost(each), each, age[each]))
+    last = next(k for k in range(count) if age[k] >= 0)
+    found.append((loop[before[last]], loop[last], loop[after[last]]))
+    return np.array(found)
+
+
+def _refined(
+    points: FloatArray, rest: FloatArray, cap: IntArray, longest: float
+) -> tuple[FloatArray, FloatArray, IntArray]:
+    """Split the inner edges of a cap that are long in the pose; its border stays."""
+    for _ in range(_ROUNDS):
+        table = edge_table(cap)
+        first = table.order[table.start]
+        ends = np.column_stack([table.tail[first], table.head[first]])
+        split = (table.count == 2) & (np.linalg.norm(points[ends[:, 0]] - points[ends[:, 1]], axis=1) > longest)
+        if not split.any():
+            break
+        middle = np.full(len(ends), -1)
+        middle[split] = len(points) + np.arange(split.sum())
+        points, rest = (np.concatenate([each, each[ends[split]].mean(axis=1)]) for each in (points, rest))
+        edge = np.empty(3 * len(cap), dtype=np.int64)
+        edge[table.order] = np.repeat(np.arange(len(ends)), table.count)
+        cap = np.array([each for face, own in zip(cap, middle[edge].reshape(-1, 3), strict=True)
+                        for each in _divided(face.tolist(), own.tolist())])  # fmt: skip
+    return points, rest, cap
+
+
+def _divided(face: list[int], middle: list[int]) -> list[tuple[int, ...]]:
+    """Divide a triangle at the middles of its edges; -1 where an edge is whole."""
+    a, b, c = face
+    x, y, z = middle
+    if min(middle) >= 0:
+        return [(a, x, z), (x, b, y), (z, y, c), (x, y, z)]
+    ring = [each for each in (a, x, b, y, c, z) if each >= 0]
+    start = next((k for k, each in enumerate(ring) if each in middle), 0)
+    ring = ring[start:] + ring[:start]
+    return [(ring[0], ring[k], ring[k + 1]) for k in range(1, len(ring) - 1)]
+
+
+def _moved_apart(points: FloatArray, faces: IntArray, origin: IntArray) -> FloatArray:
+    """Move copies of one vertex a little to the middle of their own triangles."""
+    copies = np.bincount(origin[origin >= 0], minlength=int(origin.max(initial=-1)) + 1)
+    doubled = (origin >= 0) & (copies[origin] > 1)
+    around = np.bincount(faces.ravel(), minlength=len(points))
+    middle = np.repeat(points[faces].mean(axis=1), 3, axis=0)
+    own = np.column_stack([np.bincount(faces.ravel(), middle[:, axis], len(points)) for axis in range(3)])
+    own = own / np.maximum(around, 1)[:, None]
+    return np.where(doubled[:, None], points + _INWARD * (own - points), points)

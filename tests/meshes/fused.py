@@ -1,0 +1,26 @@
+"""Figures whose skin has grown together: thickened until parts that are near become one surface."""
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from addon.core import mannequin
+from addon.core.mesh.geometry import vertex_normals
+from addon.core.modelling.surface_nets import surface_net
+
+
+def fused_figure(arms, grown, step=0.02):
+    """The mannequin with its arms lowered by some degrees, thickened by metres; also the vertex that each came from.
+
+    Also the same thickness without any contact: vertices of the mannequin, moved out.
+    """
+    vertices, faces = mannequin(arms)
+    normals = vertex_normals(vertices, faces)
+    tree = cKDTree(vertices)
+    low, high = vertices.min(axis=0) - 0.08, vertices.max(axis=0) + 0.08
+    axes = [np.arange(start, end + step, step) for start, end in zip(low, high, strict=True)]
+    grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+    distance, near = tree.query(grid.reshape(-1, 3))
+    outside = np.einsum("ij,ij->i", grid.reshape(-1, 3) - vertices[near], normals[near]) > 0
+    field = (np.where(outside, distance, -distance) - grown).reshape(grid.shape[:3])
+    points, triangles = surface_net(field, axes)
+    return points, triangles, tree.query(points)[1]
