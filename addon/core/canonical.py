@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,15 +17,14 @@ from .measures.limb_bends import limb_bends
 from .method_api.catalogue import DETECTION, Method, method_named
 from .method_api.settings import Settings
 from .numerics.arrays import FloatArray, IntArray
-from .results import CanonicalForm
+from .results import CanonicalForm, Contacts
 from .run.kept_stages import KeptStages
 from .run.messages import doubts_first, message
 from .run.monitor import Cancelled, Monitor, Progress
 from .symmetry.trunk_twist import TWISTED, trunk_twist
 
-_LOOKED_FOR = 0.8  # of the work, where contacts are looked for
-
 if TYPE_CHECKING:
+    from .fused.parting import PartedMesh
     from .method_api.method_result import MethodResult
     from .method_api.surface_features import SurfaceFeatures, WholeFeatures
     from .placing.reference import ReferenceBody
@@ -98,62 +97,45 @@ def canonical_form(
     """
     settings = settings or Settings()
     if settings.contacts == "open" and rest is None:
-        return _opened_form(vertices, faces, settings, reference, Monitor(progress, cancelled), keep or KeptStages())
-    return _form(vertices, faces, settings, rest, reference, Monitor(progress, cancelled, OPENING, keep))
+        from .contacts import computed_open
+
+        compute = partial(_like_given, reference=reference)
+        return computed_open(compute, _on_given, vertices, faces, settings, keep, progress, cancelled)
+    form = _form(vertices, faces, settings, rest, reference, Monitor(progress, cancelled, OPENING, keep))
+    if settings.contacts == "open":
+        form.warnings.append(message("contacts_rest"))
+    return form
 
 
-def _opened_form(
-    vertices: ArrayLike,
-    faces: ArrayLike,
+def _like_given(
+    vertices: FloatArray,
+    faces: IntArray,
     settings: Settings,
+    mesh: PartedMesh | None = None,
+    found: Contacts | None = None,
+    *,
     reference: CanonicalForm | None,
-    monitor: Monitor,
-    kept: KeptStages,
+    **how: Any,
 ) -> CanonicalForm:
-    """Compute the form of a body whose skin is opened where it has grown together, on the mesh as given."""
-    from .contacts import contacts_of
-    from .fused.on_given import given_of, labels_on_given, limbs_on_given, shape_on_given
+    """Compute a form, aligned to a reference that may be one of the mesh before it was parted."""
+    from .fused.on_given import form_on_parted
 
-    plain = Settings(pieces=settings.pieces, memory_limit=settings.memory_limit)  # whatever unfolds it later
-    piece = monitor.piece(0.0, _LOOKED_FOR, {})
-    found = kept.take(
-        "Contacts",
-        [np.array(vertices), np.array(faces), repr(plain)],
-        lambda: contacts_of(vertices, faces, plain, kept, piece),
-        piece.warnings,
-    )
-    rest = Monitor(
-        lambda done, stage: monitor.report(_LOOKED_FOR + (1 - _LOOKED_FOR) * done, stage),
-        monitor.is_cancelled,
-        OPENING,
-        kept.part("Form"),
-    )
-    settings = replace(settings, contacts="keep")
-    if not found.gone.any():
-        form = _form(vertices, faces, settings, None, reference, rest)
-        if not found.explained:
-            form.warnings.append(message("contacts_unknown"))
-        return form
-    mesh = found.parted()
-    chosen = settings.feature_points
-    if chosen is not None:
-        numbers = labels_on_given(mesh, np.arange(len(mesh.vertices)), found.vertices)
-        settings = replace(settings, feature_points=[int(numbers[each]) for each in chosen])
-    form = _form(mesh.vertices, mesh.faces, settings, None, reference, rest)
-    told = message("contacts_opened", count=len(found.between))
+    if mesh is None or found is None or reference is None:
+        return canonical_form(vertices, faces, settings, reference=reference, **how)
+    if np.array_equal(reference.faces, found.faces):
+        reference = form_on_parted(mesh, reference)
+    return canonical_form(vertices, faces, settings, reference=reference, **how)
+
+
+def _on_given(form: CanonicalForm, mesh: PartedMesh, found: Contacts) -> CanonicalForm:
+    """Carry the form of a parted mesh to the mesh as given."""
+    from .fused.on_given import limbs_on_given, surface_on_given
+
     touched = np.zeros(len(found.vertices), dtype=bool)
     touched[found.faces[found.gone].ravel()] = True
-    return replace(
-        form,
-        vertices=shape_on_given(mesh, form.vertices, len(found.vertices), found.faces),
-        faces=found.faces,
-        feature_points=given_of(mesh)[form.feature_points],
-        patches=labels_on_given(mesh, form.patches, found.vertices),
-        adf=labels_on_given(mesh, form.adf, found.vertices),
-        warnings=[told, *form.warnings],
-        bodies=limbs_on_given(mesh, form.bodies),
-        contacts=touched,
-    )
+    whole = surface_on_given(form, mesh, found)
+    bodies = limbs_on_given(mesh, form.bodies)
+    return replace(whole, bodies=bodies, contacts=touched[found.representative])
 
 
 def _form(

@@ -2,32 +2,46 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, TypeVar
+
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .assembly.opening import OPENING
+from .assembly.opening import OPENING, known_bodies
 from .assembly.unfolded_bodies import unfolded_bodies
 from .fused.contact_faces import contact_faces, contacts_between
+from .fused.on_given import rows_on_given
 from .fused.star_rest import star_rest
 from .matching.unfolded import Unfolded
-from .mesh.geometry import surface_area, vertex_areas, vertex_normals
+from .mesh.geometry import checked_arrays, surface_area, vertex_areas, vertex_normals
 from .mesh.tables import rows_in
 from .method_api.settings import Settings
 from .modelling.mannequins import mannequin
 from .numerics.arrays import FloatArray, IntArray
-from .results import Contacts
-from .rigging.arm_search import searched_arms
+from .results import CanonicalForm, Contacts, PosedLike, Rigged
 from .rigging.articulated_fit import laid_on, nearest_of_posed
 from .rigging.bone_fit import BoneFit
 from .rigging.candidates import candidates
-from .rigging.reference_rig import mannequin_rig
+from .rigging.limb_search import searched_limbs
+from .rigging.reference_rig import ReferenceRig, mannequin_rig
 from .rigging.references import Reference, unfolded_reference
 from .run.kept_stages import KeptStages
+from .run.messages import Message, message
 from .run.monitor import Cancelled, Monitor, Progress
 
-_UNFOLDED, _FITTED = 0.4, 0.8  # of the work
+if TYPE_CHECKING:
+    from .fused.parting import PartedMesh
+
+Found = TypeVar("Found", "CanonicalForm", "PosedLike", "Rigged")
+
+_UNFOLDED = 0.4  # of the work
+_LOOKED_FOR = 0.8  # the same, where something is computed afterwards
 _FOREIGN = 0.012  # residual above which the mannequin does not explain the body: humans have .006 to .009
-_PLAN = {"Ways to face": 3, "Arms": 3, "Contacts": 1}
+_EXPLAINED = 0.0085  # residual above which the legs are searched for, too: feet on each other are matched with one
+_REPAIRS = ("repeated_corners", "coincident_borders", "duplicate_faces", "inconsistent_faces", "rounded_positions")
+_PLAN = {"Ways to face": 3, "Limbs": 3, "Contacts": 1}
 
 
 def find_contacts(
@@ -124,7 +138,7 @@ def contacts_of(
                 "Mannequin unfolded", [figure, repr(settings)],
                 lambda: unfolded_reference(figure, settings, Monitor(cancelled=piece.is_cancelled)), piece.warnings
             )  # fmt: skip
-            best = candidates(one, human, lambda: [], piece)[0]
+            best = candidates(one, human, lambda: [], piece, fused=True)[0]
         own, held, residual = _explained(one, human, best.fit.bones, piece)
         explained = residual <= _FOREIGN
         if explained:
@@ -134,10 +148,93 @@ def contacts_of(
                 between = contacts_between(body.faces[here], held)
             gone[rows_in(body.vertices[body.faces[here]], bodies.faces)] = True
     names = [] if human is None else human.whole.skeleton.names
-    sides = [(names[one], names[two]) for one, two in between]
+    told = [*bodies.pieces.repairs, *bodies.apart]
     return Contacts(
-        bodies.vertices, bodies.faces, gone, places, sides, explained, residual, monitor.timings, monitor.warnings
+        bodies.vertices,
+        bodies.pieces.representative,
+        bodies.faces,
+        body.size,
+        gone,
+        places,
+        [(names[one], names[two]) for one, two in between],
+        explained,
+        residual,
+        monitor.timings,
+        [*told, message("contacts_largest")] if len(bodies.bodies) > 1 else told,
     )
+
+
+def computed_open(
+    compute: Callable[..., Found],
+    on_given: Callable[[Found, PartedMesh, Contacts], Found],
+    vertices: ArrayLike,
+    faces: ArrayLike,
+    settings: Settings,
+    keep: KeptStages | None,
+    progress: Progress | None,
+    cancelled: Cancelled | None,
+) -> Found:
+    """Find contacts, and compute something on the mesh that is parted there.
+
+    Parameters
+    ----------
+    compute : callable
+        Takes vertices, faces and settings, if they are parted that mesh and the contacts, and `keep`, `progress` and
+        `cancelled` by name.
+    on_given : callable
+        Takes its result, the parted mesh and the contacts, and gives the result on the mesh as given.
+    vertices, faces, keep, progress, cancelled
+        As in `find_contacts`.
+    settings : Settings
+        Options of the computation.
+
+    Returns
+    -------
+    CanonicalForm, PosedLike or Rigged
+        The result; a warning says in how many places the mesh was parted, or that nothing is known of it.
+
+    Raises
+    ------
+    CanonicalFormError
+        As in `find_contacts`, and of the computation.
+    """
+    kept, monitor = keep or KeptStages(), Monitor(progress, cancelled)
+    points, corners = (each.copy() for each in checked_arrays(vertices, faces))  # what is kept must not change
+    chosen = settings.feature_points
+    if chosen is not None:  # rejected before the search, not after it
+        known_bodies(points, corners, Monitor(cancelled=cancelled), together=settings.together, features=chosen)
+    plain = Settings(pieces=settings.pieces, memory_limit=settings.memory_limit)  # whatever unfolds it later
+    piece = monitor.piece(0.0, _LOOKED_FOR, {})
+    found: Contacts = kept.take(
+        "Contacts",
+        [points, corners, repr(plain)],
+        lambda: contacts_of(points, corners, plain, kept, piece),
+        [],
+    )
+    how: dict[str, Any] = {
+        "keep": None if keep is None else kept.part("Parted"),
+        "progress": lambda done, stage: monitor.report(_LOOKED_FOR + (1 - _LOOKED_FOR) * done, stage),
+        "cancelled": cancelled,
+    }
+    settings = replace(settings, contacts="keep")
+    if not found.gone.any():
+        result = compute(points, corners, settings, **how)
+        if not found.explained:
+            result.warnings.append(message("contacts_unknown"))
+        return result
+    mesh = found.parted()
+    if chosen is not None:
+        numbers = rows_on_given(mesh, found)
+        settings = replace(settings, feature_points=[int(numbers[each]) for each in chosen])
+    result = compute(mesh.vertices, mesh.faces, settings, mesh, found, **how)
+    told: list[Message] = [each for each in result.warnings if each.kind not in _REPAIRS]  # of what was made here
+    result.warnings[:] = [message("contacts_opened", count=len(found.between)), *told, *found.warnings]
+    for stage, seconds in found.timings.items():
+        result.timings[stage] = result.timings.get(stage, 0.0) + seconds
+    whole = on_given(result, mesh, found)
+    if chosen is not None and not isinstance(whole, Rigged):
+        whole.feature_points[: len(chosen)] = chosen
+    return whole
 
 
 def _explained(
@@ -148,17 +245,27 @@ def _explained(
     Also how far the skin lies from that of the mannequin in the mean, in sizes of the body.
     """
     own, surface = one.found, one.found.surface
-    with monitor.stage("Arms"):
+    with monitor.stage("Limbs"):
         normals, areas = vertex_normals(surface.points, surface.faces), vertex_areas(surface.points, surface.faces)
-        found = searched_arms(lender.rig, bones, surface.points, surface.faces, areas, monitor)
-        bones = laid_on(lender.rig, bones if found is None else found, surface.points, normals, areas, monitor)
-    normals = vertex_normals(own.whole_points, own.whole_faces)
-    there = nearest_of_posed(lender.whole, bones, own.whole_points, normals, monitor)
-    whole = lender.whole
-    weights = there.on(whole.weights, whole.faces)
-    apart = np.linalg.norm(
-        bones.posed(whole, there.on(whole.vertices, whole.faces), weights) - own.whole_points, axis=1
-    )
-    areas = vertex_areas(own.whole_points, own.whole_faces)
-    residual = float(areas @ apart / areas.sum() / np.ptp(own.whole_points, axis=0).max())
-    return there.on(star_rest(whole), whole.faces), weights.argmax(axis=1), residual
+        skin, residual = (surface.points, normals, areas), np.inf
+        for kind in ("arm", "leg"):
+            if residual > _EXPLAINED:
+                found = searched_limbs(lender.rig, bones, kind, surface.points, surface.faces, areas, monitor)
+                laid = laid_on(lender.rig, bones if found is None else found, *skin, monitor)
+                apart = _residual(lender.rig, laid, *skin, monitor)
+                if apart < residual:
+                    bones, residual = laid, apart
+    normals, whole = vertex_normals(own.whole_points, own.whole_faces), lender.whole
+    there = nearest_of_posed(whole, bones, own.whole_points, normals, monitor)
+    held = there.on(whole.weights, whole.faces).argmax(axis=1)
+    return there.on(star_rest(whole), whole.faces), held, residual
+
+
+def _residual(
+    rig: ReferenceRig, bones: BoneFit, points: FloatArray, normals: FloatArray, areas: FloatArray, monitor: Monitor
+) -> float:
+    """Measure how far the skin lies from that of the posed mannequin in the mean, in sizes of the body."""
+    there = nearest_of_posed(rig, bones, points, normals, monitor)
+    laid = bones.posed(rig, there.on(rig.vertices, rig.faces), there.on(rig.weights, rig.faces))
+    apart = np.linalg.norm(laid - points, axis=1)
+    return float(areas @ apart / areas.sum() / np.ptp(points, axis=0).max())

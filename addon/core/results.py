@@ -64,8 +64,12 @@ class Contacts(_Summarised):
     ----------
     vertices : (n, 3) ndarray of float
         The vertices as given.
+    representative : (n,) ndarray of int
+        The vertex that stands for each: itself, or of coincident ones the first.
     faces : (m', 3) ndarray of int
-        The triangles: those given, repaired where the warnings say so.
+        The triangles of those that stand for others: those given, repaired where the warnings say so.
+    size : float
+        Square root of the area of the largest body, the only one that is looked at.
     gone : (m',) ndarray of bool
         Triangles in which two parts of the body have grown together.
     places : (n, 3) ndarray of float
@@ -80,11 +84,13 @@ class Contacts(_Summarised):
     timings : dict of str to float
         Seconds by stage.
     warnings : list of Message
-        Sentences for the user.
+        Sentences for the user, on the mesh as given.
     """
 
     vertices: FloatArray
+    representative: IntArray
     faces: IntArray
+    size: float
     gone: BoolArray
     places: FloatArray
     between: list[tuple[str, str]]
@@ -103,7 +109,7 @@ class Contacts(_Summarised):
         """
         from .fused.parting import parted
 
-        return parted(self.vertices, self.faces, self.gone, self.places)
+        return parted(self.vertices, self.faces, self.gone, self.places, self.size)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

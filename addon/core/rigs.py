@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from .assembly.gathering import gathered, shaped
+from .contacts import computed_open
+from .fused.on_given import rig_on_given
 from .matches import UNFOLDED, UnfoldedPair, on_meshes, unfolded_pair
 from .matching.point_map import PointMap
 from .matching.sides import index_of_side, require_side
@@ -288,9 +290,14 @@ def rig(
     require_side(side)
     if pose is not None and pose not in _POSES:
         raise InvalidSettingsError("rig_pose", value=pose)
-    monitor = Monitor(progress, cancelled)
-    kept = keep or KeptStages()
-    fitted = fitted_skeleton(vertices, faces, reference, settings or Settings(), kept, monitor, _FITTED, rest=rest)
+    settings, monitor, kept = settings or Settings(), Monitor(progress, cancelled), keep or KeptStages()
+    if settings.contacts == "open" and rest is None and reference is None:
+
+        def compute(points: ArrayLike, corners: ArrayLike, own: Settings, *_: object, **how: Any) -> Rigged:
+            return rig(points, corners, None, own, pose=pose, side=side, equal=equal, anyway=anyway, **how)
+
+        return computed_open(compute, rig_on_given, vertices, faces, settings, keep, progress, cancelled)
+    fitted = fitted_skeleton(vertices, faces, reference, settings, kept, monitor, _FITTED, rest=rest)
     chosen = fitted.found[index_of_side(side, len(fitted.found))]
     error = refusal(chosen, fitted.share)
     if reference is not None and (fitted.alike is Alike.NO or (error is not None and error.kind in _UNLIKE)):

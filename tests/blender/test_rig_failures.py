@@ -1,4 +1,4 @@
-"""What a *Rig* that fails leaves: everything as it was, an earlier rig, too."""
+"""What a *Rig* that fails leaves: everything as it was, and an earlier rig, if the new armature cannot be made."""
 
 import bpy
 import pytest

@@ -17,7 +17,12 @@ sys.path[:0] = [str(ROOT / "tests" / "window"), str(ROOT)]
 from tests.window.driving import drive  # noqa: E402
 from tests.window.hand import Hand  # noqa: E402
 
-HEADERS = {"pose": 274, "rig": 300, "features": 325, "distance": 351}  # of closed panels before a run, below the sidebar's top
+HEADERS = {
+    "pose": 274,
+    "rig": 300,
+    "features": 325,
+    "distance": 351,
+}  # of closed panels before a run, below the sidebar's top
 hand = Hand(PICTURES)
 
 

@@ -159,10 +159,12 @@ def _split(found: AnyResult, readings: Sequence[Reading], whole: Combined) -> Se
 
 def _report(readings: Sequence[Reading], whole: Combined, found: AnyResult, request: Request) -> FormReport:
     """Create the report for a whole body."""
-    from ...core import FeaturePatches, PosedLike, Stance
+    from ...core import CanonicalForm, FeaturePatches, PosedLike, Stance
 
     report = FormReport.of(found, whole.vertices, whole.faces, request.settings, hausdorff=request.hausdorff)
     report.warnings = warnings_by_object(found.warnings, readings)
+    if isinstance(found, CanonicalForm) and found.contacts.any():
+        report.warnings.append(told("The vertex group Contacts shows where skin was parted."))
     if isinstance(found, FeaturePatches):
         return report
     apart = max(whole.asymmetries(found.vertices))

@@ -181,7 +181,9 @@ class RigTask:
         Raises
         ------
         CanonicalFormError
-            If an object was removed or changed, or has vertex groups of the bones' names; nothing was written then.
+            If an object was removed or changed, has vertex groups of the bones' names, or the armature cannot be made:
+            nothing was written then, and an earlier rig is still there. Only what fails later, as when memory ends
+            while objects are bound, leaves them without either.
         """
         found = self._found
         assert found is not None

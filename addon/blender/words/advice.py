@@ -25,7 +25,6 @@ ADVICE = {  # by message kind
     "singular": f"{_MERGE} and {_DISSOLVE} may repair it.",
     "inaccurate_spectrum": f"{_MERGE} and {_DISSOLVE} may repair it.",
     "spectrum_diverged": f"{_MERGE} and {_DISSOLVE} may repair it.",
-    "contacts_opened": "The vertex group Contacts shows where.",
     "stance_parts": _ANYWAY,
     "stance_unlike": _ANYWAY,
     "stance_unlikely": _ANYWAY,

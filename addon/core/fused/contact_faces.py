@@ -15,8 +15,8 @@ _RATIO = (0.9, 1.7)  # the way round over the surface, over the jump: as long as
 _FAR = 0.18  # least jump of a contact: thinner ones are folds, armpits, fingers
 _REACHED = 0.8  # share of the edges whose ends are connected by a way round at all
 _BESIDE, _BESIDE_REACHED = 0.65, 0.9  # the same next to a contact that is sure
-_SAMPLES, _LEAST = 120, 4  # edges whose way round is measured, in all and of each contact
-_MANY = 20_000  # vertices above which fewer are
+_SAMPLES, _LEAST = 120, 6  # edges whose way round is measured, in all and of each contact
+_MANY, _FEWEST = 20_000, 40  # vertices above which fewer are, and least of them then
 _LONGEST = 3.0  # way round that is looked for
 
 
@@ -62,21 +62,24 @@ def _confirmed(
     near, size = apart <= _WEAK, (len(points), len(points))
     ways = coo_matrix((long[near], (edges[near, 0], edges[near, 1])), shape=size).tocsr()
     measures = np.zeros((len(contacts), 3))  # ratio, jump, share that is reached
-    most = max(_LEAST, int(_SAMPLES * min(1.0, _MANY / len(points))) // max(int((contacts >= 0).sum()), 1))
+    far = np.flatnonzero(apart > _STRONG)
+    samples = max(_FEWEST, _SAMPLES * min(1.0, _MANY / len(points)))
     for number in np.flatnonzero(contacts >= 0):
-        monitor.check()
-        across = np.flatnonzero((apart > _STRONG) & (label[edges[:, 0]] == contacts[number]))
-        across = across[np.unique(np.linspace(0, len(across) - 1, most).astype(int))] if len(across) else across
+        across = far[label[edges[far, 0]] == contacts[number]]
         if len(across) == 0:
             continue
-        there = dijkstra(ways, directed=False, indices=edges[across, 0], limit=_LONGEST)
-        round_about = there[np.arange(len(across)), edges[across, 1]]
+        most = max(_LEAST, int(samples * len(across) / len(far)))
+        across = across[np.unique(np.linspace(0, len(across) - 1, most).astype(int))]
+        round_about = np.empty(len(across))
+        for each, (start, end) in enumerate(edges[across]):
+            monitor.check()
+            round_about[each] = dijkstra(ways, directed=False, indices=int(start), limit=_LONGEST)[end]
         reached = np.isfinite(round_about)
         ratio = np.where(reached, round_about, 0.0) / apart[across]
         measures[number] = np.median(ratio), np.median(apart[across]), reached.mean()
-    ratio, far, share = measures.T
+    ratio, jump, share = measures.T
     low, high = _RATIO
-    kept = (ratio >= low) & (ratio <= high) & (far >= _FAR) & (share >= _REACHED)
+    kept = (ratio >= low) & (ratio <= high) & (jump >= _FAR) & (share >= _REACHED)
     if kept.any():
         kept |= (ratio >= _BESIDE) & (ratio <= high) & (share >= _BESIDE_REACHED)
     return kept

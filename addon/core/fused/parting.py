@@ -8,10 +8,11 @@ from typing import NamedTuple
 import numpy as np
 
 from ..mesh.connectivity import component_labels
-from ..mesh.edges import edge_table, half_edges, undirected_keys
+from ..mesh.edges import edge_table, undirected_keys
 from ..mesh.geometry import area_vectors
 from ..numerics.arrays import BoolArray, FloatArray, IntArray
 
+_OLD = 0.5  # share of a border that is of a hole of before, from which it stays open
 _LEAST = 0.01  # of the area: what comes off and is smaller is left out
 _POSE = 0.2  # weight of the length of a cap's edges in the pose, beside that at rest
 _LONGEST = 0.03  # sqrt(area): inner edges of caps are split until they are shorter
@@ -40,14 +41,16 @@ class PartedMesh(NamedTuple):
     caps: int
 
 
-def parted(vertices: FloatArray, faces: IntArray, gone: BoolArray, places: FloatArray) -> PartedMesh:
+def parted(
+    vertices: FloatArray, faces: IntArray, gone: BoolArray, places: FloatArray, unit: float | None = None
+) -> PartedMesh:
     """Take triangles out of a mesh, part what only a vertex holds together, and close the lips.
 
     Caps are made of ears, first those that are short at rest, and not in the pose: there both lips lie against each
     other. Borders that were there before stay open.
 
     `vertices` (n, 3), `faces` (m, 3); `gone` (m,): triangles to take out; `places` (n, 3): of the vertices at rest, in
-    units of sqrt(area), or the vertices themselves.
+    units of sqrt(area), or the vertices themselves; `unit`: sqrt(area) of the body, if the mesh has others.
 
     Examples
     --------
@@ -58,20 +61,21 @@ def parted(vertices: FloatArray, faces: IntArray, gone: BoolArray, places: Float
     (6, 0)
     """
     areas = np.linalg.norm(area_vectors(vertices, faces), axis=1)
-    unit = float(np.sqrt(areas.sum()))
+    unit = float(np.sqrt(areas.sum())) if unit is None else unit
+    open_before = _border_keys(faces, len(vertices))
+    gone = _without_flaps(faces, gone, open_before, len(vertices))
     kept = faces[~gone]
     piece, before = _pieces(kept), _pieces(faces)
-    large = np.bincount(piece, areas[~gone])[piece] > _LEAST * areas.sum()
-    speck = np.bincount(before, areas)[before][~gone] <= _LEAST * areas.sum()  # it was small from the beginning
+    large = np.bincount(piece, areas[~gone])[piece] > _LEAST * unit**2
+    speck = np.bincount(before, areas)[before][~gone] <= _LEAST * unit**2  # it was small from the beginning
     kept = kept[large | speck]
     corners, origin = _split_at_vertices(kept)
     points, rest = vertices[origin], places[origin]
-    open_before = _border_keys(faces, len(vertices))
     caps = []
     for loop in _border_loops(corners):
-        own = origin[loop]
-        keys = undirected_keys(own, np.roll(own, -1), len(vertices))
-        if len(loop) > 2 and not np.isin(keys, open_before).all():
+        own, sides = origin[loop], np.linalg.norm(points[loop] - points[np.roll(loop, -1)], axis=1)
+        known = np.isin(undirected_keys(own, np.roll(own, -1), len(vertices)), open_before)
+        if len(loop) > 2 and sides[known].sum() < _OLD * sides.sum():
             caps.append(_ears(loop, rest, points / unit))
     done, made = [corners], len(points)
     for cap in caps:
@@ -80,6 +84,21 @@ def parted(vertices: FloatArray, faces: IntArray, gone: BoolArray, places: Float
     triangles = np.concatenate(done)
     origin = np.append(origin, np.full(len(points) - made, -1))
     return PartedMesh(_moved_apart(points, triangles, origin), triangles, origin, len(caps))
+
+
+def _without_flaps(faces: IntArray, gone: BoolArray, open_before: IntArray, count: int) -> BoolArray:
+    """Take out also what hangs on the rest by one edge: a cap would lay the same triangle over it."""
+    gone = gone.copy()
+    while True:
+        left = np.flatnonzero(~gone)
+        table = edge_table(faces[left])
+        alone = table.alone
+        keys = undirected_keys(table.tail[alone], table.head[alone], count)
+        new = np.bincount(alone[~np.isin(keys, open_before)] // 3, minlength=len(left))
+        flaps = left[new > 1]
+        if len(flaps) == 0 or not gone.any():
+            return gone
+        gone[flaps] = True
 
 
 def _pieces(faces: IntArray) -> IntArray:
@@ -118,10 +137,8 @@ def _border_keys(faces: IntArray, count: int) -> IntArray:
 
 def _border_loops(faces: IntArray) -> list[list[int]]:
     """List the borders as loops, in the direction of triangles that would close them."""
-    tail, head = half_edges(faces)
-    count = int(faces.max(initial=-1)) + 1
-    lonely = ~np.isin(tail * count + head, head * count + tail)
-    after = dict(zip(head[lonely].tolist(), tail[lonely].tolist(), strict=True))
+    table = edge_table(faces)
+    after = dict(zip(table.head[table.alone].tolist(), table.tail[table.alone].tolist(), strict=True))
     loops = []
     while after:
         start, at = after.popitem()

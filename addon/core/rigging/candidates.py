@@ -101,7 +101,12 @@ class _Skin(NamedTuple):
 
 
 def candidates(
-    one: Unfolded, adult: Reference, builds: Callable[[], Sequence[Reference]], monitor: Monitor
+    one: Unfolded,
+    adult: Reference,
+    builds: Callable[[], Sequence[Reference]],
+    monitor: Monitor,
+    *,
+    fused: bool = False,
 ) -> list[Candidate]:
     """Fit the skeleton of a reference to a body in every way in which it may face, the likeliest first.
 
@@ -109,10 +114,14 @@ def candidates(
     explains the skin, joints that bend the wrong way, and toes, measured on the skin: none of them alone tells all
     bodies. Where no fit of the adult is good, other builds are tried.
 
-    `one`: the body; `builds`: gives the reference in other proportions.
+    `one`: the body; `builds`: gives the reference in other proportions; `fused`: whether its skin may have grown
+    together: where no match that leaves it as it stands is good, others are tried, as its file may lie.
     """
     some, whole = _skin(one, _ROWS), _skin(one, None)
     found = _fits(one, some, adult, monitor)
+    if fused and min(each.cost for each in found) > GOOD:
+        found += _fits(one, some, adult, monitor, standing=False)
+        found = [each._replace(stands=False) for each in found]
     monitor.tick(_ALONE)
     if min(each.cost for each in found) > GOOD:
         others = builds()
@@ -166,11 +175,16 @@ def _skin(one: Unfolded, count: int | None) -> _Skin:
     )
 
 
-def _fits(one: Unfolded, skin: _Skin, reference: Reference, monitor: Monitor) -> list[Candidate]:
-    """Fit the skeleton of one reference by its likeliest matches, both ways round."""
+def _fits(
+    one: Unfolded, skin: _Skin, reference: Reference, monitor: Monitor, *, standing: bool = True
+) -> list[Candidate]:
+    """Fit the skeleton of one reference by its likeliest matches, both ways round.
+
+    `standing`: only by those that leave the body as it stands, if there are any.
+    """
     quiet = Monitor(cancelled=monitor.is_cancelled)  # what is counted is references
     ways = scored_sides(one, reference.body, quiet)
-    upright = [way for way in ways if _standing(one, way, reference) > _STANDING]
+    upright = [way for way in ways if _standing(one, way, reference) > _STANDING] if standing else ways
     maps = [_matched(one, reference, way, quiet) for way in (upright or ways)[:_MAPS]]
     return [_fit(skin, reference, found, turned, bool(upright), quiet) for found in maps for turned in (False, True)]
 

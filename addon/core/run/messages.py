@@ -67,9 +67,11 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
     "twisted": "Arms and legs of the form have left and right on different sides: its trunk is twisted, or limbs are "
     "crossed. Check the feature points, and choose them by hand.",
     "contacts_opened": (
-        "Skin has probably grown together in 1 place. It was parted there for the form.",
-        "Skin has probably grown together in {count} places. It was parted there for the form.",
+        "Skin has probably grown together in 1 place. It was parted there.",
+        "Skin has probably grown together in {count} places. It was parted there.",
     ),
+    "contacts_rest": "A rig tells what belongs together: where skin has grown together was not looked for.",
+    "contacts_largest": "Where skin has grown together was looked for on the largest body only.",
     "contacts_unknown": "Where skin has grown together is known of human bodies in one piece only. Nothing was parted.",
     "hardly_unbent": "The form is nearly the mesh itself: nothing was unbent.",
     "loose_vertices": (

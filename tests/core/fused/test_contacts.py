@@ -3,9 +3,20 @@
 import numpy as np
 import pytest
 
-from addon.core import KeptStages, Settings, canonical_form, find_contacts, mannequin
+from addon.core import (
+    InvalidSettingsError,
+    KeptStages,
+    Settings,
+    canonical_form,
+    find_contacts,
+    mannequin,
+    rig,
+    stance_by_match,
+)
 from addon.core.measures.alignment import rigid_fit
+from addon.core.mesh.edges import edge_table
 from addon.core.mesh.geometry import surface_area, vertex_areas
+from addon.core.mesh.repair import repaired
 from tests.meshes import shapes
 from tests.meshes.fused import fused_figure
 
@@ -60,6 +71,11 @@ def test_the_form_of_what_is_parted_is_nearer_to_that_of_the_whole_figure(fused,
         assert any(each.kind == "contacts_opened" for each in found.warnings) == (way == "open")
     assert shapes_of["open"] < 0.65 * shapes_of["keep"]
     assert set(np.flatnonzero(found.contacts)) == set(contacts.faces[contacts.gone].ravel())
+    mesh = contacts.parted()
+    again = repaired(mesh.vertices, mesh.faces).faces
+    assert len(again) == len(mesh.faces)
+    assert len(edge_table(again).alone) == 0  # nothing is torn again
+    assert not any(each.kind == "duplicate_faces" for each in found.warnings)
 
 
 @pytest.mark.parametrize("arms", [45.0])
@@ -72,10 +88,8 @@ def test_a_whole_figure_has_none(arms, kept):
 
 def test_of_what_is_no_human_nothing_is_known(kept):
     vertices, faces = shapes.sphere(3)
-    found = find_contacts(vertices, faces, keep=kept)
-    assert not found.explained
-    assert not found.gone.any()
     form = canonical_form(vertices, faces, Settings(contacts="open"), keep=kept)
+    assert len(form.contacts) == 0
     assert any(each.kind == "contacts_unknown" for each in form.warnings)
     assert np.array_equal(form.vertices, canonical_form(vertices, faces).vertices)
 
@@ -86,6 +100,71 @@ def test_where_it_stands_decides_nothing(fused, contacts, kept):
     found = find_contacts(3.0 * vertices @ turn.T + [5.0, 0, 1], faces, keep=kept)
     both = (found.gone & contacts.gone).sum() / (found.gone | contacts.gone).sum()
     assert both > 0.95
+
+
+def test_copies_at_seams_and_loose_vertices_are_where_they_belong(fused, kept):
+    vertices, faces, _ = fused
+    left = vertices[faces].mean(axis=1)[:, 0] < 0
+    seam = np.intersect1d(faces[left], faces[~left])
+    copy = np.arange(len(vertices))
+    copy[seam] = len(vertices) + np.arange(len(seam))
+    split = np.where(left[:, None], copy[faces], faces)
+    points = np.concatenate([vertices, vertices[seam], [[5.0, 6, 7]]])
+    form = canonical_form(points, split, Settings(contacts="open"), keep=kept)
+    assert {"contacts_opened", "coincident_borders", "loose_vertices"} <= {each.kind for each in form.warnings}
+    np.testing.assert_array_equal(form.vertices[len(vertices) : -1], form.vertices[seam])
+    np.testing.assert_array_equal(form.vertices[-1], [5, 6, 7])
+    assert form.patches[-1] == -1
+    assert form.adf[-1] == 0
+    np.testing.assert_array_equal(form.patches[len(vertices) : -1], form.patches[seam])
+    np.testing.assert_array_equal(form.contacts[len(vertices) : -1], form.contacts[seam])
+
+
+@pytest.mark.parametrize("chosen", [[10**6], [-1], [1.5], [3, 3]])
+def test_bad_points_are_refused_before_the_search(fused, chosen):
+    with pytest.raises(InvalidSettingsError):
+        canonical_form(fused[0], fused[1], Settings(contacts="open", feature_points=chosen))
+
+
+def test_a_form_is_a_reference_for_itself(fused, kept):
+    vertices, faces, _ = fused
+    settings = Settings(contacts="open")
+    form = canonical_form(vertices, faces, settings, keep=kept)
+    again = canonical_form(vertices, faces, settings, reference=form, keep=kept)
+    size = np.ptp(form.vertices, axis=0).max()
+    assert np.linalg.norm(again.vertices - form.vertices, axis=1).max() < 2e-3 * size
+    assert again.feature_points.tolist() == form.feature_points.tolist()
+    assert not any(each.kind.startswith("reference") for each in again.warnings)
+
+
+def test_what_the_caller_changes_later_is_not_kept(fused, kept):
+    vertices, faces = fused[0].copy(), fused[1]
+    first = canonical_form(vertices, faces, Settings(contacts="open"), keep=kept)
+    form = first.vertices.copy()
+    first.faces[:] = 0
+    vertices *= 2
+    again = canonical_form(fused[0], faces, Settings(contacts="open"), keep=kept)
+    np.testing.assert_allclose(again.vertices, form, atol=1e-9)
+
+
+def test_a_rig_is_believed(fused):
+    form = canonical_form(fused[0], fused[1], Settings(contacts="open", quality="draft"), rest=fused[0])
+    assert any(each.kind == "contacts_rest" for each in form.warnings)
+
+
+def test_poses_and_rigs_are_those_of_the_parted_body(fused, kept):
+    vertices, faces, _ = fused
+    settings = Settings(contacts="open")
+    posed = stance_by_match(vertices, faces, settings, keep=kept)
+    assert posed.vertices.shape == vertices.shape
+    assert posed.match.confidence.shape == (len(vertices),)
+    assert any(each.kind == "contacts_opened" for each in posed.warnings)
+    rigged = rig(vertices, faces, None, settings, keep=kept)
+    np.testing.assert_allclose(rigged.weights.sum(axis=1), 1, atol=1e-9)
+    names, heads = rigged.skeleton.names, rigged.skeleton.heads
+    for side in "LR":  # arms down at the sides
+        wrist, shoulder = (heads[names.index(f"{bone}.{side}")] for bone in ("hand", "upper_arm"))
+        assert shoulder[2] - wrist[2] > 0.4
 
 
 def test_chosen_points_are_those_of_the_mesh_as_given(fused, kept):

@@ -1,4 +1,4 @@
-"""Where the arms of a body lie, by search: what trunk, legs and head leave of its skin is the arms'.
+"""Where the arms or the legs of a body lie, by search: what the rest of the body leaves of its skin is theirs.
 
 A match puts an arm that has grown together with the trunk anywhere; a search over directions needs no match.
 """
@@ -17,13 +17,14 @@ from .bone_fit import BoneFit
 from .reference_rig import ReferenceRig
 from .stance import swing
 
-_CHAIN = ("upper_arm", "forearm", "hand")
-_ARMS = (*_CHAIN, "shoulder")
-_MEASURED = ("thigh", "shin", "spine.00")  # bones that tell how much larger the body is than the reference
+_CHAINS = {"arm": ("upper_arm", "forearm", "hand"), "leg": ("thigh", "shin")}
+_ABOVE = {"arm": "spine.003", "leg": "spine"}  # what each hangs on
+_OWN = {"arm": _CHAINS["arm"], "leg": ("thigh", "shin", "foot", "toe")}  # bones whose skin it has to explain
+_MEASURED = {"arm": ("thigh", "shin", "spine.00"), "leg": ("spine.00",)}  # bones that tell the body's scale
 # All lengths are in sqrt(area) of the body.
 _FACING, _REACH = 0.03, 0.03  # weight of normals; distance at which skin is hardly explained
 _SAMPLES, _FREE = 500, 0.3  # of the skin; how badly it must be explained to be one
-_NEAR = 0.06  # a fitted shoulder within that of the chest's own is believed by half
+_NEAR = 0.06  # a fitted shoulder, or hip, within that of the trunk's own is believed by half
 _UPPER, _LOWER = 250, 140  # directions of the upper arm and of the forearm
 _LONG = (0.85, 0.95, 1.05, 1.15)  # factors on the length
 _FOLDED = -0.85  # cosine between both beyond which no elbow folds
@@ -39,11 +40,11 @@ _SHARED = 0.9  # how much of what the other arm explains is taken
 
 
 class _Skin(NamedTuple):
-    """Samples of the skin that the arms have to explain, and the whole skin, which they must not leave."""
+    """Samples of the skin that the limbs have to explain, and the whole skin, which they must not leave."""
 
     points: FloatArray  # (s, 3)
     normals: FloatArray  # (s, 3)
-    free: FloatArray  # (s,) how badly each is explained without arms
+    free: FloatArray  # (s,) how badly each is explained without them
     whole: FloatArray  # (n, 3)
     outward: FloatArray  # (n, 3) its normals
 
@@ -57,41 +58,47 @@ class _Skin(NamedTuple):
         return np.asarray(np.where(beyond < 0, -distance, distance).reshape(places.shape[:-1]))
 
 
-class _Arm(NamedTuple):
-    """What is known of an arm before its direction."""
+class _Limb(NamedTuple):
+    """What is known of a limb before its direction."""
 
-    bones: list[int]  # of upper arm, forearm, hand
+    bones: list[int]  # of the chain, k
     root: FloatArray  # (3,)
-    lengths: FloatArray  # (3,)
-    radii: FloatArray  # (3, 2) at head and tail
+    lengths: FloatArray  # (k,)
+    radii: FloatArray  # (k, 2) at head and tail
 
 
 class _Chain(NamedTuple):
-    """A way in which an arm may lie."""
+    """A way in which a limb may lie."""
 
     gain: float
     cover: FloatArray  # (s,) how well it explains each sample
     penalty: float
-    joints: FloatArray  # (4, 3) shoulder, elbow, wrist, tips
+    joints: FloatArray  # (k + 1, 3) from the shoulder, or hip, to the end
 
 
-def searched_arms(
-    rig: ReferenceRig, bones: BoneFit, points: FloatArray, faces: IntArray, areas: FloatArray, monitor: Monitor
+def searched_limbs(
+    rig: ReferenceRig,
+    bones: BoneFit,
+    kind: str,
+    points: FloatArray,
+    faces: IntArray,
+    areas: FloatArray,
+    monitor: Monitor,
 ) -> BoneFit | None:
-    """Lay the arms of a human skeleton anew, whose trunk, legs and head lie right.
+    """Lay both arms, or both legs, of a human skeleton anew, the rest of which lies right.
 
     Directions of upper arm and forearm are tried on a sphere, in the frame of the chest; bones have to lie inside, and
     to explain, as cones, what skin the rest of the body does not. The best are refined, and chosen as a pair.
 
-    `rig`: the mannequin; `points` (n, 3), `faces` (m, 3), `areas` (n,): the body, of unit area; gives None if no arm
-    finds room.
+    `rig`: the mannequin; `kind`: "arm" or "leg"; `points` (n, 3), `faces` (m, 3), `areas` (n,): the body, of unit area;
+    gives None if no limb finds room.
     """
-    skin = _skin(rig, bones, points, faces, areas, monitor)
+    skin = _skin(rig, bones, kind, points, faces, areas, monitor)
     if len(skin.points) == 0:
         return None
-    larger = _larger(rig, bones)
-    arms = {side: _arm(rig, bones, side, larger) for side in "LR"}
-    chest = bones.turns[rig.skeleton.names.index("spine.003")]
+    larger = _larger(rig, bones, kind)
+    arms = {side: _limb(rig, bones, kind, side, larger) for side in "LR"}
+    chest = bones.turns[rig.skeleton.names.index(_ABOVE[kind])]
     found = {side: _ways(arm, skin, skin.free, chest, monitor) for side, arm in arms.items()}
     if not all(found.values()):
         return None
@@ -101,22 +108,28 @@ def searched_arms(
     pairs = [(one, two) for one in found["L"] for two in found["R"]]
     best = max(pairs, key=lambda pair: _together(pair[0], pair[1], skin.free))
     for side, chain in zip("LR", best, strict=True):
-        bones = _laid(rig, bones, arms[side], chain, larger)
+        bones = _laid(rig, bones, arms[side], chain, larger, chest)
     return bones
 
 
 def _together(one: _Chain, two: _Chain, free: FloatArray) -> float:
-    """Measure how much of the skin two arms explain."""
+    """Measure how much of the skin two limbs explain."""
     return float(np.maximum(one.cover, two.cover) @ free) - one.penalty - two.penalty
 
 
 def _skin(
-    rig: ReferenceRig, bones: BoneFit, points: FloatArray, faces: IntArray, areas: FloatArray, monitor: Monitor
+    rig: ReferenceRig,
+    bones: BoneFit,
+    kind: str,
+    points: FloatArray,
+    faces: IntArray,
+    areas: FloatArray,
+    monitor: Monitor,
 ) -> _Skin:
-    """Find the skin that nothing but the arms explains."""
+    """Find the skin that nothing but these limbs explains."""
     normals = vertex_normals(points, faces)
-    arms = [name.partition(".")[0] in _CHAIN for name in rig.skeleton.names]
-    others = rig.weights[:, arms].sum(axis=1) < 0.5
+    own = [name.partition(".")[0] in _OWN[kind] for name in rig.skeleton.names]
+    others = rig.weights[:, own].sum(axis=1) < 0.5
     kept = rig.faces[others[rig.faces].all(axis=1)]
     laid = bones.posed(rig, rig.vertices, rig.weights)
     there = np.column_stack([laid, _FACING * vertex_normals(laid, rig.faces)])
@@ -130,22 +143,23 @@ def _skin(
     return _Skin(points[rows], normals[rows], free[rows], points, normals)
 
 
-def _larger(rig: ReferenceRig, bones: BoneFit) -> float:
+def _larger(rig: ReferenceRig, bones: BoneFit, kind: str) -> float:
     """Return how much larger the body is than the reference, by bones that lie right."""
-    return float(np.median([bones.scales[b, 0] for b, n in enumerate(rig.skeleton.names) if n.startswith(_MEASURED)]))
+    names = rig.skeleton.names
+    return float(np.median([bones.scales[b, 0] for b, n in enumerate(names) if n.startswith(_MEASURED[kind])]))
 
 
-def _arm(rig: ReferenceRig, bones: BoneFit, side: str, larger: float) -> _Arm:
-    """Gather what is known of an arm. `larger`: the body's scale."""
+def _limb(rig: ReferenceRig, bones: BoneFit, kind: str, side: str, larger: float) -> _Limb:
+    """Gather what is known of a limb. `larger`: the body's scale."""
     number, heads, tails = rig.skeleton.names.index, rig.skeleton.heads, rig.skeleton.tails
-    own, chest = [number(f"{name}.{side}") for name in _CHAIN], number("spine.003")
+    own, chest = [number(f"{name}.{side}") for name in _CHAINS[kind]], number(_ABOVE[kind])
     way, axis = heads[own[0]] - heads[chest], rig.axes[chest]
     along, across = bones.scales[chest]
     root = bones.heads[chest] + bones.turns[chest] @ (across * way + (along - across) * (way @ axis) * axis)
     if np.linalg.norm(root - bones.heads[own[0]]) < _NEAR:
         root = (root + bones.heads[own[0]]) / 2
     lengths = larger * np.linalg.norm(tails[own] - heads[own], axis=1)
-    return _Arm(own, root, lengths, larger * np.array([_cone(rig, bone) for bone in own]))
+    return _Limb(own, root, lengths, larger * np.array([_cone(rig, bone) for bone in own]))
 
 
 def _cone(rig: ReferenceRig, bone: int) -> tuple[float, float]:
@@ -171,14 +185,16 @@ def _unit(ways: FloatArray) -> FloatArray:
 
 
 def _joints(root: FloatArray, upper: FloatArray, lower: FloatArray, lengths: FloatArray) -> FloatArray:
-    """Return the joints of chains, (c, 4, 3). `root` (c, 3); `upper`, `lower` (c, 3): directions; `lengths` (c, 3)."""
+    """Return the joints of chains, (c, k + 1, 3); a third bone goes straight on.
+
+    `root` (c, 3); `upper`, `lower` (c, 3): directions; `lengths` (c, k).
+    """
     elbow = root + lengths[:, :1] * upper
-    wrist = elbow + lengths[:, 1:2] * lower
-    return np.stack([root, elbow, wrist, wrist + lengths[:, 2:] * lower], axis=1)
+    return np.stack([root, elbow, *(elbow + long[:, None] * lower for long in np.cumsum(lengths[:, 1:], axis=1).T)], 1)
 
 
-def _ways(arm: _Arm, skin: _Skin, free: FloatArray, chest: FloatArray, monitor: Monitor) -> list[_Chain]:
-    """List the likeliest ways in which an arm may lie. `free` (s,): what it is to explain; `chest` (3, 3): its turn."""
+def _ways(arm: _Limb, skin: _Skin, free: FloatArray, chest: FloatArray, monitor: Monitor) -> list[_Chain]:
+    """List the likeliest ways in which a limb may lie. `free` (s,): what it is to explain; `chest` (3, 3): its turn."""
     upper, lower = _sphere(_UPPER) @ chest.T, _sphere(_LOWER) @ chest.T
     tried, gains = [], []
     for factor in _LONG:
@@ -213,7 +229,7 @@ def _ways(arm: _Arm, skin: _Skin, free: FloatArray, chest: FloatArray, monitor: 
     return _refined(arm, skin, free, states[chosen], monitor)
 
 
-def _explained(arm: _Arm, skin: _Skin, states: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _explained(arm: _Limb, skin: _Skin, states: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Measure how well chains explain each sample, (c, s), what speaks against them, (c,), and their joints.
 
     `states` (c, 10): directions of both bones, factor on the length, shift of the shoulder.
@@ -239,7 +255,7 @@ def _explained(arm: _Arm, skin: _Skin, states: FloatArray) -> tuple[FloatArray, 
     return cover, _OUT * out + _STRETCH * np.abs(np.log(factor)) + 2 * moved, joints
 
 
-def _refined(arm: _Arm, skin: _Skin, free: FloatArray, states: FloatArray, monitor: Monitor) -> list[_Chain]:
+def _refined(arm: _Limb, skin: _Skin, free: FloatArray, states: FloatArray, monitor: Monitor) -> list[_Chain]:
     """Improve chains by random steps that grow smaller, each on its own; the best comes first."""
     random = np.random.default_rng(0)
     best = states
@@ -259,14 +275,25 @@ def _refined(arm: _Arm, skin: _Skin, free: FloatArray, states: FloatArray, monit
     return [_Chain(float(gain[k]), cover[k], float(penalty[k]), joints[k]) for k in order]
 
 
-def _laid(rig: ReferenceRig, bones: BoneFit, arm: _Arm, chain: _Chain, larger: float) -> BoneFit:
-    """Lay the bones of an arm along a chain, each turned from the one above by the shortest way."""
+def _laid(rig: ReferenceRig, bones: BoneFit, limb: _Limb, chain: _Chain, larger: float, trunk: FloatArray) -> BoneFit:
+    """Lay the bones of a limb along a chain, each turned from the one above by the shortest way; what hangs on it goes.
+
+    `trunk` (3, 3): the turn of what the limb hangs on.
+    """
     heads, tails, turns, scales = (each.copy() for each in bones)
-    above = turns[rig.skeleton.names.index("spine.003")]
-    for bone, start, end in zip(arm.bones, chain.joints, chain.joints[1:], strict=False):
+    above = trunk
+    for bone, start, end in zip(limb.bones, chain.joints, chain.joints[1:], strict=False):
         way = end - start
         own = np.linalg.norm(rig.skeleton.tails[bone] - rig.skeleton.heads[bone])
         above = swing(above @ rig.axes[bone], way) @ above
         heads[bone], tails[bone], turns[bone] = start, end, above
         scales[bone] = np.linalg.norm(way) / own, larger
+    last = limb.bones[-1]
+    turn = turns[last] @ bones.turns[last].T
+    for bone in range(len(heads)):
+        if last in rig.skeleton.ancestors(bone) and bone != last:
+            heads[bone], tails[bone] = (
+                tails[last] + turn @ (each[bone] - bones.tails[last]) for each in (bones.heads, bones.tails)
+            )
+            turns[bone] = turn @ bones.turns[bone]
     return BoneFit(heads, tails, turns, scales)
