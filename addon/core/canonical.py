@@ -118,7 +118,7 @@ def _like_given(
     **how: Any,
 ) -> CanonicalForm:
     """Compute a form, aligned to a reference that may be one of the mesh before it was parted."""
-    from .fused.on_given import form_on_parted
+    from .contacts import form_on_parted
 
     if mesh is None or found is None or reference is None:
         return canonical_form(vertices, faces, settings, reference=reference, **how)
@@ -129,7 +129,8 @@ def _like_given(
 
 def _on_given(form: CanonicalForm, mesh: PartedMesh, found: Contacts) -> CanonicalForm:
     """Carry the form of a parted mesh to the mesh as given."""
-    from .fused.on_given import limbs_on_given, surface_on_given
+    from .contacts import surface_on_given
+    from .fused.on_given import limbs_on_given
 
     touched = np.zeros(len(found.vertices), dtype=bool)
     touched[found.faces[found.gone].ravel()] = True

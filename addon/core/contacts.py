@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from .assembly.opening import OPENING, known_bodies
 from .assembly.unfolded_bodies import unfolded_bodies
 from .fused.contact_faces import contact_faces, contacts_between
-from .fused.on_given import rows_on_given
+from .fused.on_given import given_of, rows_on_given, shape_on_given
 from .fused.star_rest import star_rest
 from .matching.unfolded import Unfolded
 from .mesh.geometry import checked_arrays, surface_area, vertex_areas, vertex_normals
@@ -20,7 +20,7 @@ from .mesh.tables import rows_in
 from .method_api.settings import Settings
 from .modelling.mannequins import mannequin
 from .numerics.arrays import FloatArray, IntArray
-from .results import CanonicalForm, Contacts, PosedLike, Rigged
+from .results import CanonicalForm, Contacts, Match, PosedLike, Rigged
 from .rigging.articulated_fit import laid_on, nearest_of_posed
 from .rigging.bone_fit import BoneFit
 from .rigging.candidates import candidates
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from .fused.parting import PartedMesh
 
 Found = TypeVar("Found", "CanonicalForm", "PosedLike", "Rigged")
+Result = TypeVar("Result", "CanonicalForm", "PosedLike")
 
 _UNFOLDED = 0.4  # of the work
 _LOOKED_FOR = 0.8  # the same, where something is computed afterwards
@@ -224,7 +225,7 @@ def computed_open(
         return result
     mesh = found.parted()
     if chosen is not None:
-        numbers = rows_on_given(mesh, found)
+        numbers = rows_on_given(mesh, found.vertices, found.representative)
         settings = replace(settings, feature_points=[int(numbers[each]) for each in chosen])
     result = compute(mesh.vertices, mesh.faces, settings, mesh, found, **how)
     told: list[Message] = [each for each in result.warnings if each.kind not in _REPAIRS]  # of what was made here
@@ -235,6 +236,131 @@ def computed_open(
     if chosen is not None and not isinstance(whole, Rigged):
         whole.feature_points[: len(chosen)] = chosen
     return whole
+
+
+def surface_on_given(result: Result, mesh: PartedMesh, found: Contacts) -> Result:
+    """Carry a form or a pose with its feature points and patches to the mesh as given.
+
+    Parameters
+    ----------
+    result : CanonicalForm or PosedLike
+        Of the parted mesh.
+    mesh : PartedMesh
+        That mesh.
+    found : Contacts
+        The contacts, with the mesh as given.
+
+    Returns
+    -------
+    CanonicalForm or PosedLike
+        The same on the vertices of the mesh as given.
+    """
+    rows = rows_on_given(mesh, found.vertices, found.representative)
+    held = np.zeros(len(found.vertices), dtype=bool)
+    held[found.faces.ravel()] = True
+    held = held[found.representative]
+    return replace(
+        result,
+        vertices=_shape_of_all(mesh, result.vertices, found),
+        faces=found.faces.copy(),
+        feature_points=given_of(mesh)[result.feature_points],
+        patches=np.where(held, result.patches[rows], -1),
+        adf=np.where(held, result.adf[rows], 0.0),
+    )
+
+
+def _match_on_given(result: Match, mesh: PartedMesh, found: Contacts) -> Match:
+    """Carry a match to the mesh as given; borders that coincide in the other one stay as they are."""
+    rows = rows_on_given(mesh, found.vertices, found.representative)
+    return replace(
+        result,
+        vertices=result.vertices[rows],
+        faces=result.faces[rows],
+        weights=result.weights[rows],
+        confidence=result.confidence[rows],
+        seams=None,
+    )
+
+
+def pose_on_given(result: PosedLike, mesh: PartedMesh, found: Contacts) -> PosedLike:
+    """Carry a pose with its match to the mesh as given.
+
+    Parameters
+    ----------
+    result : PosedLike
+        Of the parted mesh.
+    mesh : PartedMesh
+        That mesh.
+    found : Contacts
+        The contacts, with the mesh as given.
+
+    Returns
+    -------
+    PosedLike
+        The same on the vertices of the mesh as given.
+    """
+    return replace(surface_on_given(result, mesh, found), match=_match_on_given(result.match, mesh, found))
+
+
+def rig_on_given(result: Rigged, mesh: PartedMesh, found: Contacts) -> Rigged:
+    """Carry a rig to the mesh as given.
+
+    Parameters
+    ----------
+    result : Rigged
+        Of the parted mesh.
+    mesh : PartedMesh
+        That mesh.
+    found : Contacts
+        The contacts, with the mesh as given.
+
+    Returns
+    -------
+    Rigged
+        The same on the vertices of the mesh as given.
+    """
+    return replace(
+        result,
+        vertices=_shape_of_all(mesh, result.vertices, found),
+        weights=result.weights[rows_on_given(mesh, found.vertices, found.representative)],
+        match=_match_on_given(result.match, mesh, found),
+    )
+
+
+def form_on_parted(mesh: PartedMesh, form: CanonicalForm) -> CanonicalForm:
+    """Carry a form of the mesh as given to the parted one, so that another form of it is aligned to it.
+
+    Parameters
+    ----------
+    mesh : PartedMesh
+        The parted mesh.
+    form : CanonicalForm
+        The form of the mesh as given.
+
+    Returns
+    -------
+    CanonicalForm
+        The same on the vertices of the parted mesh; that of the mesh as given, if a feature point lies in a contact.
+    """
+    given, first = given_of(mesh), np.full(int(mesh.origin.max()) + 1, -1)
+    own = np.flatnonzero(mesh.origin >= 0)[::-1]
+    first[mesh.origin[own]] = own
+    bodies = []
+    for body in form.bodies:
+        vertices = np.flatnonzero(np.isin(given, body.vertices))
+        there = body.vertices[body.tips]
+        tips = np.where(there < len(first), first[np.minimum(there, len(first) - 1)], -1)
+        if (tips < 0).any():  # a tip lies inside of a contact
+            return form
+        bodies.append(body._replace(vertices=vertices, tips=np.searchsorted(vertices, tips)))
+    return replace(form, vertices=form.vertices[given], faces=mesh.faces, bodies=bodies)
+
+
+def _shape_of_all(mesh: PartedMesh, shape: FloatArray, found: Contacts) -> FloatArray:
+    """Carry positions to all vertices as given: copies at seams too, and what is of no face stays. `shape` (n', 3)."""
+    whole, used = found.vertices.copy(), np.unique(found.faces)
+    whole[used] = shape_on_given(mesh, shape, len(whole), found.faces)[used]
+    return whole[found.representative]
 
 
 def _explained(

@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .assembly.gathering import gathered, shaped
-from .contacts import computed_open
-from .fused.on_given import rig_on_given
+from .contacts import computed_open, rig_on_given
 from .matches import UNFOLDED, UnfoldedPair, on_meshes, unfolded_pair
 from .matching.point_map import PointMap
 from .matching.sides import index_of_side, require_side

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .assembly.gathering import gathered_features, shaped
-from .contacts import computed_open
-from .fused.on_given import pose_on_given
+from .contacts import computed_open, pose_on_given
 from .matching.sides import index_of_side, require_side
 from .measures.form_measures import median_distortion
 from .mesh.geometry import checked_arrays, surface_area, vertex_areas

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import TYPE_CHECKING, TypeVar
-
 import numpy as np
 
 from ..mesh.edges import vertex_pairs
@@ -12,11 +9,6 @@ from ..numerics.arrays import BoolArray, FloatArray, IntArray
 from ..numerics.factoring import factored
 from ..symmetry.limbs import BodyLimbs
 from .parting import PartedMesh
-
-if TYPE_CHECKING:
-    from ..results import CanonicalForm, Contacts, Match, PosedLike, Rigged
-
-Result = TypeVar("Result", "CanonicalForm", "PosedLike")
 
 
 def shape_on_given(mesh: PartedMesh, shape: FloatArray, count: int, faces: IntArray) -> FloatArray:
@@ -37,68 +29,20 @@ def shape_on_given(mesh: PartedMesh, shape: FloatArray, count: int, faces: IntAr
     return _spanned(found, number == 0, faces)
 
 
-def rows_on_given(mesh: PartedMesh, found: Contacts) -> IntArray:
-    """Return for each vertex as given the one of the parted mesh that it is, (n,): its first copy, or the nearest."""
+def rows_on_given(mesh: PartedMesh, vertices: FloatArray, representative: IntArray) -> IntArray:
+    """Return for each vertex as given the one of the parted mesh that it is, (n,): its first copy, or the nearest.
+
+    `vertices` (n, 3): as given; `representative` (n,): of copies at one place the one that stands for them.
+    """
     from scipy.spatial import cKDTree
 
-    first = np.full(len(found.vertices), -1)
+    first = np.full(len(vertices), -1)
     own = np.flatnonzero(mesh.origin >= 0)[::-1]
     first[mesh.origin[own]] = own
     lost = np.flatnonzero(first < 0)
     if len(lost):
-        first[lost] = cKDTree(mesh.vertices).query(found.vertices[lost])[1]
-    return first[found.representative]
-
-
-def shape_of_all(mesh: PartedMesh, shape: FloatArray, found: Contacts) -> FloatArray:
-    """Carry positions as `shape_on_given` does to all vertices: copies at seams too, and what is of no face stays."""
-    whole, used = found.vertices.copy(), np.unique(found.faces)
-    whole[used] = shape_on_given(mesh, shape, len(whole), found.faces)[used]
-    return whole[found.representative]
-
-
-def surface_on_given(result: Result, mesh: PartedMesh, found: Contacts) -> Result:
-    """Carry a form or a pose with its feature points and patches to the mesh as given."""
-    rows = rows_on_given(mesh, found)
-    held = np.zeros(len(found.vertices), dtype=bool)
-    held[found.faces.ravel()] = True
-    held = held[found.representative]
-    return replace(
-        result,
-        vertices=shape_of_all(mesh, result.vertices, found),
-        faces=found.faces.copy(),
-        feature_points=given_of(mesh)[result.feature_points],
-        patches=np.where(held, result.patches[rows], -1),
-        adf=np.where(held, result.adf[rows], 0.0),
-    )
-
-
-def match_on_given(result: Match, mesh: PartedMesh, found: Contacts) -> Match:
-    """Carry a match to the mesh as given; borders that coincide in the other one stay as they are."""
-    rows = rows_on_given(mesh, found)
-    return replace(
-        result,
-        vertices=result.vertices[rows],
-        faces=result.faces[rows],
-        weights=result.weights[rows],
-        confidence=result.confidence[rows],
-        seams=None,
-    )
-
-
-def pose_on_given(result: PosedLike, mesh: PartedMesh, found: Contacts) -> PosedLike:
-    """Carry a pose with its match to the mesh as given."""
-    return replace(surface_on_given(result, mesh, found), match=match_on_given(result.match, mesh, found))
-
-
-def rig_on_given(result: Rigged, mesh: PartedMesh, found: Contacts) -> Rigged:
-    """Carry a rig to the mesh as given."""
-    return replace(
-        result,
-        vertices=shape_of_all(mesh, result.vertices, found),
-        weights=result.weights[rows_on_given(mesh, found)],
-        match=match_on_given(result.match, mesh, found),
-    )
+        first[lost] = cKDTree(mesh.vertices).query(vertices[lost])[1]
+    return first[representative]
 
 
 def given_of(mesh: PartedMesh) -> IntArray:
@@ -121,22 +65,6 @@ def limbs_on_given(mesh: PartedMesh, bodies: list[BodyLimbs]) -> list[BodyLimbs]
         tips = np.searchsorted(vertices, given[body.vertices[body.tips]])
         found.append(body._replace(vertices=vertices, tips=np.minimum(tips, len(vertices) - 1)))
     return found
-
-
-def form_on_parted(mesh: PartedMesh, form: CanonicalForm) -> CanonicalForm:
-    """Carry a form of the mesh as given to the parted one, so that another form of it is aligned to it."""
-    given, first = given_of(mesh), np.full(int(mesh.origin.max()) + 1, -1)
-    own = np.flatnonzero(mesh.origin >= 0)[::-1]
-    first[mesh.origin[own]] = own
-    bodies = []
-    for body in form.bodies:
-        vertices = np.flatnonzero(np.isin(given, body.vertices))
-        there = body.vertices[body.tips]
-        tips = np.where(there < len(first), first[np.minimum(there, len(first) - 1)], -1)
-        if (tips < 0).any():  # a tip lies inside of a contact
-            return form
-        bodies.append(body._replace(vertices=vertices, tips=np.searchsorted(vertices, tips)))
-    return replace(form, vertices=form.vertices[given], faces=mesh.faces, bodies=bodies)
 
 
 def _spanned(shape: FloatArray, lost: BoolArray, faces: IntArray) -> FloatArray:
