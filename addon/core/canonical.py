@@ -14,6 +14,7 @@ from .assembly.gathering import gathered_features, shaped
 from .assembly.opening import OPENING, opened
 from .measures.form_measures import is_unchanged
 from .measures.limb_bends import limb_bends
+from .mesh.handles import handle_count
 from .method_api.catalogue import DETECTION, Method, method_named
 from .method_api.settings import Settings
 from .numerics.arrays import FloatArray, IntArray
@@ -153,6 +154,9 @@ def _form(
     method = method_named(settings.method)
     settings = method.settings(settings)
     bodies = opened(vertices, faces, settings, monitor, rest=rest)
+    handles = sum(handle_count(body.faces) for body in bodies.bodies if len(body.parts) < 2)
+    if handles and rest is None:
+        monitor.warn("handles", count=handles)
     others = reference_bodies(reference, bodies.faces, [body.vertices for body in bodies.bodies], monitor)
     plan = {**DETECTION, **method.stages, "Alignment": 1}
     forms = bodies.map(

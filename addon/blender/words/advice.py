@@ -25,6 +25,7 @@ ADVICE = {  # by message kind
     "singular": f"{_MERGE} and {_DISSOLVE} may repair it.",
     "inaccurate_spectrum": f"{_MERGE} and {_DISSOLVE} may repair it.",
     "spectrum_diverged": f"{_MERGE} and {_DISSOLVE} may repair it.",
+    "handles": "Advanced > Grown Together: Open parts it on a human body.",
     "stance_parts": _ANYWAY,
     "stance_unlike": _ANYWAY,
     "stance_unlikely": _ANYWAY,

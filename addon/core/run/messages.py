@@ -66,6 +66,12 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
     ),
     "twisted": "Arms and legs of the form have left and right on different sides: its trunk is twisted, or limbs are "
     "crossed. Check the feature points, and choose them by hand.",
+    "handles": (
+        "The surface has a handle, like that of a mug. If skin has grown together there, such as a hand with a hip, "
+        "the form keeps the pose.",
+        "The surface has {count} handles, like that of a mug. If skin has grown together there, such as a hand with a "
+        "hip, the form keeps the pose.",
+    ),
     "contacts_opened": (
         "Skin has probably grown together in 1 place. It was parted there.",
         "Skin has probably grown together in {count} places. It was parted there.",
