@@ -44,6 +44,7 @@ SIMPLE = (
     "unpaired_ends",
     "twisted",
     "hardly_unbent",
+    "handles",
 )  # true of balls, planes, handles
 
 

@@ -10,9 +10,9 @@ from .edges import edge_table
 
 
 def handle_count(faces: IntArray) -> int:
-    """Count the handles of a connected surface whose borders are closed; 0 if an edge has more than two triangles.
+    """Count the handles of a connected surface whose borders are closed.
 
-    `faces` (m, 3).
+    `faces` (m, 3); gives 0 for one with only one side, or with edges of more than two triangles.
 
     Examples
     --------
@@ -20,7 +20,8 @@ def handle_count(faces: IntArray) -> int:
     (0, 0)
     """
     table = edge_table(faces)
-    if (table.count > 2).any():
+    first, second = table.order[table.start[table.count == 2]], table.order[table.start[table.count == 2] + 1]
+    if (table.count > 2).any() or (table.tail[first] == table.tail[second]).any():
         return 0
     borders = len(np.setdiff1d(border_labels(faces, table), [-1]))
     euler = len(np.unique(faces)) - len(table.count) + len(faces) + borders

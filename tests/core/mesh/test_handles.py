@@ -6,6 +6,7 @@ import pytest
 from addon.core import canonical_form
 from addon.core.mesh.handles import handle_count
 from tests.meshes import shapes
+from tests.meshes.families import families
 from tests.meshes.rings import ring
 
 
@@ -22,8 +23,10 @@ def test_holes_are_no_handles(faces):
     assert handle_count(open_) == handle_count(faces)
 
 
-def test_of_an_edge_of_three_triangles_nothing_is_said():
+def test_of_what_is_no_surface_with_two_sides_nothing_is_said():
     assert handle_count(np.array([[0, 1, 2], [0, 1, 3], [0, 1, 4]])) == 0
+    assert handle_count(families()["one-sided, closed"].faces) == 0
+    assert handle_count(families()["genus 5"].faces) == 5
 
 
 def test_a_form_tells_them():
