@@ -25,6 +25,7 @@ from .run.monitor import Cancelled, Monitor, Progress
 from .symmetry.trunk_twist import TWISTED, trunk_twist
 
 if TYPE_CHECKING:
+    from .assembly.bodies import Bodies
     from .fused.parting import PartedMesh
     from .method_api.method_result import MethodResult
     from .method_api.surface_features import SurfaceFeatures, WholeFeatures
@@ -154,8 +155,8 @@ def _form(
     method = method_named(settings.method)
     settings = method.settings(settings)
     bodies = opened(vertices, faces, settings, monitor, rest=rest)
-    handles = sum(handle_count(body.faces) for body in bodies.bodies if len(body.parts) < 2)
-    if handles and rest is None:
+    handles = 0 if rest is not None else monitor.kept("handles", [bodies], lambda: _handles(bodies))
+    if handles:
         monitor.warn("handles", count=handles)
     others = reference_bodies(reference, bodies.faces, [body.vertices for body in bodies.bodies], monitor)
     plan = {**DETECTION, **method.stages, "Alignment": 1}
@@ -183,6 +184,11 @@ def _form(
         features.bodies,
         _numbered([each.bends for each in forms], features.bodies),
     )
+
+
+def _handles(bodies: Bodies) -> int:
+    """Count the handles of the bodies in one piece."""
+    return sum(handle_count(body.faces) for body in bodies.bodies if len(body.parts) < 2)
 
 
 def _numbered(bends: list[FloatArray], bodies: list[BodyLimbs]) -> FloatArray:

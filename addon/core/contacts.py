@@ -255,7 +255,11 @@ def surface_on_given(result: Result, mesh: PartedMesh, found: Contacts) -> Resul
     CanonicalForm or PosedLike
         The same on the vertices of the mesh as given.
     """
-    rows = rows_on_given(mesh, found.vertices, found.representative)
+    return _surface_on_given(result, mesh, found, rows_on_given(mesh, found.vertices, found.representative))
+
+
+def _surface_on_given(result: Result, mesh: PartedMesh, found: Contacts, rows: IntArray) -> Result:
+    """Carry a form or a pose to the mesh as given, whose vertices are some rows of it, (n,)."""
     held = np.zeros(len(found.vertices), dtype=bool)
     held[found.faces.ravel()] = True
     held = held[found.representative]
@@ -269,9 +273,8 @@ def surface_on_given(result: Result, mesh: PartedMesh, found: Contacts) -> Resul
     )
 
 
-def _match_on_given(result: Match, mesh: PartedMesh, found: Contacts) -> Match:
+def _match_on_given(result: Match, rows: IntArray) -> Match:
     """Carry a match to the mesh as given; borders that coincide in the other one stay as they are."""
-    rows = rows_on_given(mesh, found.vertices, found.representative)
     return replace(
         result,
         vertices=result.vertices[rows],
@@ -299,7 +302,8 @@ def pose_on_given(result: PosedLike, mesh: PartedMesh, found: Contacts) -> Posed
     PosedLike
         The same on the vertices of the mesh as given.
     """
-    return replace(surface_on_given(result, mesh, found), match=_match_on_given(result.match, mesh, found))
+    rows = rows_on_given(mesh, found.vertices, found.representative)
+    return replace(_surface_on_given(result, mesh, found, rows), match=_match_on_given(result.match, rows))
 
 
 def rig_on_given(result: Rigged, mesh: PartedMesh, found: Contacts) -> Rigged:
@@ -319,12 +323,8 @@ def rig_on_given(result: Rigged, mesh: PartedMesh, found: Contacts) -> Rigged:
     Rigged
         The same on the vertices of the mesh as given.
     """
-    return replace(
-        result,
-        vertices=_shape_of_all(mesh, result.vertices, found),
-        weights=result.weights[rows_on_given(mesh, found.vertices, found.representative)],
-        match=_match_on_given(result.match, mesh, found),
-    )
+    rows, posed = rows_on_given(mesh, found.vertices, found.representative), _shape_of_all(mesh, result.vertices, found)
+    return replace(result, vertices=posed, weights=result.weights[rows], match=_match_on_given(result.match, rows))
 
 
 def form_on_parted(mesh: PartedMesh, form: CanonicalForm) -> CanonicalForm:
@@ -342,14 +342,10 @@ def form_on_parted(mesh: PartedMesh, form: CanonicalForm) -> CanonicalForm:
     CanonicalForm
         The same on the vertices of the parted mesh; that of the mesh as given, if a feature point lies in a contact.
     """
-    given, first = given_of(mesh), np.full(int(mesh.origin.max()) + 1, -1)
-    own = np.flatnonzero(mesh.origin >= 0)[::-1]
-    first[mesh.origin[own]] = own
-    bodies = []
+    given, first, bodies = given_of(mesh), mesh.copies(len(form.vertices)), []
     for body in form.bodies:
         vertices = np.flatnonzero(np.isin(given, body.vertices))
-        there = body.vertices[body.tips]
-        tips = np.where(there < len(first), first[np.minimum(there, len(first) - 1)], -1)
+        tips = first[body.vertices[body.tips]]
         if (tips < 0).any():  # a tip lies inside of a contact
             return form
         bodies.append(body._replace(vertices=vertices, tips=np.searchsorted(vertices, tips)))

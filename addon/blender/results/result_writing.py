@@ -238,7 +238,7 @@ def _is_same_surface(obj: bpy.types.Object, old: Record, found: AnyResult, colou
         and np.array_equal(known, found.patches)
         and old.colours.get(FIELD_COLOURS) == fingerprint(colours.field)
         and all(name in obj.vertex_groups for name in old.groups)
-        and contacts_of(found).any() == any(name.startswith(CONTACT_GROUP) for name in old.groups)
+        and _touched(found).any() == any(name.startswith(CONTACT_GROUP) for name in old.groups)
         and all(name in mesh.color_attributes for name in old.colours)
     )
 
@@ -266,7 +266,7 @@ def _write_groups(obj: bpy.types.Object, record: Record, found: AnyResult, patch
     if patches:
         members += [np.flatnonzero(found.patches == index) for index in range(len(found.feature_points))]
     names = [FEATURE_GROUP, *(PATCH_GROUP.format(number) for number in range(1, len(members)))]
-    contacts = np.flatnonzero(contacts_of(found))
+    contacts = np.flatnonzero(_touched(found))
     if len(contacts):
         names.append(CONTACT_GROUP)
         members.append(contacts)
@@ -277,7 +277,7 @@ def _write_groups(obj: bpy.types.Object, record: Record, found: AnyResult, patch
         record.groups[group.name] = members_fingerprint(vertices, np.ones(len(vertices)))
 
 
-def contacts_of(found: AnyResult) -> BoolArray:
+def _touched(found: AnyResult) -> BoolArray:
     """Return at which vertices skin that had grown together was parted, (n,); none but for forms that were opened."""
     contacts = getattr(found, "contacts", np.empty(0, dtype=bool))
     return contacts if len(contacts) else np.zeros(len(found.patches), dtype=bool)

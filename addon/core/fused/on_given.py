@@ -36,9 +36,7 @@ def rows_on_given(mesh: PartedMesh, vertices: FloatArray, representative: IntArr
     """
     from scipy.spatial import cKDTree
 
-    first = np.full(len(vertices), -1)
-    own = np.flatnonzero(mesh.origin >= 0)[::-1]
-    first[mesh.origin[own]] = own
+    first = mesh.copies(len(vertices))
     lost = np.flatnonzero(first < 0)
     if len(lost):
         first[lost] = cKDTree(mesh.vertices).query(vertices[lost])[1]

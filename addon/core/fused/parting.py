@@ -40,6 +40,12 @@ class PartedMesh(NamedTuple):
     origin: IntArray
     caps: int
 
+    def copies(self, count: int) -> IntArray:
+        """Return the first copy of each of `count` given vertices, -1 for those that are gone."""
+        first, own = np.full(count, -1), np.flatnonzero(self.origin >= 0)[::-1]
+        first[self.origin[own]] = own
+        return first
+
 
 def parted(
     vertices: FloatArray, faces: IntArray, gone: BoolArray, places: FloatArray, unit: float | None = None

@@ -97,18 +97,18 @@ def searched_limbs(
     if len(skin.points) == 0:
         return None
     larger = _larger(rig, bones, kind)
-    arms = {side: _limb(rig, bones, kind, side, larger) for side in "LR"}
-    chest = bones.turns[rig.skeleton.names.index(_ABOVE[kind])]
-    found = {side: _ways(arm, skin, skin.free, chest, monitor) for side, arm in arms.items()}
+    limbs = {side: _limb(rig, bones, kind, side, larger) for side in "LR"}
+    trunk = bones.turns[rig.skeleton.names.index(_ABOVE[kind])]
+    found = {side: _ways(limb, skin, skin.free, trunk, monitor) for side, limb in limbs.items()}
     if not all(found.values()):
         return None
     for side, other in ("LR", "RL"):  # what one explains the other need not
         left = skin.free * (1 - _SHARED * found[other][0].cover)
-        found[side] += _ways(arms[side], skin, left, chest, monitor)
+        found[side] += _ways(limbs[side], skin, left, trunk, monitor)
     pairs = [(one, two) for one in found["L"] for two in found["R"]]
     best = max(pairs, key=lambda pair: _together(pair[0], pair[1], skin.free))
     for side, chain in zip("LR", best, strict=True):
-        bones = _laid(rig, bones, arms[side], chain, larger, chest)
+        bones = _laid(rig, bones, limbs[side], chain, larger, trunk)
     return bones
 
 
@@ -152,10 +152,10 @@ def _larger(rig: ReferenceRig, bones: BoneFit, kind: str) -> float:
 def _limb(rig: ReferenceRig, bones: BoneFit, kind: str, side: str, larger: float) -> _Limb:
     """Gather what is known of a limb. `larger`: the body's scale."""
     number, heads, tails = rig.skeleton.names.index, rig.skeleton.heads, rig.skeleton.tails
-    own, chest = [number(f"{name}.{side}") for name in _CHAINS[kind]], number(_ABOVE[kind])
-    way, axis = heads[own[0]] - heads[chest], rig.axes[chest]
-    along, across = bones.scales[chest]
-    root = bones.heads[chest] + bones.turns[chest] @ (across * way + (along - across) * (way @ axis) * axis)
+    own, above = [number(f"{name}.{side}") for name in _CHAINS[kind]], number(_ABOVE[kind])
+    way, axis = heads[own[0]] - heads[above], rig.axes[above]
+    along, across = bones.scales[above]
+    root = bones.heads[above] + bones.turns[above] @ (across * way + (along - across) * (way @ axis) * axis)
     if np.linalg.norm(root - bones.heads[own[0]]) < _NEAR:
         root = (root + bones.heads[own[0]]) / 2
     lengths = larger * np.linalg.norm(tails[own] - heads[own], axis=1)
@@ -193,19 +193,19 @@ def _joints(root: FloatArray, upper: FloatArray, lower: FloatArray, lengths: Flo
     return np.stack([root, elbow, *(elbow + long[:, None] * lower for long in np.cumsum(lengths[:, 1:], axis=1).T)], 1)
 
 
-def _ways(arm: _Limb, skin: _Skin, free: FloatArray, chest: FloatArray, monitor: Monitor) -> list[_Chain]:
-    """List the likeliest ways in which a limb may lie. `free` (s,): what it is to explain; `chest` (3, 3): its turn."""
-    upper, lower = _sphere(_UPPER) @ chest.T, _sphere(_LOWER) @ chest.T
+def _ways(limb: _Limb, skin: _Skin, free: FloatArray, trunk: FloatArray, monitor: Monitor) -> list[_Chain]:
+    """List the likeliest ways in which a limb may lie. `free` (s,): what it is to explain; `trunk` (3, 3): its turn."""
+    upper, lower = _sphere(_UPPER) @ trunk.T, _sphere(_LOWER) @ trunk.T
     tried, gains = [], []
     for factor in _LONG:
         monitor.check()
-        lengths = factor * arm.lengths
-        inner = arm.root + np.linspace(0.3, 1.0, 4)[:, None] * lengths[0] * upper[:, None]
+        lengths = factor * limb.lengths
+        inner = limb.root + np.linspace(0.3, 1.0, 4)[:, None] * lengths[0] * upper[:, None]
         fits = upper[skin.outside(inner).max(axis=1) < _INSIDE[0]]
         first, second = np.repeat(fits, len(lower), axis=0), np.tile(lower, (len(fits), 1))
         bends = np.einsum("ij,ij->i", first, second) > _FOLDED
         first, second = first[bends], second[bends]
-        elbow = arm.root + lengths[0] * first
+        elbow = limb.root + lengths[0] * first
         inner = elbow[:, None] + np.linspace(0.25, 1.2, 5)[:, None] * lengths[1] * second[:, None]
         fits = skin.outside(inner).max(axis=1) < _INSIDE[1]
         state = np.column_stack([first, second, np.full(len(first), factor), np.zeros((len(first), 3))])[fits]
@@ -216,9 +216,9 @@ def _ways(arm: _Limb, skin: _Skin, free: FloatArray, chest: FloatArray, monitor:
     states = states[np.unique(np.linspace(0, len(states) - 1, _MOST).astype(int))]
     for start in range(0, len(states), 400):
         monitor.check()
-        cover, penalty, _ = _explained(arm, skin, states[start : start + 400])
+        cover, penalty, _ = _explained(limb, skin, states[start : start + 400])
         gains.append(cover @ free - penalty)
-    joints = _joints(arm.root + states[:, 7:], states[:, :3], states[:, 3:6], states[:, 6:7] * arm.lengths)
+    joints = _joints(limb.root + states[:, 7:], states[:, :3], states[:, 3:6], states[:, 6:7] * limb.lengths)
     ends = joints[:, 1:3]  # (c, 2, 3) elbows and wrists
     chosen: list[int] = []
     for number in np.argsort(-np.concatenate(gains), kind="stable"):
@@ -226,18 +226,18 @@ def _ways(arm: _Limb, skin: _Skin, free: FloatArray, chest: FloatArray, monitor:
             chosen.append(int(number))
         if len(chosen) == _STARTS:
             break
-    return _refined(arm, skin, free, states[chosen], monitor)
+    return _refined(limb, skin, free, states[chosen], monitor)
 
 
-def _explained(arm: _Limb, skin: _Skin, states: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _explained(limb: _Limb, skin: _Skin, states: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Measure how well chains explain each sample, (c, s), what speaks against them, (c,), and their joints.
 
     `states` (c, 10): directions of both bones, factor on the length, shift of the shoulder.
     """
     factor, shift = np.clip(states[:, 6], 0.7, 1.3), states[:, 7:]
-    joints = _joints(arm.root + shift, _unit(states[:, :3]), _unit(states[:, 3:6]), factor[:, None] * arm.lengths)
+    joints = _joints(limb.root + shift, _unit(states[:, :3]), _unit(states[:, 3:6]), factor[:, None] * limb.lengths)
     cover = np.zeros((len(states), len(skin.points)))
-    for bone, (start, end) in enumerate(arm.radii):
+    for bone, (start, end) in enumerate(limb.radii):
         way = joints[:, bone + 1] - joints[:, bone]
         apart = skin.points - joints[:, bone, None]  # (c, s, 3)
         along = np.einsum("csi,ci->cs", apart, way) / (way**2).sum(axis=1)[:, None]
@@ -247,7 +247,7 @@ def _explained(arm: _Limb, skin: _Skin, states: FloatArray) -> tuple[FloatArray,
         radius = start + (end - start) * held
         facing = np.clip(np.einsum("csi,si->cs", away, skin.normals) / distance, 0.0, 1.0)
         own = np.exp(-(((distance - radius) / (_ROUND * radius)) ** 2)) * facing
-        tip = _BEYOND[1] if bone == len(arm.radii) - 1 else 0.0
+        tip = _BEYOND[1] if bone == len(limb.radii) - 1 else 0.0
         cover = np.maximum(cover, np.where((along < -_BEYOND[0]) | (along > 1 + tip), 0.0, own))
     inner = np.linspace(0.2, 1.0, 3)[:, None, None] * (joints[:, 1:3] - joints[:, :2])[:, None] + joints[:, :2][:, None]
     out = np.clip(skin.outside(inner), 0.0, None).sum(axis=(1, 2))
@@ -255,7 +255,7 @@ def _explained(arm: _Limb, skin: _Skin, states: FloatArray) -> tuple[FloatArray,
     return cover, _OUT * out + _STRETCH * np.abs(np.log(factor)) + 2 * moved, joints
 
 
-def _refined(arm: _Limb, skin: _Skin, free: FloatArray, states: FloatArray, monitor: Monitor) -> list[_Chain]:
+def _refined(limb: _Limb, skin: _Skin, free: FloatArray, states: FloatArray, monitor: Monitor) -> list[_Chain]:
     """Improve chains by random steps that grow smaller, each on its own; the best comes first."""
     random = np.random.default_rng(0)
     best = states
@@ -264,13 +264,13 @@ def _refined(arm: _Limb, skin: _Skin, free: FloatArray, states: FloatArray, moni
     for step in (0.0, *_STEPS):
         monitor.check()
         tries = best[:, None] + step * size * random.normal(size=(len(best), _TRIES if step else 1, best.shape[1]))
-        cover, penalty, _ = _explained(arm, skin, tries.reshape(-1, best.shape[1]))
+        cover, penalty, _ = _explained(limb, skin, tries.reshape(-1, best.shape[1]))
         value = (cover @ free - penalty).reshape(len(best), -1)
         top = value.argmax(axis=1)
         better = value.max(axis=1) > gain
         best = np.where(better[:, None], tries[np.arange(len(best)), top], best)
         gain = np.maximum(gain, value.max(axis=1))
-    cover, penalty, joints = _explained(arm, skin, best)
+    cover, penalty, joints = _explained(limb, skin, best)
     order = np.argsort(-gain, kind="stable")
     return [_Chain(float(gain[k]), cover[k], float(penalty[k]), joints[k]) for k in order]
 

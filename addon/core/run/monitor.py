@@ -81,8 +81,7 @@ class Monitor:
         first = max((stop for name, (_, stop) in self._spans.items() if name in self.timings), default=0.0)
 
         def report(done: float, stage: str) -> None:
-            self._name = stage or self._name
-            self._report(first + (1 - first) * (begin + (end - begin) * done))
+            self.report(first + (1 - first) * (begin + (end - begin) * done), stage)
 
         own = Monitor(report, self._cancelled, plan, None if self._keep is None else self._keep.part(self._pieces))
         self._pieces += 1
