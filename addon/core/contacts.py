@@ -12,20 +12,16 @@ from numpy.typing import ArrayLike
 from .assembly.opening import OPENING, known_bodies
 from .assembly.unfolded_bodies import unfolded_bodies
 from .fused.contact_faces import contact_faces, contacts_between
+from .fused.explained_skin import explained_skin
 from .fused.on_given import given_of, rows_on_given, shape_on_given
-from .fused.star_rest import star_rest
-from .matching.unfolded import Unfolded
-from .mesh.geometry import checked_arrays, surface_area, vertex_areas, vertex_normals
+from .mesh.geometry import checked_arrays, surface_area
 from .mesh.tables import rows_in
 from .method_api.settings import Settings
 from .modelling.mannequins import mannequin
 from .numerics.arrays import FloatArray, IntArray
 from .results import CanonicalForm, Contacts, Match, PosedLike, Rigged
-from .rigging.articulated_fit import laid_on, nearest_of_posed
-from .rigging.bone_fit import BoneFit
 from .rigging.candidates import candidates
-from .rigging.limb_search import searched_limbs
-from .rigging.reference_rig import ReferenceRig, mannequin_rig
+from .rigging.reference_rig import mannequin_rig
 from .rigging.references import Reference, unfolded_reference
 from .run.kept_stages import KeptStages
 from .run.messages import Message, message
@@ -40,7 +36,6 @@ Result = TypeVar("Result", "CanonicalForm", "PosedLike")
 _UNFOLDED = 0.4  # of the work
 _LOOKED_FOR = 0.8  # the same, where something is computed afterwards
 _FOREIGN = 0.012  # residual above which the mannequin does not explain the body: humans have .006 to .009
-_EXPLAINED = 0.0085  # residual above which the legs are searched for, too: feet on each other are matched with one
 _REPAIRS = ("repeated_corners", "coincident_borders", "duplicate_faces", "inconsistent_faces", "rounded_positions")
 _PLAN = {"Ways to face": 3, "Limbs": 3, "Contacts": 1}
 
@@ -140,7 +135,7 @@ def contacts_of(
                 lambda: unfolded_reference(figure, settings, Monitor(cancelled=piece.is_cancelled)), piece.warnings
             )  # fmt: skip
             best = candidates(one, human, lambda: [], piece, fused=True)[0]
-        own, held, residual = _explained(one, human, best.fit.bones, piece)
+        own, held, residual = explained_skin(one, human, best.fit.bones, piece)
         explained = residual <= _FOREIGN
         if explained:
             with piece.stage("Contacts"):
@@ -357,37 +352,3 @@ def _shape_of_all(mesh: PartedMesh, shape: FloatArray, found: Contacts) -> Float
     whole, used = found.vertices.copy(), np.unique(found.faces)
     whole[used] = shape_on_given(mesh, shape, len(whole), found.faces)[used]
     return whole[found.representative]
-
-
-def _explained(
-    one: Unfolded, lender: Reference, bones: BoneFit, monitor: Monitor
-) -> tuple[FloatArray, IntArray, float]:
-    """Find for all vertices of a body their places in the star-shaped rest, (n, 3), and the bones that hold them, (n,).
-
-    Also how far the skin lies from that of the mannequin in the mean, in sizes of the body.
-    """
-    own, surface = one.found, one.found.surface
-    with monitor.stage("Limbs"):
-        normals, areas = vertex_normals(surface.points, surface.faces), vertex_areas(surface.points, surface.faces)
-        skin, residual = (surface.points, normals, areas), np.inf
-        for kind in ("arm", "leg"):
-            if residual > _EXPLAINED:
-                found = searched_limbs(lender.rig, bones, kind, surface.points, surface.faces, areas, monitor)
-                laid = laid_on(lender.rig, bones if found is None else found, *skin, monitor)
-                apart = _residual(lender.rig, laid, *skin, monitor)
-                if apart < residual:
-                    bones, residual = laid, apart
-    normals, whole = vertex_normals(own.whole_points, own.whole_faces), lender.whole
-    there = nearest_of_posed(whole, bones, own.whole_points, normals, monitor)
-    held = there.on(whole.weights, whole.faces).argmax(axis=1)
-    return there.on(star_rest(whole), whole.faces), held, residual
-
-
-def _residual(
-    rig: ReferenceRig, bones: BoneFit, points: FloatArray, normals: FloatArray, areas: FloatArray, monitor: Monitor
-) -> float:
-    """Measure how far the skin lies from that of the posed mannequin in the mean, in sizes of the body."""
-    there = nearest_of_posed(rig, bones, points, normals, monitor)
-    laid = bones.posed(rig, there.on(rig.vertices, rig.faces), there.on(rig.weights, rig.faces))
-    apart = np.linalg.norm(laid - points, axis=1)
-    return float(areas @ apart / areas.sum() / np.ptp(points, axis=0).max())
