@@ -20,12 +20,13 @@ from .method_api.settings import Settings
 from .numerics.arrays import FloatArray, IntArray
 from .results import CanonicalForm, Contacts
 from .run.kept_stages import KeptStages
-from .run.messages import doubts_first, message
+from .run.messages import doubts_first
 from .run.monitor import Cancelled, Monitor, Progress
 from .symmetry.trunk_twist import TWISTED, trunk_twist
 
 if TYPE_CHECKING:
     from .assembly.bodies import Bodies
+    from .fused.on_given import Given
     from .fused.parting import PartedMesh
     from .method_api.method_result import MethodResult
     from .method_api.surface_features import SurfaceFeatures, WholeFeatures
@@ -98,15 +99,12 @@ def canonical_form(
     "Local Feature-Based 3D Canonical Form".
     """
     settings = settings or Settings()
-    if settings.contacts == "open" and rest is None:
+    if settings.parts:
         from .contacts import computed_open
 
         compute = partial(_like_given, reference=reference)
-        return computed_open(compute, _on_given, vertices, faces, settings, keep, progress, cancelled)
-    form = _form(vertices, faces, settings, rest, reference, Monitor(progress, cancelled, OPENING, keep))
-    if settings.contacts == "open":
-        form.warnings.append(message("contacts_rest"))
-    return form
+        return computed_open(compute, _on_given, vertices, faces, settings, keep, progress, cancelled, rest)
+    return _form(vertices, faces, settings, rest, reference, Monitor(progress, cancelled, OPENING, keep))
 
 
 def _like_given(
@@ -120,25 +118,24 @@ def _like_given(
     **how: Any,
 ) -> CanonicalForm:
     """Compute a form, aligned to a reference that may be one of the mesh before it was parted."""
-    from .contacts import form_on_parted
+    from .fused.on_given import form_on_parted
 
-    if mesh is None or found is None or reference is None:
-        return canonical_form(vertices, faces, settings, reference=reference, **how)
-    if np.array_equal(reference.faces, found.faces):
-        reference = form_on_parted(mesh, reference)
+    if mesh is not None and found is not None and reference is not None and _is_form_of(found, reference):
+        reference = form_on_parted(reference, mesh)
     return canonical_form(vertices, faces, settings, reference=reference, **how)
 
 
-def _on_given(form: CanonicalForm, mesh: PartedMesh, found: Contacts) -> CanonicalForm:
-    """Carry the form of a parted mesh to the mesh as given."""
-    from .contacts import surface_on_given
-    from .fused.on_given import limbs_on_given
+def _is_form_of(found: Contacts, form: CanonicalForm) -> bool:
+    """Return whether a form is one of the mesh whose contacts were found."""
+    return np.array_equal(form.faces, found.faces)
 
-    touched = np.zeros(len(found.vertices), dtype=bool)
-    touched[found.faces[found.gone].ravel()] = True
-    whole = surface_on_given(form, mesh, found)
-    bodies = limbs_on_given(mesh, form.bodies)
-    return replace(whole, bodies=bodies, contacts=touched[found.representative])
+
+def _on_given(form: CanonicalForm, mesh: PartedMesh, given: Given) -> CanonicalForm:
+    """Carry the form of a parted mesh to the mesh as given."""
+    from .fused.on_given import limbs_on_given, surface_on_given
+
+    whole = surface_on_given(form, mesh, given)
+    return replace(whole, bodies=limbs_on_given(mesh, form.bodies), contacts=given.touched)
 
 
 def _form(

@@ -13,16 +13,19 @@ from .assembly.opening import OPENING, known_bodies
 from .assembly.unfolded_bodies import unfolded_bodies
 from .fused.contact_faces import contact_faces, contacts_between
 from .fused.explained_skin import explained_skin
-from .fused.on_given import given_of, rows_on_given, shape_on_given
+from .fused.on_given import Given, given_of, rows_on_given
+from .fused.parting import piece_count
+from .mesh.edges import vertex_pairs
 from .mesh.geometry import checked_arrays, surface_area
 from .mesh.tables import rows_in
 from .method_api.settings import Settings
 from .modelling.mannequins import mannequin
-from .numerics.arrays import FloatArray, IntArray
-from .results import CanonicalForm, Contacts, Match, PosedLike, Rigged
+from .numerics.arrays import BoolArray
+from .results import CanonicalForm, Contacts, PosedLike, Rigged
 from .rigging.candidates import candidates
 from .rigging.reference_rig import mannequin_rig
 from .rigging.references import Reference, unfolded_reference
+from .run.errors import InvalidSettingsError
 from .run.kept_stages import KeptStages
 from .run.messages import Message, message
 from .run.monitor import Cancelled, Monitor, Progress
@@ -31,10 +34,11 @@ if TYPE_CHECKING:
     from .fused.parting import PartedMesh
 
 Found = TypeVar("Found", "CanonicalForm", "PosedLike", "Rigged")
-Result = TypeVar("Result", "CanonicalForm", "PosedLike")
 
 _UNFOLDED = 0.4  # of the work
 _LOOKED_FOR = 0.8  # the same, where something is computed afterwards
+_MARKED = 0.1  # the same, where nothing is searched for
+_NO_EDGES = np.empty((0, 2), dtype=np.int64)
 _FOREIGN = 0.012  # residual above which the mannequin does not explain the body: humans have .006 to .009
 _REPAIRS = ("repeated_corners", "coincident_borders", "duplicate_faces", "inconsistent_faces", "rounded_positions")
 _PLAN = {"Ways to face": 3, "Limbs": 3, "Contacts": 1}
@@ -151,6 +155,7 @@ def contacts_of(
         bodies.faces,
         body.size,
         gone,
+        _NO_EDGES,
         places,
         [(names[one], names[two]) for one, two in between],
         explained,
@@ -162,13 +167,14 @@ def contacts_of(
 
 def computed_open(
     compute: Callable[..., Found],
-    on_given: Callable[[Found, PartedMesh, Contacts], Found],
+    on_given: Callable[[Found, PartedMesh, Given], Found],
     vertices: ArrayLike,
     faces: ArrayLike,
     settings: Settings,
     keep: KeptStages | None,
     progress: Progress | None,
     cancelled: Cancelled | None,
+    rest: ArrayLike | None = None,
 ) -> Found:
     """Find contacts, and compute something on the mesh that is parted there.
 
@@ -178,11 +184,13 @@ def computed_open(
         Takes vertices, faces and settings, if they are parted that mesh and the contacts, and `keep`, `progress` and
         `cancelled` by name.
     on_given : callable
-        Takes its result, the parted mesh and the contacts, and gives the result on the mesh as given.
+        Takes its result, the parted mesh and the mesh as given, and gives the result on that.
     vertices, faces, keep, progress, cancelled
         As in `find_contacts`.
     settings : Settings
         Options of the computation.
+    rest : (n, 3) array_like of float, optional
+        Positions in the rest pose of a rig, as in `canonical_form`: only what was marked is parted.
 
     Returns
     -------
@@ -200,155 +208,95 @@ def computed_open(
     if chosen is not None:  # rejected before the search, not after it
         known_bodies(points, corners, Monitor(cancelled=cancelled), together=settings.together, features=chosen)
     plain = Settings(pieces=settings.pieces, memory_limit=settings.memory_limit)  # whatever unfolds it later
-    piece = monitor.piece(0.0, _LOOKED_FOR, {})
+    searched = settings.contacts == "open" and rest is None
+    share = _LOOKED_FOR if searched else _MARKED
+    find = contacts_of if searched else _nothing_found
+    piece = monitor.piece(0.0, share, {})
     found: Contacts = kept.take(
         "Contacts",
-        [points, corners, repr(plain)],
-        lambda: contacts_of(points, corners, plain, kept, piece),
+        [points, corners, repr(plain), searched],
+        lambda: find(points, corners, plain, kept, piece),
         [],
     )
+    found = _with_marks(found, settings)
     how: dict[str, Any] = {
         "keep": None if keep is None else kept.part("Parted"),
-        "progress": lambda done, stage: monitor.report(_LOOKED_FOR + (1 - _LOOKED_FOR) * done, stage),
+        "progress": lambda done, stage: monitor.report(share + (1 - share) * done, stage),
         "cancelled": cancelled,
     }
-    settings = replace(settings, contacts="keep")
-    if not found.gone.any():
-        result = compute(points, corners, settings, **how)
-        if not found.explained:
-            result.warnings.append(message("contacts_unknown"))
+    mesh = found.parted(cancelled=cancelled) if found.touched.any() else None
+    doubts: list[Message] = _doubts(found, mesh, settings, searched)
+    settings = replace(settings, contacts="keep", part_here=None, keep_joined=None)
+    if mesh is None:
+        result = compute(points, corners, settings, rest=rest, **how)
+        result.warnings.extend(doubts)
         return result
-    mesh = found.parted()
+    how["rest"] = None if rest is None else np.asarray(rest)[given_of(mesh)]
     if chosen is not None:
         numbers = rows_on_given(mesh, found.vertices, found.representative)
         settings = replace(settings, feature_points=[int(numbers[each]) for each in chosen])
     result = compute(mesh.vertices, mesh.faces, settings, mesh, found, **how)
-    told: list[Message] = [each for each in result.warnings if each.kind not in _REPAIRS]  # of what was made here
-    result.warnings[:] = [message("contacts_opened", count=len(found.between)), *told, *found.warnings]
+    own = [each for each in result.warnings if each.kind not in _REPAIRS]  # those are of what was made here
+    result.warnings[:] = [*doubts, *own, *found.warnings]
     for stage, seconds in found.timings.items():
         result.timings[stage] = result.timings.get(stage, 0.0) + seconds
-    whole = on_given(result, mesh, found)
+    whole = on_given(result, mesh, found.given)
     if chosen is not None and not isinstance(whole, Rigged):
         whole.feature_points[: len(chosen)] = chosen
     return whole
 
 
-def surface_on_given(result: Result, mesh: PartedMesh, found: Contacts) -> Result:
-    """Carry a form or a pose with its feature points and patches to the mesh as given.
-
-    Parameters
-    ----------
-    result : CanonicalForm or PosedLike
-        Of the parted mesh.
-    mesh : PartedMesh
-        That mesh.
-    found : Contacts
-        The contacts, with the mesh as given.
-
-    Returns
-    -------
-    CanonicalForm or PosedLike
-        The same on the vertices of the mesh as given.
-    """
-    return _surface_on_given(result, mesh, found, rows_on_given(mesh, found.vertices, found.representative))
-
-
-def _surface_on_given(result: Result, mesh: PartedMesh, found: Contacts, rows: IntArray) -> Result:
-    """Carry a form or a pose to the mesh as given, whose vertices are some rows of it, (n,)."""
-    held = np.zeros(len(found.vertices), dtype=bool)
-    held[found.faces.ravel()] = True
-    held = held[found.representative]
-    return replace(
-        result,
-        vertices=_shape_of_all(mesh, result.vertices, found),
-        faces=found.faces.copy(),
-        feature_points=given_of(mesh)[result.feature_points],
-        patches=np.where(held, result.patches[rows], -1),
-        adf=np.where(held, result.adf[rows], 0.0),
+def _nothing_found(
+    vertices: ArrayLike, faces: ArrayLike, settings: Settings, _: KeptStages, monitor: Monitor
+) -> Contacts:
+    """Read a mesh for what is marked on it, without a search."""
+    bodies = known_bodies(vertices, faces, monitor, together=settings.together)
+    size = float(np.sqrt(max(surface_area(body.points, body.faces) for body in bodies.bodies)))
+    return Contacts(
+        bodies.vertices,
+        bodies.pieces.representative,
+        bodies.faces,
+        size,
+        np.zeros(len(bodies.faces), dtype=bool),
+        _NO_EDGES,
+        bodies.vertices / size,
+        [],
+        False,
+        float("nan"),
+        monitor.timings,
+        [*bodies.pieces.repairs, *bodies.apart],
     )
 
 
-def _match_on_given(result: Match, rows: IntArray) -> Match:
-    """Carry a match to the mesh as given; borders that coincide in the other one stay as they are."""
-    return replace(
-        result,
-        vertices=result.vertices[rows],
-        faces=result.faces[rows],
-        weights=result.weights[rows],
-        confidence=result.confidence[rows],
-        seams=None,
-    )
+def _with_marks(found: Contacts, settings: Settings) -> Contacts:
+    """Add what is marked to contacts, and leave out those that are to stay joined."""
+
+    def marked(name: str) -> BoolArray:
+        chosen, here = getattr(settings, name), np.zeros(len(found.vertices), dtype=bool)
+        if chosen is not None:
+            if max(chosen) >= len(here):
+                raise InvalidSettingsError("marked_range", name=name, last=len(here) - 1)
+            here[found.representative[np.asarray(chosen)]] = True
+        return here
+
+    part, joined = marked("part_here"), marked("keep_joined")
+    gone = (found.gone & ~joined[found.faces].any(axis=1)) | part[found.faces].all(axis=1)
+    pairs = vertex_pairs(found.faces[part[found.faces].any(axis=1)])
+    return replace(found, gone=gone, cut=pairs[part[pairs].all(axis=1)])
 
 
-def pose_on_given(result: PosedLike, mesh: PartedMesh, found: Contacts) -> PosedLike:
-    """Carry a pose with its match to the mesh as given.
-
-    Parameters
-    ----------
-    result : PosedLike
-        Of the parted mesh.
-    mesh : PartedMesh
-        That mesh.
-    found : Contacts
-        The contacts, with the mesh as given.
-
-    Returns
-    -------
-    PosedLike
-        The same on the vertices of the mesh as given.
-    """
-    rows = rows_on_given(mesh, found.vertices, found.representative)
-    return replace(_surface_on_given(result, mesh, found, rows), match=_match_on_given(result.match, rows))
-
-
-def rig_on_given(result: Rigged, mesh: PartedMesh, found: Contacts) -> Rigged:
-    """Carry a rig to the mesh as given.
-
-    Parameters
-    ----------
-    result : Rigged
-        Of the parted mesh.
-    mesh : PartedMesh
-        That mesh.
-    found : Contacts
-        The contacts, with the mesh as given.
-
-    Returns
-    -------
-    Rigged
-        The same on the vertices of the mesh as given.
-    """
-    rows, posed = rows_on_given(mesh, found.vertices, found.representative), _shape_of_all(mesh, result.vertices, found)
-    return replace(result, vertices=posed, weights=result.weights[rows], match=_match_on_given(result.match, rows))
-
-
-def form_on_parted(mesh: PartedMesh, form: CanonicalForm) -> CanonicalForm:
-    """Carry a form of the mesh as given to the parted one, so that another form of it is aligned to it.
-
-    Parameters
-    ----------
-    mesh : PartedMesh
-        The parted mesh.
-    form : CanonicalForm
-        The form of the mesh as given.
-
-    Returns
-    -------
-    CanonicalForm
-        The same on the vertices of the parted mesh; that of the mesh as given, if a feature point lies in a contact.
-    """
-    given, first, bodies = given_of(mesh), mesh.copies(len(form.vertices)), []
-    for body in form.bodies:
-        vertices = np.flatnonzero(np.isin(given, body.vertices))
-        tips = first[body.vertices[body.tips]]
-        if (tips < 0).any():  # a tip lies inside of a contact
-            return form
-        bodies.append(body._replace(vertices=vertices, tips=np.searchsorted(vertices, tips)))
-    return replace(form, vertices=form.vertices[given], faces=mesh.faces, bodies=bodies)
-
-
-def _shape_of_all(mesh: PartedMesh, shape: FloatArray, found: Contacts) -> FloatArray:
-    """Carry positions to all vertices as given: copies at seams too, and what is of no face stays. `shape` (n', 3)."""
-    whole, used = found.vertices.copy(), np.unique(found.faces)
-    whole[used] = shape_on_given(mesh, shape, len(whole), found.faces)[used]
-    return whole[found.representative]
+def _doubts(found: Contacts, mesh: PartedMesh | None, settings: Settings, searched: bool) -> list[Message]:
+    """Say what was parted without being marked, what could not be, and what came off."""
+    told: list[Message] = []
+    if searched and found.between:
+        told.append(message("contacts_opened", count=len(found.between)))
+    elif searched and not found.explained:
+        told.append(message("contacts_unknown"))
+    elif settings.contacts == "open" and not searched:
+        told.append(message("contacts_rest"))
+    if settings.part_here is None:
+        return told
+    if mesh is None:
+        return [*told, message("part_here_nothing")]
+    loose = piece_count(mesh.faces) - piece_count(found.faces)
+    return [*told, message("part_here_loose", count=loose)] if loose > 0 else told

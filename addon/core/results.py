@@ -7,13 +7,16 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from .method_api.settings import Settings
 from .numerics.arrays import BoolArray, FloatArray, IntArray
 from .run.messages import Message
 
 if TYPE_CHECKING:
+    from .fused.on_given import Given
     from .fused.parting import PartedMesh
     from .matching.seam_sides import SeamSides
     from .rigging.skeleton import BoneMotions, Skeleton
+    from .run.monitor import Cancelled
     from .symmetry.limbs import BodyLimbs
 
 
@@ -71,7 +74,9 @@ class Contacts(_Summarised):
     size : float
         Square root of the area of the largest body, the only one that is looked at.
     gone : (m',) ndarray of bool
-        Triangles in which two parts of the body have grown together.
+        Triangles in which two parts of the body have grown together, or that were marked.
+    cut : (e, 2) ndarray of int
+        Edges that were marked.
     places : (n, 3) ndarray of float
         The place of each vertex on the mannequin, which stands with arms and legs spread, in units of sqrt(area); that
         of the mesh where the body is no human one.
@@ -92,6 +97,7 @@ class Contacts(_Summarised):
     faces: IntArray
     size: float
     gone: BoolArray
+    cut: IntArray
     places: FloatArray
     between: list[tuple[str, str]]
     explained: bool
@@ -99,17 +105,51 @@ class Contacts(_Summarised):
     timings: dict[str, float]
     warnings: list[Message]
 
-    def parted(self) -> PartedMesh:
-        """Take those triangles out, and close both sides by caps.
+    @property
+    def touched(self) -> BoolArray:
+        """Which vertices lie in a contact, (n,); copies at one place do so together."""
+        found = np.zeros(len(self.vertices), dtype=bool)
+        found[self.faces[self.gone].ravel()] = True
+        found[self.cut.ravel()] = True
+        return found[self.representative]
+
+    @property
+    def given(self) -> Given:
+        """The mesh as given."""
+        from .fused.on_given import Given
+
+        return Given(self.vertices, self.faces, self.representative, self.touched)
+
+    def parted(self, *, cancelled: Cancelled | None = None) -> PartedMesh:
+        """Take those triangles out, part those edges, and close both sides by caps.
+
+        Caps are short on the body at rest: on the mannequin, or if nothing is known of the body, on the form of what
+        was parted.
+
+        Parameters
+        ----------
+        cancelled : callable, optional
+            As in `canonical_form`.
 
         Returns
         -------
         PartedMesh
             The mesh without contacts.
-        """
-        from .fused.parting import parted
 
-        return parted(self.vertices, self.faces, self.gone, self.places, self.size)
+        Raises
+        ------
+        CanonicalFormError
+            As in `canonical_form`.
+        """
+        from .fused.parting import capped, laid_open
+
+        mesh = laid_open(self.vertices, self.faces, self.gone, self.cut, self.size)
+        if self.explained or not mesh.lips:
+            return capped(mesh, self.places[mesh.origin], self.size)
+        from .canonical import canonical_form
+
+        form = canonical_form(mesh.apart, mesh.faces, Settings(quality="draft"), cancelled=cancelled)
+        return capped(mesh, form.vertices / self.size, self.size)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -151,7 +191,9 @@ class CanonicalForm(_Summarised):
         Degrees by which each limb is bent at its joint, in the input and in the form; nan where a patch is no limb, but
         a head or a trunk.
     contacts : (n,) ndarray of bool
-        Vertices at which skin that had grown together was opened for the form; empty if none was.
+        Vertices at which the mesh was parted for the form; empty if it was not.
+    parted : (PartedMesh, CanonicalForm), optional
+        The mesh that was parted for the form, and its form.
     """
 
     vertices: FloatArray
@@ -168,6 +210,7 @@ class CanonicalForm(_Summarised):
     bodies: list[BodyLimbs] = field(default_factory=list)
     bends: FloatArray = field(default_factory=lambda: np.empty((0, 2)))
     contacts: BoolArray = field(default_factory=lambda: np.empty(0, dtype=bool))
+    parted: tuple[PartedMesh, CanonicalForm] | None = None
 
 
 class MatchedSeams(NamedTuple):
@@ -261,6 +304,8 @@ class PosedLike(_Summarised):
         Sentences for the user.
     bones : dict of str to float
         How far the skin of each fitted bone that has some follows it, 0 to 1; empty where no skeleton was fitted.
+    parted : (PartedMesh, PosedLike), optional
+        The mesh that was parted for the pose, and its pose.
     """
 
     vertices: FloatArray
@@ -273,6 +318,7 @@ class PosedLike(_Summarised):
     timings: dict[str, float]
     warnings: list[Message]
     bones: dict[str, float] = field(default_factory=dict)
+    parted: tuple[PartedMesh, PosedLike] | None = None
 
 
 @dataclass(frozen=True, eq=False, repr=False)

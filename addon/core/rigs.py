@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .assembly.gathering import gathered, shaped
-from .contacts import computed_open, rig_on_given
+from .contacts import computed_open
+from .fused.on_given import rig_on_given
 from .matches import UNFOLDED, UnfoldedPair, on_meshes, unfolded_pair
 from .matching.point_map import PointMap
 from .matching.sides import index_of_side, require_side
@@ -290,12 +291,12 @@ def rig(
     if pose is not None and pose not in _POSES:
         raise InvalidSettingsError("rig_pose", value=pose)
     settings, monitor, kept = settings or Settings(), Monitor(progress, cancelled), keep or KeptStages()
-    if settings.contacts == "open" and rest is None and reference is None:
+    if settings.parts:
 
         def compute(points: ArrayLike, corners: ArrayLike, own: Settings, *_: object, **how: Any) -> Rigged:
-            return rig(points, corners, None, own, pose=pose, side=side, equal=equal, anyway=anyway, **how)
+            return rig(points, corners, reference, own, pose=pose, side=side, equal=equal, anyway=anyway, **how)
 
-        return computed_open(compute, rig_on_given, vertices, faces, settings, keep, progress, cancelled)
+        return computed_open(compute, rig_on_given, vertices, faces, settings, keep, progress, cancelled, rest)
     fitted = fitted_skeleton(vertices, faces, reference, settings, kept, monitor, _FITTED, rest=rest)
     chosen = fitted.found[index_of_side(side, len(fitted.found))]
     error = refusal(chosen, fitted.share)

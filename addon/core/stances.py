@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .assembly.gathering import gathered_features, shaped
-from .contacts import computed_open, pose_on_given
+from .contacts import computed_open
+from .fused.on_given import pose_on_given
 from .matching.sides import index_of_side, require_side
 from .measures.form_measures import median_distortion
 from .mesh.geometry import checked_arrays, surface_area, vertex_areas
@@ -195,12 +196,12 @@ def stance_by_match(
         raise InvalidSettingsError("stance_pose", value=pose)
     require_side(side)
     settings, kept = settings or Settings(), keep or KeptStages()
-    if settings.contacts == "open" and rest is None:
+    if settings.parts:
 
         def compute(points: FloatArray, corners: IntArray, own: Settings, *_: object, **how: Any) -> PosedLike:
             return stance_by_match(points, corners, own, pose=pose, side=side, anyway=anyway, **how)
 
-        return computed_open(compute, pose_on_given, vertices, faces, settings, keep, progress, cancelled)
+        return computed_open(compute, pose_on_given, vertices, faces, settings, keep, progress, cancelled, rest)
     monitor = Monitor(progress, cancelled)
     fitted = fitted_skeleton(vertices, faces, None, settings, kept, monitor, _MATCHED, rest=rest)
     pair, found, here = fitted.pair, fitted.found, fitted.pair.pairs[0][0]

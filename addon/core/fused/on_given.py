@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any, ClassVar, NamedTuple, Protocol, TypeVar
+
 import numpy as np
 
 from ..mesh.edges import vertex_pairs
@@ -9,6 +12,92 @@ from ..numerics.arrays import BoolArray, FloatArray, IntArray
 from ..numerics.factoring import factored
 from ..symmetry.limbs import BodyLimbs
 from .parting import PartedMesh
+
+
+class Given(NamedTuple):
+    """A mesh as given.
+
+    Attributes
+    ----------
+    vertices : (n, 3) ndarray of float
+        Its vertices.
+    faces : (m, 3) ndarray of int
+        The triangles of those that stand for others.
+    representative : (n,) ndarray of int
+        The vertex that stands for each: itself, or of coincident ones the first.
+    touched : (n,) ndarray of bool
+        Whether each lies where the mesh was parted.
+    """
+
+    vertices: FloatArray
+    faces: IntArray
+    representative: IntArray
+    touched: BoolArray
+
+
+class _Shaped(Protocol):
+    """A result with vertices; the results of doors are dataclasses."""
+
+    __dataclass_fields__: ClassVar[dict[str, Any]]
+
+    @property
+    def vertices(self) -> FloatArray: ...
+
+
+class _OnSurface(_Shaped, Protocol):
+    """A form or a pose."""
+
+    @property
+    def feature_points(self) -> IntArray: ...
+    @property
+    def patches(self) -> IntArray: ...
+    @property
+    def adf(self) -> FloatArray: ...
+
+
+class _Limbed(_Shaped, Protocol):
+    """A form."""
+
+    @property
+    def bodies(self) -> list[BodyLimbs]: ...
+
+
+class _Points(Protocol):
+    """A match."""
+
+    __dataclass_fields__: ClassVar[dict[str, Any]]
+
+    @property
+    def vertices(self) -> IntArray: ...
+    @property
+    def faces(self) -> IntArray: ...
+    @property
+    def weights(self) -> FloatArray: ...
+    @property
+    def confidence(self) -> FloatArray: ...
+
+
+class _Posed(_OnSurface, Protocol):
+    """A pose by a match."""
+
+    @property
+    def match(self) -> Any: ...
+
+
+class _Skinned(_Shaped, Protocol):
+    """A rig."""
+
+    @property
+    def weights(self) -> FloatArray: ...
+    @property
+    def match(self) -> Any: ...
+
+
+Surface = TypeVar("Surface", bound=_OnSurface)
+Posed = TypeVar("Posed", bound=_Posed)
+Skinned = TypeVar("Skinned", bound=_Skinned)
+Form = TypeVar("Form", bound=_Limbed)
+Points = TypeVar("Points", bound=_Points)
 
 
 def shape_on_given(mesh: PartedMesh, shape: FloatArray, count: int, faces: IntArray) -> FloatArray:
@@ -63,6 +152,70 @@ def limbs_on_given(mesh: PartedMesh, bodies: list[BodyLimbs]) -> list[BodyLimbs]
         tips = np.searchsorted(vertices, given[body.vertices[body.tips]])
         found.append(body._replace(vertices=vertices, tips=np.minimum(tips, len(vertices) - 1)))
     return found
+
+
+def surface_on_given(result: Surface, mesh: PartedMesh, given: Given) -> Surface:
+    """Carry a form or a pose with its feature points and patches to the mesh as given."""
+    rows = rows_on_given(mesh, given.vertices, given.representative)
+    held = np.zeros(len(given.vertices), dtype=bool)
+    held[given.faces.ravel()] = True
+    held = held[given.representative]
+    return replace(
+        result,
+        vertices=_shape_of_all(mesh, result.vertices, given),
+        faces=given.faces.copy(),
+        feature_points=given_of(mesh)[result.feature_points],
+        patches=np.where(held, result.patches[rows], -1),
+        adf=np.where(held, result.adf[rows], 0.0),
+        parted=(mesh, result),
+    )
+
+
+def pose_on_given(result: Posed, mesh: PartedMesh, given: Given) -> Posed:
+    """Carry a pose with its match to the mesh as given."""
+    rows = rows_on_given(mesh, given.vertices, given.representative)
+    return replace(surface_on_given(result, mesh, given), match=_match_on_given(result.match, rows))
+
+
+def rig_on_given(result: Skinned, mesh: PartedMesh, given: Given) -> Skinned:
+    """Carry a rig to the mesh as given."""
+    rows = rows_on_given(mesh, given.vertices, given.representative)
+    posed, match = _shape_of_all(mesh, result.vertices, given), _match_on_given(result.match, rows)
+    return replace(result, vertices=posed, weights=result.weights[rows], match=match)
+
+
+def form_on_parted(form: Form, mesh: PartedMesh) -> Form:
+    """Carry a form of the mesh as given to the parted one, so that another form of it is aligned to it.
+
+    Gives that of the mesh as given, if a feature point lies in a contact.
+    """
+    given, first, bodies = given_of(mesh), mesh.copies(len(form.vertices)), []
+    for body in form.bodies:
+        vertices = np.flatnonzero(np.isin(given, body.vertices))
+        tips = first[body.vertices[body.tips]]
+        if (tips < 0).any():  # a tip lies inside of a contact
+            return form
+        bodies.append(body._replace(vertices=vertices, tips=np.searchsorted(vertices, tips)))
+    return replace(form, vertices=form.vertices[given], faces=mesh.faces, bodies=bodies)
+
+
+def _match_on_given(result: Points, rows: IntArray) -> Points:
+    """Carry a match to the mesh as given; borders that coincide in the other one stay as they are."""
+    return replace(
+        result,
+        vertices=result.vertices[rows],
+        faces=result.faces[rows],
+        weights=result.weights[rows],
+        confidence=result.confidence[rows],
+        seams=None,
+    )
+
+
+def _shape_of_all(mesh: PartedMesh, shape: FloatArray, given: Given) -> FloatArray:
+    """Carry positions to all vertices as given: copies at seams too, and what is of no face stays. `shape` (n', 3)."""
+    whole, used = given.vertices.copy(), np.unique(given.faces)
+    whole[used] = shape_on_given(mesh, shape, len(whole), given.faces)[used]
+    return whole[given.representative]
 
 
 def _spanned(shape: FloatArray, lost: BoolArray, faces: IntArray) -> FloatArray:

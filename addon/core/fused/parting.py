@@ -1,4 +1,4 @@
-"""A mesh parted along triangles that are taken out: both lips are closed by caps."""
+"""A mesh parted along triangles that are taken out, or along edges: both lips are closed by caps."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..mesh.connectivity import component_labels
-from ..mesh.edges import edge_table, undirected_keys
+from ..mesh.edges import EdgeTable, edge_table, undirected_keys
 from ..mesh.geometry import area_vectors
 from ..numerics.arrays import BoolArray, FloatArray, IntArray
 
@@ -47,16 +47,45 @@ class PartedMesh(NamedTuple):
         return first
 
 
-def parted(
-    vertices: FloatArray, faces: IntArray, gone: BoolArray, places: FloatArray, unit: float | None = None
-) -> PartedMesh:
-    """Take triangles out of a mesh, part what only a vertex holds together, and close the lips.
+class OpenMesh(NamedTuple):
+    """A mesh that was parted and is not closed yet.
 
-    Caps are made of ears, first those that are short at rest, and not in the pose: there both lips lie against each
-    other. Borders that were there before stay open.
+    Attributes
+    ----------
+    vertices : (n', 3) ndarray of float
+        Its vertices, where they were.
+    faces : (m', 3) ndarray of int
+        Its triangles.
+    origin : (n',) ndarray of int
+        The vertex of the given mesh that each is.
+    lips : list of list of int
+        The borders at which it was parted, each in the direction of triangles that would close it.
+    """
+
+    vertices: FloatArray
+    faces: IntArray
+    origin: IntArray
+    lips: list[list[int]]
+
+    @property
+    def apart(self) -> FloatArray:
+        """The vertices, with lips moved apart so that repair does not join them again, (n', 3)."""
+        return _moved_apart(self.vertices, self.faces, self.origin)
+
+
+def parted(
+    vertices: FloatArray,
+    faces: IntArray,
+    gone: BoolArray,
+    places: FloatArray,
+    unit: float | None = None,
+    cut: IntArray | None = None,
+) -> PartedMesh:
+    """Part a mesh as `laid_open` does, and close the lips as `capped` does.
 
     `vertices` (n, 3), `faces` (m, 3); `gone` (m,): triangles to take out; `places` (n, 3): of the vertices at rest, in
-    units of sqrt(area), or the vertices themselves; `unit`: sqrt(area) of the body, if the mesh has others.
+    units of sqrt(area), or the vertices themselves; `unit`: sqrt(area) of the body, if the mesh has others; `cut`
+    (e, 2): edges to part.
 
     Examples
     --------
@@ -66,30 +95,74 @@ def parted(
     >>> len(found.faces), found.caps
     (6, 0)
     """
+    unit = _unit(vertices, faces) if unit is None else unit
+    mesh = laid_open(vertices, faces, gone, cut, unit)
+    return capped(mesh, places[mesh.origin], unit)
+
+
+def laid_open(
+    vertices: FloatArray, faces: IntArray, gone: BoolArray, cut: IntArray | None = None, unit: float | None = None
+) -> OpenMesh:
+    """Take triangles out of a mesh, and part edges and what only a vertex holds together.
+
+    `vertices` (n, 3), `faces` (m, 3); `gone` (m,): triangles to take out; `cut` (e, 2): edges to part; `unit`:
+    sqrt(area) of the body, if the mesh has others.
+
+    Examples
+    --------
+    >>> square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+    >>> found = laid_open(square, np.array([[0, 1, 2], [0, 2, 3]]), np.zeros(2, dtype=bool), np.array([[0, 2]]))
+    >>> len(found.vertices), [len(each) for each in found.lips]
+    (6, [])
+    """
+    count = len(vertices)
     areas = np.linalg.norm(area_vectors(vertices, faces), axis=1)
-    unit = float(np.sqrt(areas.sum())) if unit is None else unit
-    open_before = _border_keys(faces, len(vertices))
-    gone = _without_flaps(faces, gone, open_before, len(vertices))
+    unit = _unit(vertices, faces) if unit is None else unit
+    cuts = np.empty(0, dtype=np.int64) if cut is None else undirected_keys(cut[:, 0], cut[:, 1], count)
+    open_before = _border_keys(faces, count)
+    gone = _without_flaps(faces, gone, open_before, count)
     kept = faces[~gone]
-    piece, before = _pieces(kept), _pieces(faces)
+    piece, before = _pieces(kept, cuts, count), _pieces(faces, cuts[:0], count)
     large = np.bincount(piece, areas[~gone])[piece] > _LEAST * unit**2
     speck = np.bincount(before, areas)[before][~gone] <= _LEAST * unit**2  # it was small from the beginning
-    kept = kept[large | speck]
-    corners, origin = _split_at_vertices(kept)
-    points, rest = vertices[origin], places[origin]
-    caps = []
+    corners, origin = _split_at_vertices(kept[large | speck], cuts, count)
+    points, lips = vertices[origin], []
     for loop in _border_loops(corners):
         own, sides = origin[loop], np.linalg.norm(points[loop] - points[np.roll(loop, -1)], axis=1)
-        known = np.isin(undirected_keys(own, np.roll(own, -1), len(vertices)), open_before)
+        known = np.isin(undirected_keys(own, np.roll(own, -1), count), open_before)
         if len(loop) > 2 and sides[known].sum() < _OLD * sides.sum():
-            caps.append(_ears(loop, rest, points / unit))
-    done, made = [corners], len(points)
-    for cap in caps:
-        points, rest, cap_faces = _refined(points, rest, cap, _LONGEST * unit)
-        done.append(cap_faces)
+            lips.append(loop)
+    return OpenMesh(points, corners, origin, lips)
+
+
+def capped(mesh: OpenMesh, rest: FloatArray, unit: float) -> PartedMesh:
+    """Close the lips of a mesh; borders that it had before stay open.
+
+    Caps are made of ears, first those that are short at rest, and not in the pose: there both lips lie against each
+    other.
+
+    `rest` (n', 3): its vertices at rest, in units of sqrt(area); `unit`: sqrt(area) of the body.
+
+    Examples
+    --------
+    >>> square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+    >>> found = capped(OpenMesh(square, np.empty((0, 3), dtype=int), np.arange(4), [[0, 1, 2, 3]]), square, 100.0)
+    >>> len(found.faces), found.caps
+    (2, 1)
+    """
+    points, done = mesh.vertices, [mesh.faces]
+    for lip in mesh.lips:
+        cap = _ears(lip, rest, points / unit)
+        points, rest, cap = _refined(points, rest, cap, _LONGEST * unit)
+        done.append(cap)
     triangles = np.concatenate(done)
-    origin = np.append(origin, np.full(len(points) - made, -1))
-    return PartedMesh(_moved_apart(points, triangles, origin), triangles, origin, len(caps))
+    origin = np.append(mesh.origin, np.full(len(points) - len(mesh.vertices), -1))
+    return PartedMesh(_moved_apart(points, triangles, origin), triangles, origin, len(mesh.lips))
+
+
+def _unit(vertices: FloatArray, faces: IntArray) -> float:
+    """Return sqrt(area) of a mesh."""
+    return float(np.sqrt(np.linalg.norm(area_vectors(vertices, faces), axis=1).sum()))
 
 
 def _without_flaps(faces: IntArray, gone: BoolArray, open_before: IntArray, count: int) -> BoolArray:
@@ -107,30 +180,53 @@ def _without_flaps(faces: IntArray, gone: BoolArray, open_before: IntArray, coun
         gone[flaps] = True
 
 
-def _pieces(faces: IntArray) -> IntArray:
-    """Label triangles that are connected over edges, (m,)."""
+def _joints(faces: IntArray, cuts: IntArray, count: int) -> tuple[EdgeTable, IntArray, IntArray]:
+    """Return the half-edges of triangles, and those pairs of them that join two triangles, by number.
+
+    `cuts`: keys of the edges, of `count` vertices, that join nothing.
+    """
     table = edge_table(faces)
-    owner = table.order // 3
-    rank = np.arange(len(owner)) - np.repeat(table.start, table.count)
+    rank = np.arange(3 * len(faces)) - np.repeat(table.start, table.count)
     later = np.flatnonzero(rank > 0)
-    return component_labels(len(faces), np.column_stack([owner[later - 1], owner[later]]))
+    one, two = table.order[later - 1], table.order[later]
+    if len(cuts):
+        whole = ~np.isin(undirected_keys(table.tail[one], table.head[one], count), cuts)
+        one, two = one[whole], two[whole]
+    return table, one, two
 
 
-def _split_at_vertices(faces: IntArray) -> tuple[IntArray, IntArray]:
+def piece_count(faces: IntArray) -> int:
+    """Count the pieces of a mesh, which are connected over edges.
+
+    `faces` (m, 3).
+
+    Examples
+    --------
+    >>> piece_count(np.array([[0, 1, 2], [2, 3, 4]]))
+    2
+    """
+    return int(_pieces(faces, np.empty(0, dtype=np.int64), int(faces.max(initial=0)) + 1).max(initial=-1)) + 1
+
+
+def _pieces(faces: IntArray, cuts: IntArray, count: int) -> IntArray:
+    """Label triangles that are connected over edges, (m,)."""
+    _, one, two = _joints(faces, cuts, count)
+    return component_labels(len(faces), np.column_stack([one // 3, two // 3]))
+
+
+def _split_at_vertices(faces: IntArray, cuts: IntArray, count: int) -> tuple[IntArray, IntArray]:
     """Double the vertices where several fans meet, so that each border vertex lies on one border.
 
     Gives the triangles, and the given vertex that each vertex is.
     """
-    table, count = edge_table(faces), len(faces)
-    rank = np.arange(3 * count) - np.repeat(table.start, table.count)
-    later = np.flatnonzero(rank > 0)
-    one, two = table.order[later - 1], table.order[later]  # half-edges, which begin at a corner of the same number
-    following = 3 * (np.arange(3 * count) // 3) + (np.arange(3 * count) + 1) % 3  # next corner of the triangle
+    table, one, two = _joints(faces, cuts, count)  # half-edges, which begin at a corner of the same number
+    corner = np.arange(3 * len(faces))
+    following = 3 * (corner // 3) + (corner + 1) % 3  # next corner of the triangle
     ends = [(each, following[each]) for each in (one, two)]
     alike = table.tail[one] == table.tail[two]
     second = [np.where(alike, ends[1][0], ends[1][1]), np.where(alike, ends[1][1], ends[1][0])]
     pairs = np.column_stack([np.concatenate(ends[0]), np.concatenate(second)])
-    fan = component_labels(3 * count, pairs)
+    fan = component_labels(len(corner), pairs)
     _, first, corners = np.unique(fan, return_index=True, return_inverse=True)
     return corners.reshape(-1, 3), faces.ravel()[first]
 

@@ -6,6 +6,8 @@ from dataclasses import MISSING, field, fields
 from numbers import Integral, Real
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from ..run.errors import InvalidSettingsError
 
 _TYPES = {int: (Integral, "a whole number"), float: (Real, "a number"), bool: (bool, "True or False")}
@@ -144,3 +146,27 @@ def require_allowed(owner: Any) -> None:
             raise InvalidSettingsError("setting_range", name=each.name, range=called, value=value)
         if not about.allows(value):
             raise InvalidSettingsError("setting_range", name=each.name, range=about.range, value=value)
+
+
+def vertex_list(name: str, value: Any) -> tuple[int, ...] | None:
+    """Return vertices of an option that need not be given as whole numbers of Python, which are written out in full.
+
+    `name`: of the option; `value`: what was given; None, and an empty list, for none.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> vertex_list("part_here", np.array([2, 5])), vertex_list("part_here", [])
+    ((2, 5), None)
+    """
+    if value is None:
+        return None
+    try:
+        given = np.asarray(value)
+    except ValueError:  # rows of different lengths
+        given = np.zeros((1, 1))
+    if given.size == 0:
+        return None
+    if given.ndim != 1 or not np.issubdtype(given.dtype, np.integer) or given.min() < 0:
+        raise InvalidSettingsError("setting_range", name=name, range="a list of vertices", value=value)
+    return tuple(given.tolist())

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from .options import Choice, option, require_allowed
+from ..numerics.arrays import IntArray
+from .options import Choice, option, require_allowed, vertex_list
 from .registry import OURS, declared_method
 
 _COARSE = {"draft": 700, "normal": 1600}  # working vertices
@@ -49,6 +50,11 @@ class Settings:
     contacts : {'keep', 'open'}
         Whether skin that has grown together, such as that of a hand on a hip in a scan, is opened for the form of a
         human body.
+    part_here : sequence of int, optional
+        Vertices between which the mesh is parted before anything is computed: triangles with three of them are taken
+        out, and edges with two are cut. Both lips are closed.
+    keep_joined : sequence of int, optional
+        Vertices at which nothing is parted that was not marked.
     pieces : {'together', 'apart'}
         Whether loose parts that lie on, in or inside each other are one body, or each has a form of its own.
     memory_limit : float
@@ -143,6 +149,8 @@ class Settings:
             Choice("open", "Open", "Find it on a human body, and part it for the form; takes some seconds more"),
         ),
     )
+    part_here: Sequence[int] | IntArray | None = None
+    keep_joined: Sequence[int] | IntArray | None = None
     pieces: str = option(
         "together",
         "Loose Parts",
@@ -163,6 +171,8 @@ class Settings:
     def __post_init__(self) -> None:
         """Reject values of a wrong type or outside their range."""
         require_allowed(self)
+        for name in ("part_here", "keep_joined"):
+            object.__setattr__(self, name, vertex_list(name, getattr(self, name)))
         if self.method != OURS:
             declared_method(self.method)
 
@@ -175,6 +185,11 @@ class Settings:
     def coarse_vertices(self) -> int | None:
         """Number of working vertices; None for all."""
         return _COARSE.get(self.quality)
+
+    @property
+    def parts(self) -> bool:
+        """Whether the mesh is parted before anything is computed."""
+        return self.contacts == "open" or self.part_here is not None
 
     @property
     def together(self) -> bool:

@@ -79,6 +79,11 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
     "contacts_rest": "A rig tells what belongs together: where skin has grown together was not looked for.",
     "contacts_largest": "Where skin has grown together was looked for on the largest body only.",
     "contacts_unknown": "Where skin has grown together is known of human bodies in one piece only. Nothing was parted.",
+    "part_here_nothing": "No face and no edge is marked with all of its vertices: nothing was parted.",
+    "part_here_loose": (
+        "The marks cut 1 piece off. If it is not to come off, unmark some of its rim.",
+        "The marks cut {count} pieces off. If they are not to come off, unmark some of their rims.",
+    ),
     "hardly_unbent": "The form is nearly the mesh itself: nothing was unbent.",
     "loose_vertices": (
         "1 vertex that belongs to no face stays where it is.",
@@ -94,6 +99,7 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
     "unknown_method": "method must be one of {names}; got {value!r}.",
     "unknown_kind": "kind must be one of {names}; got {value!r}.",
     "feature_list": "feature_points must be a list of at least one vertex index.",
+    "marked_range": "{name} must lie between 0 and {last}.",
     "feature_range": "feature_points must lie between 0 and {last}.",
     "feature_twice": "feature_points contains a vertex twice.",
     "feature_off_surface": "feature_points contains vertices that belong to no face with area.",
