@@ -236,7 +236,9 @@ def computed_open(
         numbers = rows_on_given(mesh, found.vertices, found.representative)
         settings = replace(settings, feature_points=[int(numbers[each]) for each in chosen])
     result = compute(mesh.vertices, mesh.faces, settings, mesh, found, **how)
-    own = [each for each in result.warnings if each.kind not in _REPAIRS]  # those are of what was made here
+    own: list[Message] = [
+        each for each in result.warnings if each.kind not in _REPAIRS
+    ]  # those are of what was made here
     result.warnings[:] = [*doubts, *own, *found.warnings]
     for stage, seconds in found.timings.items():
         result.timings[stage] = result.timings.get(stage, 0.0) + seconds
