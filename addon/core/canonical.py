@@ -135,7 +135,7 @@ def _on_given(form: CanonicalForm, mesh: PartedMesh, given: Given) -> CanonicalF
     from .fused.on_given import limbs_on_given, surface_on_given
 
     whole = surface_on_given(form, mesh, given)
-    return replace(whole, bodies=limbs_on_given(mesh, form.bodies), contacts=given.touched)
+    return replace(whole, bodies=limbs_on_given(mesh, form.bodies))
 
 
 def _form(

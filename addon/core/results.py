@@ -12,7 +12,7 @@ from .numerics.arrays import BoolArray, FloatArray, IntArray
 from .run.messages import Message
 
 if TYPE_CHECKING:
-    from .fused.on_given import Given
+    from .fused.on_given import Given, Parted
     from .fused.parting import PartedMesh
     from .matching.seam_sides import SeamSides
     from .rigging.skeleton import BoneMotions, Skeleton
@@ -192,7 +192,7 @@ class CanonicalForm(_Summarised):
         a head or a trunk.
     contacts : (n,) ndarray of bool
         Vertices at which the mesh was parted for the form; empty if it was not.
-    parted : (PartedMesh, CanonicalForm), optional
+    parted : Parted, optional
         The mesh that was parted for the form, and its form.
     """
 
@@ -210,7 +210,7 @@ class CanonicalForm(_Summarised):
     bodies: list[BodyLimbs] = field(default_factory=list)
     bends: FloatArray = field(default_factory=lambda: np.empty((0, 2)))
     contacts: BoolArray = field(default_factory=lambda: np.empty(0, dtype=bool))
-    parted: tuple[PartedMesh, CanonicalForm] | None = None
+    parted: Parted | None = None
 
 
 class MatchedSeams(NamedTuple):
@@ -304,8 +304,8 @@ class PosedLike(_Summarised):
         Sentences for the user.
     bones : dict of str to float
         How far the skin of each fitted bone that has some follows it, 0 to 1; empty where no skeleton was fitted.
-    parted : (PartedMesh, PosedLike), optional
-        The mesh that was parted for the pose, and its pose.
+    contacts, parted
+        As in `CanonicalForm`.
     """
 
     vertices: FloatArray
@@ -318,7 +318,8 @@ class PosedLike(_Summarised):
     timings: dict[str, float]
     warnings: list[Message]
     bones: dict[str, float] = field(default_factory=dict)
-    parted: tuple[PartedMesh, PosedLike] | None = None
+    contacts: BoolArray = field(default_factory=lambda: np.empty(0, dtype=bool))
+    parted: Parted | None = None
 
 
 @dataclass(frozen=True, eq=False, repr=False)

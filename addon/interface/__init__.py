@@ -9,6 +9,7 @@ import bpy
 from . import (
     catalogues,
     commands,
+    contact_operators,
     job_operator,
     limb_operators,
     live_update,
@@ -36,6 +37,7 @@ _PARTS = (
     pose_operators,
     rig_operators,
     tool_operators,
+    contact_operators,
     panels,
     menus,
     overlay,

@@ -8,6 +8,7 @@ from ..blender.jobs.likeness import MANNEQUINS
 from ..blender.jobs.meant_objects import meant_object
 from ..blender.results.limb_states import limbs_of
 from ..blender.words.wording import CONTEXT, told
+from .contact_operators import OBJECT_OT_canonical_form_mark
 from .limb_operators import (
     OBJECT_OT_canonical_form_in_betweens,
     OBJECT_OT_canonical_form_limb,
@@ -63,6 +64,7 @@ class VIEW3D_MT_canonical_form(bpy.types.Menu):
         layout.menu(VIEW3D_MT_canonical_form_patches.__name__)
         layout.separator()
         layout.operator_menu_enum(OBJECT_OT_canonical_form_choose.bl_idname, "how")
+        layout.operator_menu_enum(OBJECT_OT_canonical_form_mark.bl_idname, "marks")
         layout.operator_menu_enum(OBJECT_OT_canonical_form_distance.bl_idname, "kind")
         layout.separator()
         layout.operator(OBJECT_OT_canonical_form_clear.bl_idname)

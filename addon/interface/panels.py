@@ -17,6 +17,7 @@ from ..core.method_api.catalogue import FEATURE_OPTIONS, methods
 from ..core.method_api.costs import PIECE_SECONDS, memory_estimate, time_estimate
 from ..core.method_api.registry import OURS
 from ..core.run.load import slowdown
+from .contact_panel import VIEW3D_PT_canonical_form_contacts
 from .job_operator import OBJECT_OT_canonical_form_cancel
 from .limb_operators import (
     OBJECT_OT_canonical_form_in_betweens,
@@ -39,7 +40,6 @@ _EVERY_METHOD = (
     "value",
     "feature_points",
     "quality",
-    "contacts",
     "pieces",
     "orientation",
     "memory_limit",
@@ -262,7 +262,7 @@ class VIEW3D_PT_canonical_form_advanced(Tab, bpy.types.Panel):
         column, chosen = self.layout.column(), context.scene.canonical_form
         method = methods()[chosen_value(chosen, "method")]
         for name in ("value", *METHOD_NAMES):
-            if name not in (*_MAIN, "orientation", "prominence", "feature_count"):
+            if name not in (*_MAIN, "orientation", "prominence", "feature_count", "contacts"):
                 row = column.row()
                 row.active = name in (*_EVERY_METHOD, *method.uses) and name not in method.fixed
                 row.prop(chosen, name)
@@ -391,6 +391,7 @@ CLASSES = (
     VIEW3D_PT_canonical_form_pose_like,
     VIEW3D_PT_canonical_form_rig,
     VIEW3D_PT_canonical_form_features,
+    VIEW3D_PT_canonical_form_contacts,
     VIEW3D_PT_canonical_form_distance,
     VIEW3D_PT_canonical_form_advanced,
 )

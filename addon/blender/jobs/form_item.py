@@ -13,6 +13,7 @@ import numpy as np
 from ...core import CanonicalFormError, Settings, TooLargeError
 from ..mesh_items.fingerprints import fingerprint
 from ..objects.combining import Combined, combined
+from ..objects.marked_contacts import Marks, read_marks
 from ..objects.mesh_reading import Reading, find_object, names_of, read_object, require_unchanged
 from ..objects.object_states import object_mode
 from ..objects.object_warnings import object_warnings, turned_key_warnings
@@ -27,6 +28,8 @@ from ..results.result_writing import key_name, write_results
 from ..words.wording import listed, told
 from .form_result import FormResult, results_of
 from .item_pose import posed_like
+from .item_settings import settings_on
+from .parted_result import on_parted_object, turned
 from .request import Request
 
 if TYPE_CHECKING:
@@ -46,6 +49,8 @@ class FormItem:
         The arrays of each object.
     chosen : list of list of int
         Feature points chosen by hand on each object.
+    marks : list of Marks
+        Contacts marked by hand on each object.
     settings : Settings
         Options of the method.
     in_between_count : int
@@ -66,6 +71,7 @@ class FormItem:
 
     readings: list[Reading]
     chosen: list[list[int]]
+    marks: list[Marks]
     settings: Settings
     in_between_count: int = 0
     leads: bool = False
@@ -100,7 +106,9 @@ class FormItem:
         chosen = [] if settings.feature_points is None else list(settings.feature_points)
         body = companions_of(obj)
         leads = animated_slider(obj.data) or (len(body) > 1 and body[0] == obj)
-        return cls([read_object(obj, request.deformed)], [chosen], settings, in_betweens, leads)
+        reading = read_object(obj, request.deformed)
+        marks = read_marks(obj, len(reading.vertices))
+        return cls([reading], [chosen], [marks], settings, in_betweens, leads)
 
     @classmethod
     def joined(cls, items: Sequence[FormItem], request: Request) -> FormItem:
@@ -123,7 +131,8 @@ class FormItem:
         items = sorted(items, key=lambda item: not item.leads)
         chosen = [item.chosen[0] if request.feature_group or item is first else [] for item in items]
         readings = [reading for item in items for reading in item.readings]
-        return cls(readings, chosen, first.settings, max(item.in_between_count for item in items))
+        marks = [each for item in items for each in item.marks]
+        return cls(readings, chosen, marks, first.settings, max(item.in_between_count for item in items))
 
     @property
     def name(self) -> str:
@@ -163,9 +172,7 @@ class FormItem:
         request.require_points(self.name, self.chosen)
         try:
             whole = combined(self.readings)
-            settings = self.settings
-            if any(self.chosen) and len(whole.vertices) > len(self.readings[0].vertices):
-                settings = replace(settings, feature_points=whole.numbers_of(self.chosen))
+            settings = settings_on(whole, self.settings, self.chosen, self.marks)
             found: AnyResult
             carried = None
             if request.likeness is not None:
@@ -281,6 +288,9 @@ class FormItem:
         try:
             for number, obj in enumerate(objects):
                 targets.append(add_result_object(obj, self.readings[number], called) if new else obj)
+                if new:
+                    self.results[number] = on_parted_object(targets[-1], self.readings[number], self.results[number])
+                    found[number] = (self.results[number].found, self.results[number].shapes)
                 self._write_one(number, targets[-1], *found[number], request)
             if request.step == "FORM":
                 lead(targets)
@@ -349,7 +359,7 @@ class FormItem:
         found = canonical_form(posed, whole.faces, settings, reference=reference, **how)
         self.whole_form = found
         form = found.vertices if alone else found.vertices + (posed.mean(axis=0) - found.vertices.mean(axis=0))
-        return replace(found, vertices=form @ turn)
+        return turned(replace(found, vertices=form), turn)
 
     def _require_no_mirror(self, reason: str) -> None:
         """Reject base meshes that have a mirror image shown by a modifier."""

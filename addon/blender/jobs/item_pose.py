@@ -12,6 +12,7 @@ from ...core.mesh.geometry import vertex_areas
 from ..objects.combining import Combined, moved, require_thick
 from ..objects.mesh_reading import Bones, Reading
 from ..objects.placement import world_rotation
+from .parted_result import turned
 
 if TYPE_CHECKING:
     from ...core import KeptStages, Settings
@@ -75,7 +76,7 @@ def posed_like(
     found, carried = likeness.posed(
         whole.vertices @ turn.T, whole.faces, settings, whole.rest, progress, cancelled, keep
     )
-    return replace(found, vertices=found.vertices @ turn), carried
+    return turned(found, turn), carried
 
 
 def _common_bones(readings: Sequence[Reading], whole: Combined) -> Bones | None:

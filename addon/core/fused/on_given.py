@@ -35,6 +35,29 @@ class Given(NamedTuple):
     touched: BoolArray
 
 
+class Parted(NamedTuple):
+    """What was computed on a mesh that was parted.
+
+    Attributes
+    ----------
+    mesh : PartedMesh
+        That mesh.
+    result : CanonicalForm or PosedLike
+        The result on it.
+    representative : (n,) ndarray of int
+        Of the mesh as given, the vertex that stands for each.
+    """
+
+    mesh: PartedMesh
+    result: Any
+    representative: IntArray
+
+    def turned(self, turn: FloatArray) -> Parted:
+        """Return mesh and result turned. `turn` (3, 3), for row vectors."""
+        mesh = self.mesh._replace(vertices=self.mesh.vertices @ turn)
+        return self._replace(mesh=mesh, result=replace(self.result, vertices=self.result.vertices @ turn))
+
+
 class _Shaped(Protocol):
     """A result with vertices; the results of doors are dataclasses."""
 
@@ -107,7 +130,7 @@ def shape_on_given(mesh: PartedMesh, shape: FloatArray, count: int, faces: IntAr
 
     Examples
     --------
-    >>> mesh = PartedMesh(np.eye(3), np.array([[0, 1, 2]]), np.array([0, 1, 1]), 0)
+    >>> mesh = PartedMesh(np.eye(3), np.array([[0, 1, 2]]), np.array([0, 1, 1]), 0, 1)
     >>> shape_on_given(mesh, np.diag([2.0, 4, 6]), 2, np.empty((0, 3), dtype=int)).tolist()
     [[2.0, 0.0, 0.0], [0.0, 2.0, 3.0]]
     """
@@ -167,7 +190,8 @@ def surface_on_given(result: Surface, mesh: PartedMesh, given: Given) -> Surface
         feature_points=given_of(mesh)[result.feature_points],
         patches=np.where(held, result.patches[rows], -1),
         adf=np.where(held, result.adf[rows], 0.0),
-        parted=(mesh, result),
+        contacts=given.touched,
+        parted=Parted(mesh, result, given.representative),
     )
 
 

@@ -33,12 +33,15 @@ class PartedMesh(NamedTuple):
         The vertex of the given mesh that each is; -1 for those of caps.
     caps : int
         How many caps it has.
+    first_of_caps : int
+        The number of their first triangle.
     """
 
     vertices: FloatArray
     faces: IntArray
     origin: IntArray
     caps: int
+    first_of_caps: int
 
     def copies(self, count: int) -> IntArray:
         """Return the first copy of each of `count` given vertices, -1 for those that are gone."""
@@ -157,7 +160,7 @@ def capped(mesh: OpenMesh, rest: FloatArray, unit: float) -> PartedMesh:
         done.append(cap)
     triangles = np.concatenate(done)
     origin = np.append(mesh.origin, np.full(len(points) - len(mesh.vertices), -1))
-    return PartedMesh(_moved_apart(points, triangles, origin), triangles, origin, len(mesh.lips))
+    return PartedMesh(_moved_apart(points, triangles, origin), triangles, origin, len(mesh.lips), len(mesh.faces))
 
 
 def _unit(vertices: FloatArray, faces: IntArray) -> float:

@@ -67,7 +67,7 @@ def test_the_form_of_a_marked_ring_is_long(how):
     assert np.ptp(tube.vertices, axis=0).max() > 2 * np.ptp(whole.vertices, axis=0).max()
     assert np.array_equal(np.flatnonzero(tube.contacts), marks)
     assert tube.parted is not None
-    mesh, form = tube.parted
+    mesh, form, _ = tube.parted
     assert euler(mesh.faces) == 2
     assert len(form.vertices) == len(mesh.vertices) > len(points)
 

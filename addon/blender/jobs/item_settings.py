@@ -1,0 +1,42 @@
+"""Options of a run on several objects as one mesh: points and marks of each by their numbers there."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from ...core import Settings
+from ..objects.combining import Combined
+from ..objects.marked_contacts import Marks, all_marks
+
+
+def settings_on(
+    whole: Combined, settings: Settings, chosen: Sequence[Sequence[int]], marks: Sequence[Marks]
+) -> Settings:
+    """Give chosen points and marks of objects their numbers on the combined mesh.
+
+    Parameters
+    ----------
+    whole : Combined
+        The objects as one mesh, with mirror images.
+    settings : Settings
+        The options; their marks are those of the first object.
+    chosen : sequence of sequence of int
+        Feature points on each object.
+    marks : sequence of Marks
+        Marks on each object.
+
+    Returns
+    -------
+    Settings
+        The options on the combined mesh.
+
+    Raises
+    ------
+    InvalidSettingsError
+        If a vertex does not exist on its object.
+    """
+    if any(chosen) and len(whole.vertices) > whole.objects[0].half:
+        settings = replace(settings, feature_points=whole.numbers_of(chosen))
+    part_here, keep_joined = (whole.numbers_of(each) for each in zip(*all_marks(settings, marks), strict=True))
+    return replace(settings, part_here=part_here, keep_joined=keep_joined)
