@@ -21,7 +21,7 @@ from .mesh.tables import rows_in
 from .method_api.settings import Settings
 from .modelling.mannequins import mannequin
 from .numerics.arrays import BoolArray
-from .results import CanonicalForm, Contacts, PosedLike, Rigged
+from .results import CanonicalForm, Contacts, Match, PosedLike, Rigged
 from .rigging.candidates import candidates
 from .rigging.reference_rig import mannequin_rig
 from .rigging.references import Reference, unfolded_reference
@@ -33,7 +33,7 @@ from .run.monitor import Cancelled, Monitor, Progress
 if TYPE_CHECKING:
     from .fused.parting import PartedMesh
 
-Found = TypeVar("Found", "CanonicalForm", "PosedLike", "Rigged")
+Found = TypeVar("Found", "CanonicalForm", "PosedLike", "Rigged", "Match")
 
 _UNFOLDED = 0.4  # of the work
 _LOOKED_FOR = 0.8  # the same, where something is computed afterwards
@@ -194,7 +194,7 @@ def computed_open(
 
     Returns
     -------
-    CanonicalForm, PosedLike or Rigged
+    CanonicalForm, PosedLike, Rigged or Match
         The result; a warning says in how many places the mesh was parted, or that nothing is known of it.
 
     Raises
@@ -243,7 +243,7 @@ def computed_open(
     for stage, seconds in found.timings.items():
         result.timings[stage] = result.timings.get(stage, 0.0) + seconds
     whole = on_given(result, mesh, found.given)
-    if chosen is not None and not isinstance(whole, Rigged):
+    if chosen is not None and isinstance(whole, CanonicalForm | PosedLike):
         whole.feature_points[: len(chosen)] = chosen
     return whole
 

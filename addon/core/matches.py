@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -150,6 +150,16 @@ def match(
     Melzi and others, "ZoomOut", 2019, doi:10.1145/3355089.3356524; Eisenberger, Lähner and Cremers, "Smooth Shells",
     2020, doi:10.1109/CVPR42600.2020.01228; docs/method.md lists what is original to this project.
     """
+    settings = settings or Settings()
+    if settings.parts:
+        from .contacts import computed_open
+        from .fused.on_given import match_on_given
+
+        def compute(points: ArrayLike, corners: ArrayLike, own: Settings, *_: object, **how: Any) -> Match:
+            how.pop("keep")
+            return match(points, corners, other_vertices, other_faces, own, side=side, **how)
+
+        return computed_open(compute, match_on_given, vertices, faces, settings, None, progress, cancelled, rest)
     monitor = Monitor(progress, cancelled)
     return matched_bodies(vertices, faces, other_vertices, other_faces, settings, side, monitor, 1.0, rest=rest).match
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -88,8 +90,20 @@ def pose_like(
     ----------
     Sumner and Popović, "Deformation Transfer for Triangle Meshes", 2004, doi:10.1145/1015706.1015736.
     """
+    pose = reference_vertices if reference_pose is None else reference_pose
+    settings = settings or Settings()
+    if settings.parts:
+        from .contacts import computed_open
+        from .fused.on_given import pose_on_given
+
+        def compute(points: ArrayLike, corners: ArrayLike, own: Settings, *_: object, **how: Any) -> PosedLike:
+            how.pop("keep")
+            like = (reference_vertices, reference_faces)
+            return pose_like(points, corners, *like, own, side=side, reference_pose=pose, **how)
+
+        return computed_open(compute, pose_on_given, vertices, faces, settings, None, progress, cancelled, rest)
     monitor = Monitor(progress, cancelled)
-    wanted = _wanted(reference_vertices if reference_pose is None else reference_pose, reference_vertices)
+    wanted = _wanted(pose, reference_vertices)
     found = matched_bodies(
         vertices, faces, reference_vertices, reference_faces, settings, side, monitor, _MATCHED, rest=rest
     )

@@ -10,13 +10,13 @@ import numpy as np
 from .method_api.settings import Settings
 from .numerics.arrays import BoolArray, FloatArray, IntArray
 from .run.messages import Message
+from .run.monitor import Cancelled, Monitor
 
 if TYPE_CHECKING:
     from .fused.on_given import Given, Parted
     from .fused.parting import PartedMesh
     from .matching.seam_sides import SeamSides
     from .rigging.skeleton import BoneMotions, Skeleton
-    from .run.monitor import Cancelled
     from .symmetry.limbs import BodyLimbs
 
 
@@ -146,10 +146,10 @@ class Contacts(_Summarised):
         mesh = laid_open(self.vertices, self.faces, self.gone, self.cut, self.size)
         if self.explained or not mesh.lips:
             return capped(mesh, self.places[mesh.origin], self.size)
-        from .canonical import canonical_form
+        from .assembly.unfolded_bodies import unfolded_shape
 
-        form = canonical_form(mesh.apart, mesh.faces, Settings(quality="draft"), cancelled=cancelled)
-        return capped(mesh, form.vertices / self.size, self.size)
+        rest = unfolded_shape(mesh.apart, mesh.faces, Settings(quality="draft"), Monitor(cancelled=cancelled))
+        return capped(mesh, rest, self.size)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

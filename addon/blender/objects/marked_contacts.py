@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import bpy
@@ -85,7 +86,36 @@ def all_marks(settings: Settings, marks: Sequence[Marks]) -> list[Marks]:
         Marks on each object.
     """
     given = [settings.part_here or (), settings.keep_joined or ()]
-    return [Marks(*([*own, *more] for own, more in zip(marks[0], given, strict=True))), *marks[1:]]
+    return [Marks(*([*more, *own] for own, more in zip(marks[0], given, strict=True))), *marks[1:]]
+
+
+def with_marks(settings: Settings, marks: Sequence[Marks], starts: Sequence[int]) -> Settings:
+    """Add the marks of objects to settings, by their numbers on a mesh of all objects, one after the other.
+
+    Parameters
+    ----------
+    settings : Settings
+        The options; their marks are those of the first object.
+    marks : sequence of Marks
+        Marks on each object, at least one.
+    starts : sequence of int
+        Where the vertices of each begin, and maybe where those of the last end.
+
+    Returns
+    -------
+    Settings
+        The options with all marks.
+
+    Examples
+    --------
+    >>> with_marks(Settings(part_here=[1]), [Marks([2], []), Marks([0], [])], [0, 10, 20]).part_here
+    (1, 2, 10)
+    """
+    part_here, keep_joined = (
+        [start + vertex for start, own in zip(starts, each, strict=False) for vertex in own]
+        for each in zip(*all_marks(settings, marks), strict=True)
+    )
+    return replace(settings, part_here=part_here, keep_joined=keep_joined)
 
 
 def mark(obj: bpy.types.Object, group_name: str, how: str, *, seams: bool = False) -> int:

@@ -16,7 +16,7 @@ from ..mesh_items.active_items import active_items, existing_items, restore_acti
 from ..mesh_items.fingerprints import group_fingerprints, key_fingerprint
 from ..mesh_items.group_weights import fill_group, in_steps
 from ..objects.combining import concatenated, moved, outward, require_thick
-from ..objects.marked_contacts import all_marks, read_marks
+from ..objects.marked_contacts import read_marks, with_marks
 from ..objects.mesh_reading import Reading, find_object, read_object, require_unchanged
 from ..objects.object_states import object_mode
 from ..objects.rest_reading import rigs_of
@@ -120,11 +120,7 @@ class RigTask:
             [(moved(each.vertices, each.placement), outward(each.faces, each.placement)) for each in self._readings]
         )
         marks = [read_marks(obj, len(each.vertices)) for obj, each in zip(objects, self._readings, strict=True)]
-        part_here, keep_joined = (
-            [start + vertex for start, own in zip(self._starts.tolist(), each, strict=False) for vertex in own]
-            for each in zip(*all_marks(settings, marks), strict=True)
-        )
-        self._settings = replace(settings, part_here=part_here, keep_joined=keep_joined)
+        self._settings = with_marks(settings, marks, self._starts.tolist())
         self._corrected: FloatArray | None = None
         self.warnings = [] if source is None else list(source.warnings)
         self.warnings += [sentence for obj in objects for sentence in _doubts(obj, pose)]

@@ -14,6 +14,7 @@ from ...core import CanonicalFormError, InvalidMeshError, TooLargeError
 from ...core.matching.seam_sides import SeamSides
 from ...core.numerics.arrays import FloatArray, IntArray
 from ..objects.combining import concatenated, moved, outward, require_thick, touching
+from ..objects.marked_contacts import with_marks
 from ..records.record import read_record
 from ..words.advice import all_advised
 from ..words.wording import listed, progress_of, told
@@ -153,7 +154,8 @@ class TransferTask:
         )
         name = items[0].reading.name
         try:
-            found = self._brought_together(placed, faces, progress, cancelled)
+            settings = with_marks(self._settings, [item.marks for item in items], starts.tolist())
+            found = self._brought_together(placed, faces, settings, progress, cancelled)
         except MemoryError as error:
             raise TooLargeError(
                 told("Not enough memory for {name}. Close other files, or decimate the mesh.", name=name)
@@ -175,7 +177,12 @@ class TransferTask:
             )
 
     def _brought_together(
-        self, placed: FloatArray, faces: IntArray, progress: Progress | None, cancelled: Cancelled | None
+        self,
+        placed: FloatArray,
+        faces: IntArray,
+        settings: Settings,
+        progress: Progress | None,
+        cancelled: Cancelled | None,
     ) -> _Found:
         """Find the points of the donor: by its skeleton if it has one, which explains more than a match alone."""
         from ...core import match, pose_like, require_fit, rig
@@ -187,7 +194,7 @@ class TransferTask:
                     placed,
                     faces,
                     bones,
-                    self._settings,
+                    settings,
                     pose="rest" if self._rigged else None,
                     equal=False,
                     anyway=self._anyway,
@@ -205,13 +212,13 @@ class TransferTask:
         rest = None
         if self._rigged:
             posed = pose_like(
-                placed, faces, there, there_faces, self._settings, side=side, progress=progress, cancelled=cancelled
+                placed, faces, there, there_faces, settings, side=side, progress=progress, cancelled=cancelled
             )
             found = posed.match
             rest = _in_the_rig(posed.vertices, found, there)
         else:
             found = match(
-                placed, faces, there, there_faces, self._settings, side=side, progress=progress, cancelled=cancelled
+                placed, faces, there, there_faces, settings, side=side, progress=progress, cancelled=cancelled
             )
         if not self._anyway and self._side < 0:  # a side that was chosen has been looked at
             require_fit(found, placed, faces)

@@ -9,10 +9,11 @@ from ..matching.unfolded import Unfolded, unfolded
 from ..mesh.geometry import surface_area
 from ..method_api.catalogue import DETECTION, method_named
 from ..method_api.settings import Settings
-from ..numerics.arrays import IntArray
+from ..numerics.arrays import FloatArray, IntArray
 from ..run.monitor import Monitor
 from .bodies import Bodies
 from .body import Body
+from .gathering import gathered
 from .opening import opened
 
 
@@ -33,3 +34,26 @@ def unfolded_bodies(
         return unfolded(found, form / np.sqrt(surface_area(form, found.whole_faces)), own)
 
     return bodies, bodies.map(work, monitor, {**DETECTION, **method.stages}, bodies.chosen_vertices)
+
+
+def unfolded_shape(vertices: ArrayLike, faces: ArrayLike, settings: Settings, monitor: Monitor) -> FloatArray:
+    """Unfold every body of a mesh around its own centre, each scaled to unit area.
+
+    What belongs to no body keeps its place.
+
+    `settings`, `monitor`: as in `unfolded_bodies`; gives (n, 3).
+
+    Examples
+    --------
+    >>> tetrahedron = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+    >>> unfolded_shape(tetrahedron, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]], Settings(), Monitor()).shape
+    (4, 3)
+    """
+    method = method_named(settings.method)
+    bodies = opened(vertices, faces, settings, monitor)
+
+    def work(body: Body, own: Monitor) -> FloatArray:
+        return method.unfold(body.features(None, settings, own), settings, own).points
+
+    forms = bodies.map(work, monitor, {**DETECTION, **method.stages})
+    return gathered(bodies, forms, bodies.vertices.copy())

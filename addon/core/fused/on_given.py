@@ -223,6 +223,11 @@ def form_on_parted(form: Form, mesh: PartedMesh) -> Form:
     return replace(form, vertices=form.vertices[given], faces=mesh.faces, bodies=bodies)
 
 
+def match_on_given(result: Points, mesh: PartedMesh, given: Given) -> Points:
+    """Carry a match to the mesh as given."""
+    return _match_on_given(result, rows_on_given(mesh, given.vertices, given.representative))
+
+
 def _match_on_given(result: Points, rows: IntArray) -> Points:
     """Carry a match to the mesh as given; borders that coincide in the other one stay as they are."""
     return replace(
