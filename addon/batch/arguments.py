@@ -42,6 +42,11 @@ _MATCHING = """\
 examples:
   match scan.ply base.glb --output matches            for every vertex of the first the point on the second
 """
+_MARKS = {
+    "part_here": "a text file of vertices, numbered from 0, such as those of edges, two a line: the mesh is parted "
+    "between them, as at the vertex group Part Here of a .blend",
+    "keep_joined": "the same for vertices at which only what is marked is parted, as at the group Keep Joined",
+}
 _EPILOGUE = """\
 examples:
   compute scans --output forms                        every mesh of a folder
@@ -269,6 +274,8 @@ def _add_method(parser: argparse.ArgumentParser, placing: argparse._ArgumentGrou
     """Add the options of the method; if forms are placed, the orientation goes to the group for placement."""
     default = Settings()
     method = parser.add_argument_group("the method (lengths in units of the root of the area)")
+    for name, words in _MARKS.items():
+        method.add_argument(_flag(name), type=Path, metavar="FILE", help=words)
     for name, about in options_of(Settings).items():
         group = placing if name == "orientation" and placing is not None else method
         _add_option(group, name, about, getattr(default, name))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 
 import numpy as np
 
@@ -79,7 +80,24 @@ def _settings(options: argparse.Namespace) -> Settings:
             raise CanonicalFormError(
                 f"--feature-points must be whole numbers; got {options.feature_points}."
             ) from error
+    chosen |= {name: _vertices(name, words[name]) for name in ("part_here", "keep_joined")}
     return Settings(**{**chosen, "feature_points": chosen["feature_points"] or None})
+
+
+def _vertices(name: str, path: Path | None) -> list[int] | None:
+    """Read numbers of vertices from a text file."""
+    if path is None:
+        return None
+    flag = "--" + name.replace("_", "-")
+    try:
+        numbers = [int(word) for word in path.read_text(encoding="utf-8").replace(",", " ").split()]
+    except OSError as error:
+        raise CanonicalFormError(f"{flag} {path} cannot be read: {error.strerror or error}.") from error
+    except ValueError as error:
+        raise CanonicalFormError(f"{flag} {path} must have whole numbers only.") from error
+    if not numbers:
+        raise CanonicalFormError(f"{flag} {path} has no numbers.")
+    return numbers
 
 
 def _axes(text: str, kind: str) -> FloatArray:

@@ -277,7 +277,7 @@ def _with_marks(found: Contacts, settings: Settings) -> Contacts:
         chosen, here = getattr(settings, name), np.zeros(len(found.vertices), dtype=bool)
         if chosen is not None:
             if max(chosen) >= len(here):
-                raise InvalidSettingsError("marked_range", name=name, last=len(here) - 1)
+                raise InvalidSettingsError("vertex_range", name=name, last=len(here) - 1)
             here[found.representative[np.asarray(chosen)]] = True
         return here
 

@@ -38,5 +38,9 @@ def settings_on(
     """
     if any(chosen) and len(whole.vertices) > whole.objects[0].half:
         settings = replace(settings, feature_points=whole.numbers_of(chosen))
-    part_here, keep_joined = (whole.numbers_of(each) for each in zip(*all_marks(settings, marks), strict=True))
-    return replace(settings, part_here=part_here, keep_joined=keep_joined)
+    part_here, keep_joined = zip(*all_marks(settings, marks), strict=True)
+    return replace(
+        settings,
+        part_here=whole.numbers_of(part_here, "part_here"),
+        keep_joined=whole.numbers_of(keep_joined, "keep_joined"),
+    )

@@ -95,13 +95,15 @@ class Combined(NamedTuple):
         """
         return np.concatenate([own[each.source] for own, each in zip(values, self.objects, strict=True)])
 
-    def numbers_of(self, vertices: Sequence[Sequence[int]]) -> list[int]:
+    def numbers_of(self, vertices: Sequence[Sequence[int]], called: str = "feature_points") -> list[int]:
         """Convert vertex indices of the objects to indices on the combined mesh, including their images.
 
         Parameters
         ----------
         vertices : sequence of sequence of int
             Vertex indices of each object.
+        called : str
+            The option that they are of.
 
         Returns
         -------
@@ -116,7 +118,7 @@ class Combined(NamedTuple):
         found: list[int] = []
         for start, own, each in zip(self.starts, vertices, self.objects, strict=False):
             if any(not 0 <= vertex < each.half for vertex in own):
-                raise InvalidSettingsError("feature_range", last=each.half - 1)
+                raise InvalidSettingsError("vertex_range", name=called, last=each.half - 1)
             images = np.flatnonzero(np.isin(each.source, own))
             images = images[images >= each.half]
             found += [int(start) + vertex for vertex in (*own, *images.tolist())]

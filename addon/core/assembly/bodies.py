@@ -186,7 +186,7 @@ def _chosen_features(bodies: list[Body], pieces: Pieces, given: Sequence[int] | 
     if features.ndim != 1 or not features.size or not np.issubdtype(features.dtype, np.integer):
         raise InvalidSettingsError("feature_list")
     if features.min() < 0 or features.max() >= count:
-        raise InvalidSettingsError("feature_range", last=count - 1)
+        raise InvalidSettingsError("vertex_range", name="feature_points", last=count - 1)
     if len(np.unique(features)) < len(features):
         raise InvalidSettingsError("feature_twice")
     located = _located(bodies, pieces.representative, features)

@@ -76,7 +76,7 @@ def test_vertices_beyond_the_last_are_refused_and_the_last_is_named(made, bodies
         assert raised.value.numbers["last"] == last
         with pytest.raises(InvalidSettingsError) as raised:
             bodies_of(made.vertices, made.faces, features=given)
-        assert raised.value.kind == "feature_range"
+        assert raised.value.kind == "vertex_range"
         assert raised.value.numbers["last"] == last
 
 
