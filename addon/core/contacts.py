@@ -9,18 +9,21 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .assembly.opening import OPENING, known_bodies
+from .assembly.body import Body
+from .assembly.opening import OPENING, known_bodies, opened
 from .assembly.unfolded_bodies import unfolded_bodies
 from .fused.contact_faces import contact_faces, contacts_between
 from .fused.explained_skin import explained_skin
 from .fused.on_given import Given, given_of, rows_on_given
 from .fused.parting import piece_count
+from .fused.suspicion import may_have_grown_together
 from .mesh.edges import vertex_pairs
 from .mesh.geometry import checked_arrays, surface_area
 from .mesh.tables import rows_in
+from .method_api.catalogue import DETECTION, method_named
 from .method_api.settings import Settings
 from .modelling.mannequins import mannequin
-from .numerics.arrays import BoolArray
+from .numerics.arrays import BoolArray, FloatArray, IntArray
 from .results import CanonicalForm, Contacts, Match, PosedLike, Rigged
 from .rigging.candidates import candidates
 from .rigging.reference_rig import mannequin_rig
@@ -38,6 +41,7 @@ Found = TypeVar("Found", "CanonicalForm", "PosedLike", "Rigged", "Match")
 _UNFOLDED = 0.4  # of the work
 _LOOKED_FOR = 0.8  # the same, where something is computed afterwards
 _MARKED = 0.1  # the same, where nothing is searched for
+_DETECTED = 0.4  # the same, where feature points and patches are found
 _NO_EDGES = np.empty((0, 2), dtype=np.int64)
 _FOREIGN = 0.012  # residual above which the mannequin does not explain the body: humans have .006 to .009
 _REPAIRS = ("repeated_corners", "coincident_borders", "duplicate_faces", "inconsistent_faces", "rounded_positions")
@@ -202,50 +206,86 @@ def computed_open(
     CanonicalFormError
         As in `find_contacts`, and of the computation.
     """
+    settings = method_named(settings.method).settings(settings)
     kept, monitor = keep or KeptStages(), Monitor(progress, cancelled)
     points, corners = (each.copy() for each in checked_arrays(vertices, faces))  # what is kept must not change
+    plain = replace(settings, contacts="keep", part_here=None, keep_joined=None)
+    suspected = settings.contacts == "open" and rest is None and _suspected(points, corners, plain, kept, monitor)
+    if not suspected and settings.part_here is None:
+        result = compute(points, corners, plain, rest=rest, keep=kept, progress=monitor.report, cancelled=cancelled)
+        _add_timings(result, monitor)
+        return result
     chosen = settings.feature_points
     if chosen is not None:  # rejected before the search, not after it
         known_bodies(points, corners, Monitor(cancelled=cancelled), together=settings.together, features=chosen)
-    plain = Settings(pieces=settings.pieces, memory_limit=settings.memory_limit)  # whatever unfolds it later
-    searched = settings.contacts == "open" and rest is None
-    share = _LOOKED_FOR if searched else _MARKED
-    find = contacts_of if searched else _nothing_found
-    piece = monitor.piece(0.0, share, {})
-    found: Contacts = kept.take(
-        "Contacts",
-        [points, corners, repr(plain), searched],
-        lambda: find(points, corners, plain, kept, piece),
-        [],
-    )
-    found = _with_marks(found, settings)
+    share = _LOOKED_FOR if suspected else _MARKED
+    found = _found(points, corners, settings, kept, monitor.piece(0.0, share, {}), suspected)
+    mesh = found.parted(cancelled=cancelled) if found.touched.any() else None
+    doubts = _doubts(found, mesh, settings)
     how: dict[str, Any] = {
-        "keep": None if keep is None else kept.part("Parted"),
+        "keep": kept if mesh is None else kept.part("Parted"),
         "progress": lambda done, stage: monitor.report(share + (1 - share) * done, stage),
         "cancelled": cancelled,
     }
-    mesh = found.parted(cancelled=cancelled) if found.touched.any() else None
-    doubts: list[Message] = _doubts(found, mesh, settings, searched)
-    settings = replace(settings, contacts="keep", part_here=None, keep_joined=None)
     if mesh is None:
-        result = compute(points, corners, settings, rest=rest, **how)
-        result.warnings.extend(doubts)
+        result = compute(points, corners, plain, rest=rest, **how)
+        if found.explained:  # it is human, and has not the limbs of one
+            doubts.append(message("contacts_left"))
+        result.warnings[:0] = doubts
+        _add_timings(result, monitor)
         return result
     how["rest"] = None if rest is None else np.asarray(rest)[given_of(mesh)]
     if chosen is not None:
         numbers = rows_on_given(mesh, found.vertices, found.representative)
-        settings = replace(settings, feature_points=[int(numbers[each]) for each in chosen])
-    result = compute(mesh.vertices, mesh.faces, settings, mesh, found, **how)
-    own: list[Message] = [
-        each for each in result.warnings if each.kind not in _REPAIRS
-    ]  # those are of what was made here
+        plain = replace(plain, feature_points=[int(numbers[each]) for each in chosen])
+    if rest is None and _suspected(mesh.vertices, mesh.faces, plain, how["keep"], monitor) and found.explained:
+        doubts.append(message("contacts_left"))
+    result = compute(mesh.vertices, mesh.faces, plain, mesh, found, **how)
+    own: list[Message] = [each for each in result.warnings if each.kind not in _REPAIRS]  # those are of what was made
     result.warnings[:] = [*doubts, *own, *found.warnings]
-    for stage, seconds in found.timings.items():
-        result.timings[stage] = result.timings.get(stage, 0.0) + seconds
+    _add_timings(result, monitor)
     whole = on_given(result, mesh, found.given)
     if chosen is not None and isinstance(whole, CanonicalForm | PosedLike):
         whole.feature_points[: len(chosen)] = chosen
     return whole
+
+
+def _suspected(points: FloatArray, faces: IntArray, settings: Settings, kept: KeptStages, monitor: Monitor) -> bool:
+    """Tell whether the largest body may have grown together; what that needs is kept for the run that follows."""
+
+    def report(done: float, stage: str) -> None:
+        monitor.report(_DETECTED * done, stage)
+
+    own = Monitor(report, monitor.is_cancelled, OPENING, kept)
+    own.timings = monitor.timings
+    bodies = opened(points, faces, settings, own)
+    areas = [surface_area(body.points, body.faces) for body in bodies.bodies]
+    largest = int(np.argmax(areas))
+    if len(bodies.bodies[largest].parts) > 1:  # parts that touch are apart already
+        return False
+
+    def eigenvalues(body: Body, chosen: IntArray | None, of_body: Monitor) -> FloatArray:
+        return body.features(chosen, settings, of_body).spectrum.eigenvalues
+
+    lowest = bodies.map(eigenvalues, own, DETECTION, bodies.chosen_vertices)
+    return may_have_grown_together(lowest[largest])
+
+
+def _found(
+    points: FloatArray, faces: IntArray, settings: Settings, kept: KeptStages, monitor: Monitor, searched: bool
+) -> Contacts:
+    """Find contacts, or read the mesh for its marks only, and add these."""
+    plain = Settings(pieces=settings.pieces, memory_limit=settings.memory_limit)  # whatever unfolds it later
+    find = contacts_of if searched else _nothing_found
+    sources = [points, faces, repr(plain), searched]
+    found: Contacts = kept.take("Contacts", sources, lambda: find(points, faces, plain, kept, monitor), [])
+    return _with_marks(found, settings)
+
+
+def _add_timings(result: CanonicalForm | PosedLike | Rigged | Match, monitor: Monitor) -> None:
+    """Add the seconds that were spent before a result was computed."""
+    for stage, seconds in monitor.timings.items():
+        result.timings[stage] = result.timings.get(stage, 0.0) + seconds
 
 
 def _nothing_found(
@@ -287,15 +327,11 @@ def _with_marks(found: Contacts, settings: Settings) -> Contacts:
     return replace(found, gone=gone, cut=pairs[part[pairs].all(axis=1)])
 
 
-def _doubts(found: Contacts, mesh: PartedMesh | None, settings: Settings, searched: bool) -> list[Message]:
+def _doubts(found: Contacts, mesh: PartedMesh | None, settings: Settings) -> list[Message]:
     """Say what was parted without being marked, what could not be, and what came off."""
     told: list[Message] = []
-    if searched and found.between:
+    if mesh is not None and found.between:
         told.append(message("contacts_opened", count=len(found.between)))
-    elif searched and not found.explained:
-        told.append(message("contacts_unknown"))
-    elif settings.contacts == "open" and not searched:
-        told.append(message("contacts_rest"))
     if settings.part_here is None:
         return told
     if mesh is None:

@@ -24,6 +24,7 @@ from .method_api.settings import Settings
 from .numerics.arrays import FloatArray, IntArray
 from .results import Match, MatchedSeams
 from .run.errors import CancelledError, CanonicalFormError
+from .run.kept_stages import KeptStages
 from .run.messages import Message, message
 from .run.monitor import Cancelled, Monitor, Progress
 
@@ -150,18 +151,18 @@ def match(
     Melzi and others, "ZoomOut", 2019, doi:10.1145/3355089.3356524; Eisenberger, Lähner and Cremers, "Smooth Shells",
     2020, doi:10.1109/CVPR42600.2020.01228; docs/method.md lists what is original to this project.
     """
-    settings = settings or Settings()
-    if settings.parts:
-        from .contacts import computed_open
-        from .fused.on_given import match_on_given
+    from .contacts import computed_open
+    from .fused.on_given import match_on_given
 
-        def compute(points: ArrayLike, corners: ArrayLike, own: Settings, *_: object, **how: Any) -> Match:
-            how.pop("keep")
-            return match(points, corners, other_vertices, other_faces, own, side=side, **how)
+    def compute(
+        points: ArrayLike, corners: ArrayLike, own: Settings, *_: object, rest: ArrayLike | None = None, **how: Any
+    ) -> Match:
+        monitor = Monitor(how["progress"], how["cancelled"])
+        others = (other_vertices, other_faces, own, side, monitor, 1.0)
+        return matched_bodies(points, corners, *others, rest=rest, keep=how["keep"]).match
 
-        return computed_open(compute, match_on_given, vertices, faces, settings, None, progress, cancelled, rest)
-    monitor = Monitor(progress, cancelled)
-    return matched_bodies(vertices, faces, other_vertices, other_faces, settings, side, monitor, 1.0, rest=rest).match
+    wanted = settings or Settings()
+    return computed_open(compute, match_on_given, vertices, faces, wanted, None, progress, cancelled, rest)
 
 
 def matched_bodies(
@@ -175,6 +176,7 @@ def matched_bodies(
     share: float,
     *,
     rest: ArrayLike | None = None,
+    keep: KeptStages | None = None,
 ) -> MatchedBodies:
     """Unfold two meshes and match their bodies, the largest with the largest, and so on.
 
@@ -188,6 +190,8 @@ def matched_bodies(
         Share of the whole run that this takes.
     rest : (n, 3) array_like of float, optional
         Positions of the first mesh in the rest pose of a rig, as in `canonical_form`.
+    keep : KeptStages, optional
+        Results of earlier runs on the first mesh.
 
     Returns
     -------
@@ -208,7 +212,7 @@ def matched_bodies(
     """
     settings = settings or Settings()
     require_side(side)
-    pair = unfolded_pair(vertices, faces, other_vertices, other_faces, settings, monitor, share, rest=rest)
+    pair = unfolded_pair(vertices, faces, other_vertices, other_faces, settings, monitor, share, rest=rest, keep=keep)
     bodies, others, surfaces, other_surfaces, pairs, other_warnings = pair
     maps: list[PointMap] = []
     ways: list[Side] = []
@@ -239,6 +243,7 @@ def unfolded_pair(
     share: float,
     *,
     rest: ArrayLike | None = None,
+    keep: KeptStages | None = None,
 ) -> UnfoldedPair:
     """Find the bodies of two meshes and their forms, and pair them, the largest with the largest, and so on.
 
@@ -246,6 +251,8 @@ def unfolded_pair(
     ----------
     vertices, faces, other_vertices, other_faces, settings, monitor, share, rest
         As in `matched_bodies`.
+    keep : KeptStages, optional
+        Results of earlier runs on the first mesh.
 
     Returns
     -------
@@ -259,7 +266,7 @@ def unfolded_pair(
     """
     settings = method_named(settings.method).settings(settings)
     require_match_memory(_count(vertices), _count(other_vertices), settings)
-    one = monitor.piece(0.0, UNFOLDED / 2 * share, OPENING)
+    one = monitor.piece(0.0, UNFOLDED / 2 * share, OPENING, keep)
     two = monitor.piece(UNFOLDED / 2 * share, UNFOLDED * share, OPENING)
     bodies, surfaces = unfolded_bodies(vertices, faces, settings, one, rest)
     try:

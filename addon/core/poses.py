@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from .assembly.gathering import gathered_features, shaped
 from .deformation.elastic_body import ElasticBody
 from .deformation.struts import struts_through
-from .matches import matched_bodies
+from .matches import MatchedBodies, matched_bodies
 from .matching.point_map import PointMap
 from .matching.unfolded import Unfolded
 from .measures.form_measures import median_distortion
@@ -90,23 +90,24 @@ def pose_like(
     ----------
     Sumner and Popović, "Deformation Transfer for Triangle Meshes", 2004, doi:10.1145/1015706.1015736.
     """
-    pose = reference_vertices if reference_pose is None else reference_pose
-    settings = settings or Settings()
-    if settings.parts:
-        from .contacts import computed_open
-        from .fused.on_given import pose_on_given
+    from .contacts import computed_open
+    from .fused.on_given import pose_on_given
 
-        def compute(points: ArrayLike, corners: ArrayLike, own: Settings, *_: object, **how: Any) -> PosedLike:
-            how.pop("keep")
-            like = (reference_vertices, reference_faces)
-            return pose_like(points, corners, *like, own, side=side, reference_pose=pose, **how)
+    pose = _wanted(reference_vertices if reference_pose is None else reference_pose, reference_vertices)
 
-        return computed_open(compute, pose_on_given, vertices, faces, settings, None, progress, cancelled, rest)
-    monitor = Monitor(progress, cancelled)
-    wanted = _wanted(pose, reference_vertices)
-    found = matched_bodies(
-        vertices, faces, reference_vertices, reference_faces, settings, side, monitor, _MATCHED, rest=rest
-    )
+    def compute(
+        points: ArrayLike, corners: ArrayLike, own: Settings, *_: object, rest: ArrayLike | None = None, **how: Any
+    ) -> PosedLike:
+        monitor, others = Monitor(how["progress"], how["cancelled"]), (reference_vertices, reference_faces)
+        found = matched_bodies(points, corners, *others, own, side, monitor, _MATCHED, rest=rest, keep=how["keep"])
+        return _pose_of(found, pose, monitor)
+
+    wanted = settings or Settings()
+    return computed_open(compute, pose_on_given, vertices, faces, wanted, None, progress, cancelled, rest)
+
+
+def _pose_of(found: MatchedBodies, wanted: FloatArray, monitor: Monitor) -> PosedLike:
+    """Put bodies into the pose of those that they are matched with. `wanted` (n', 3): positions of the latter."""
     shapes = [body.points for body in found.bodies.bodies]
     count = len(found.maps)
     for number, ((here, there), each) in enumerate(zip(found.pairs, found.maps, strict=True)):

@@ -166,7 +166,9 @@ def fitted_skeleton(
 
     def unfold() -> UnfoldedPair:
         own, triangles = _own(vertices), _own(faces)  # they are kept
-        return unfolded_pair(own, triangles, whole.vertices, whole.faces, settings, monitor, share, rest=rest)
+        return unfolded_pair(
+            own, triangles, whole.vertices, whole.faces, settings, monitor, share, rest=rest, keep=kept
+        )
 
     pair = kept.take("Forms", [vertices, faces, repr(settings), rest, *whole[:2]], unfold, monitor.warnings)
     here, there = pair.pairs[0]

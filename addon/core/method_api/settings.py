@@ -47,9 +47,9 @@ class Settings:
         Orientation of the form: that of the input, or determined by the surface, equal for all poses: Z up, facing -Y.
     max_iterations : int
         Maximum number of majorisation steps.
-    contacts : {'keep', 'open'}
-        Whether skin that has grown together, such as that of a hand on a hip in a scan, is opened for the form of a
-        human body.
+    contacts : {'open', 'keep'}
+        Whether skin that has grown together, such as that of a hand on a hip in a scan, is parted for the result where
+        a human body looks like it.
     part_here : sequence of int, optional
         Vertices between which the mesh is parted before anything is computed: triangles with three of them are taken
         out, and edges with two are cut. Both lips are closed.
@@ -141,12 +141,12 @@ class Settings:
     )
     max_iterations: int = option(300, "Iterations", "Maximum number of minimisation steps", low=0, soft_high=1000)
     contacts: str = option(
-        "keep",
+        "open",
         "Grown Together",
         "What is done where skin has grown together, such as that of a hand on a hip in a scan",
         choices=(
-            Choice("keep", "Keep", "Leave it: the form keeps the pose there"),
-            Choice("open", "Open", "Find it on a human body, and part it for the form; takes some seconds more"),
+            Choice("open", "Open", "Part it for the result, if a human body looks like it; takes some seconds then"),
+            Choice("keep", "Keep", "Leave it, unless it is marked: the result keeps the pose there"),
         ),
     )
     part_here: Sequence[int] | IntArray | None = None

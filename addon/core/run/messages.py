@@ -76,9 +76,8 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
         "Skin has probably grown together in 1 place. It was parted there.",
         "Skin has probably grown together in {count} places. It was parted there.",
     ),
-    "contacts_rest": "A rig tells what belongs together: where skin has grown together was not looked for.",
     "contacts_largest": "Where skin has grown together was looked for on the largest body only.",
-    "contacts_unknown": "Where skin has grown together is known of human bodies in one piece only. Nothing was parted.",
+    "contacts_left": "Some arms or legs have probably grown together with the body still. Mark where with Part Here.",
     "part_here_nothing": "No face and no edge is marked with all of its vertices: nothing was parted.",
     "part_here_loose": (
         "The marks cut 1 piece off. If it is not to come off, unmark some of its rim.",

@@ -72,18 +72,20 @@ class Monitor:
             self.timings[name] = self.timings.get(name, 0.0) + perf_counter() - began
             self._name, self._span = around
 
-    def piece(self, begin: float, end: float, plan: Plan) -> Monitor:
+    def piece(self, begin: float, end: float, plan: Plan, keep: KeptStages | None = None) -> Monitor:
         """Make a monitor for one piece of the work that remains after the stages so far.
 
         `begin, end`: fractions of the remaining work that are done before and after the piece, 0 to 1; `plan`: the
-        stages of the piece.
+        stages of the piece; `keep`: results of earlier runs on it, where they are not a part of those of the whole.
         """
         first = max((stop for name, (_, stop) in self._spans.items() if name in self.timings), default=0.0)
 
         def report(done: float, stage: str) -> None:
             self.report(first + (1 - first) * (begin + (end - begin) * done), stage)
 
-        own = Monitor(report, self._cancelled, plan, None if self._keep is None else self._keep.part(self._pieces))
+        if keep is None and self._keep is not None:
+            keep = self._keep.part(self._pieces)
+        own = Monitor(report, self._cancelled, plan, keep)
         self._pieces += 1
         own.timings = self.timings
         return own
