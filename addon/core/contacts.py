@@ -208,7 +208,8 @@ def computed_open(
     """
     settings = method_named(settings.method).settings(settings)
     kept, monitor = keep or KeptStages(), Monitor(progress, cancelled)
-    points, corners = (each.copy() for each in checked_arrays(vertices, faces))  # what is kept must not change
+    points, corners = checked_arrays(vertices, faces)
+    points, corners = points.copy(), corners.copy()  # what is kept must not change
     plain = replace(settings, contacts="keep", part_here=None, keep_joined=None)
     suspected = settings.contacts == "open" and rest is None and _suspected(points, corners, plain, kept, monitor)
     if not suspected and settings.part_here is None:
@@ -219,9 +220,9 @@ def computed_open(
     if chosen is not None:  # rejected before the search, not after it
         known_bodies(points, corners, Monitor(cancelled=cancelled), together=settings.together, features=chosen)
     share = _LOOKED_FOR if suspected else _MARKED
-    found = _found(points, corners, settings, kept, monitor.piece(0.0, share, {}), suspected)
+    found: Contacts = _found(points, corners, settings, kept, monitor.piece(0.0, share, {}), suspected)
     mesh = found.parted(cancelled=cancelled) if found.touched.any() else None
-    doubts = _doubts(found, mesh, settings)
+    doubts: list[Message] = _doubts(found, mesh, settings)
     how: dict[str, Any] = {
         "keep": kept if mesh is None else kept.part("Parted"),
         "progress": lambda done, stage: monitor.report(share + (1 - share) * done, stage),

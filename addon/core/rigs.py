@@ -165,10 +165,8 @@ def fitted_skeleton(
     whole = figure() if reference is None else checked_rig(reference)
 
     def unfold() -> UnfoldedPair:
-        own, triangles = _own(vertices), _own(faces)  # they are kept
-        return unfolded_pair(
-            own, triangles, whole.vertices, whole.faces, settings, monitor, share, rest=rest, keep=kept
-        )
+        own = _own(vertices), _own(faces)  # they are kept
+        return unfolded_pair(*own, whole.vertices, whole.faces, settings, monitor, share, rest=rest, keep=kept)
 
     pair = kept.take("Forms", [vertices, faces, repr(settings), rest, *whole[:2]], unfold, monitor.warnings)
     here, there = pair.pairs[0]

@@ -115,10 +115,11 @@ def candidates(
     bodies. Where no fit of the adult is good, other builds are tried.
 
     `one`: the body; `builds`: gives the reference in other proportions; `fused`: whether its skin may have grown
-    together: where no match that leaves it as it stands is good, others are tried, as its file may lie.
+    together: only the likeliest way is fitted in full; where no match that leaves it as it stands is good, others are
+    tried, as its file may lie.
     """
     some, whole = _skin(one, _ROWS), _skin(one, None)
-    found = _fits(one, some, adult, monitor)
+    found = _fits(one, some, adult, monitor, enough=GOOD if fused else None)
     if fused and min(each.cost for each in found) > GOOD:
         found += _fits(one, some, adult, monitor, standing=False)
         found = [each._replace(stands=False) for each in found]
@@ -128,7 +129,7 @@ def candidates(
         for number, build in enumerate(others, start=1):
             found += _fits(one, some, build, monitor)
             monitor.tick(_ALONE + (1 - _ALONE) * number / len(others))
-    apart = _facing_apart(sorted(found, key=lambda each: each.cost))
+    apart = _facing_apart(sorted(found, key=lambda each: each.cost))[: 1 if fused else None]
     again = [_fit(whole, each.reference, each.found, each.turned, each.stands, monitor) for each in apart]
     return sorted(again, key=lambda each: each.cost)
 
@@ -176,17 +177,28 @@ def _skin(one: Unfolded, count: int | None) -> _Skin:
 
 
 def _fits(
-    one: Unfolded, skin: _Skin, reference: Reference, monitor: Monitor, *, standing: bool = True
+    one: Unfolded,
+    skin: _Skin,
+    reference: Reference,
+    monitor: Monitor,
+    *,
+    standing: bool = True,
+    enough: float | None = None,
 ) -> list[Candidate]:
     """Fit the skeleton of one reference by its likeliest matches, both ways round.
 
-    `standing`: only by those that leave the body as it stands, if there are any.
+    `standing`: only by those that leave the body as it stands, if there are any; `enough`: cost up to which no other
+    match is tried.
     """
     quiet = Monitor(cancelled=monitor.is_cancelled)  # what is counted is references
     ways = scored_sides(one, reference.body, quiet)
     upright = [way for way in ways if _standing(one, way, reference) > _STANDING] if standing else ways
-    maps = [_matched(one, reference, way, quiet) for way in (upright or ways)[:_MAPS]]
-    return [_fit(skin, reference, found, turned, bool(upright), quiet) for found in maps for turned in (False, True)]
+    fits: list[Candidate] = []
+    for way in (upright or ways)[:_MAPS]:
+        if enough is None or not fits or min(each.cost for each in fits) > enough:
+            found = _matched(one, reference, way, quiet)
+            fits += [_fit(skin, reference, found, turned, bool(upright), quiet) for turned in (False, True)]
+    return fits
 
 
 def _fit(
