@@ -26,7 +26,7 @@ from addon.blender.transfer import transfer_item  # noqa: E402
 from addon.blender.words import advice, wording  # noqa: E402
 from addon.core.method_api.catalogue import methods  # noqa: E402
 from addon.core.run.messages import sentences  # noqa: E402
-from addon.interface import pose_operators, tool_operators  # noqa: E402
+from addon.interface import contact_operators, pose_operators, tool_operators  # noqa: E402
 
 TEXTS = ROOT / "tools" / "languages"
 PACKED = ROOT / "addon" / "languages"
@@ -77,6 +77,7 @@ def messages() -> tuple[list[str], set[str]]:
     found = [*(each for pair in pairs for each in pair), *literals(), *sentences(), "Starting", wording.NAMED_STAGE]
     found += [*advice.ADVICE.values(), advice._NO_MEMORY, *transfer_item.CALLED.values()]
     found += [*pose_operators._DESCRIPTIONS.values(), *tool_operators._DESCRIPTIONS.values()]
+    found += contact_operators._DESCRIPTIONS.values()
     for method in methods().values():
         found += [method.label, method.help]
     said = list(dict.fromkeys(each for each in found if any(letter.isalpha() for letter in each)))

@@ -270,7 +270,7 @@ class VIEW3D_PT_canonical_form_advanced(Tab, bpy.types.Panel):
 
 def _estimate(chosen: bpy.types.PropertyGroup, objects: list[bpy.types.Object]) -> str:
     """Estimate memory and time of a run."""
-    asked = ("method", "quality", "landmark_count", "contacts", "pieces")
+    asked = ("method", "quality", "landmark_count", "pieces")
     settings = Settings(**{name: chosen_value(chosen, name) for name in asked})
     counts = [len(obj.data.vertices) for obj in objects]
     runs = counts if chosen.objects == "EACH" else [sum(counts)]

@@ -19,6 +19,7 @@ CHARACTER = [path for path in FILES if path.suffix == ".glb"]
 sys.path[:0] = [str(Path(__file__).resolve().parent), str(Path(__file__).resolve().parents[2])]
 
 from tests.window.character import character, several_objects, state  # noqa: E402
+from tests.window.contacts import contacts  # noqa: E402
 from tests.window.driving import drive  # noqa: E402
 from tests.window.first_minute import first_minute  # noqa: E402
 from tests.window.hand import UNIT, Hand  # noqa: E402
@@ -226,6 +227,8 @@ def session():
     yield from meanwhile(before)
     step("the longest gap on the main thread")
     yield from gaps()
+    step("skin that has grown together")
+    yield from contacts(hand, state, compute, wait_for_the_end)
     step("a character of many pieces, its armature active")
     yield from character(hand, CHARACTER, compute)
     step("the same as several objects")

@@ -12,6 +12,7 @@ from .wording import told, told_message
 _DISSOLVE = "Mesh > Clean Up > Degenerate Dissolve"
 _MERGE = "Mesh > Merge > By Distance"
 _DECIMATE = "Apply a Decimate modifier to reduce the mesh."
+_PART = "Grown Together > Part Here parts it (--part-here in a terminal)."
 _ANYWAY = "Write Anyway (--anyway in a terminal) keeps it."
 ADVICE = {  # by message kind
     "repeated_corners": f"{_DISSOLVE} removes such faces.",
@@ -25,7 +26,8 @@ ADVICE = {  # by message kind
     "singular": f"{_MERGE} and {_DISSOLVE} may repair it.",
     "inaccurate_spectrum": f"{_MERGE} and {_DISSOLVE} may repair it.",
     "spectrum_diverged": f"{_MERGE} and {_DISSOLVE} may repair it.",
-    "handles": "Advanced > Grown Together: Open parts it on a human body.",
+    "handles": _PART,
+    "contacts_left": _PART,
     "stance_parts": _ANYWAY,
     "stance_unlike": _ANYWAY,
     "stance_unlikely": _ANYWAY,

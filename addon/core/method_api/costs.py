@@ -11,7 +11,6 @@ _SMALL = (0.08, 0.4e-6)  # gigabytes, and per vertex: the work on the coarse mes
 _LARGE = (0.04, 0.85e-6)  # the rounds of coarsening, which take more from about 160,000 vertices on
 _MATCH = 0.5e-6  # gigabytes in addition to the larger form, per vertex of both, measured with a pose
 _MATCH_SECONDS = (2.5, 6e-5)  # in addition to the two forms, and per vertex
-_CONTACTS = (6.0, 5e-5)  # seconds in which contacts are looked for, and per vertex, measured
 _LANDMARK_BYTES = 40.0  # a distance of each vertex from each landmark, and the work to place the vertex by them
 _WHOLE = 1.5e-5  # gigabytes per vertex where all are working vertices of an elastic body, measured
 _USUAL_PATCHES = 5
@@ -53,10 +52,9 @@ def time_estimate(vertex_count: int, settings: Settings) -> float:
     >>> f"{time_estimate(100_000, Settings()):.1f} s"
     '3.3 s'
     """
-    looked_for = _CONTACTS[0] + _CONTACTS[1] * vertex_count if settings.contacts == "open" else 0.0
     if _grows_squared(settings):
-        return looked_for + 1.0 + 2e-7 * vertex_count**2
-    return looked_for + (0.4 if settings.quality == "draft" else 0.8) + 2.5e-5 * vertex_count
+        return 1.0 + 2e-7 * vertex_count**2
+    return (0.4 if settings.quality == "draft" else 0.8) + 2.5e-5 * vertex_count
 
 
 def require_memory(vertex_count: int, settings: Settings) -> None:

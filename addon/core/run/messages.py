@@ -77,7 +77,7 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
         "Skin has probably grown together in {count} places. It was parted there.",
     ),
     "contacts_largest": "Where skin has grown together was looked for on the largest body only.",
-    "contacts_left": "Some arms or legs have probably grown together with the body still. Mark where with Part Here.",
+    "contacts_left": "Some arms or legs have probably grown together with the body still.",
     "part_here_nothing": "No face and no edge is marked with all of its vertices: nothing was parted.",
     "part_here_loose": (
         "The marks cut 1 piece off. If it is not to come off, unmark some of its rim.",
