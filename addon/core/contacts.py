@@ -16,7 +16,7 @@ from .fused.contact_faces import contact_faces, contacts_between
 from .fused.explained_skin import explained_skin
 from .fused.on_given import Given, given_of, rows_on_given
 from .fused.parting import piece_count
-from .fused.suspicion import may_have_grown_together
+from .fused.suspicion import SUSPECT, unlike_whole_human
 from .mesh.edges import vertex_pairs
 from .mesh.geometry import checked_arrays, surface_area
 from .mesh.tables import rows_in
@@ -41,6 +41,8 @@ Found = TypeVar("Found", "CanonicalForm", "PosedLike", "Rigged", "Match")
 _UNFOLDED = 0.4  # of the work
 _LOOKED_FOR = 0.8  # the same, where something is computed afterwards
 _MARKED = 0.1  # the same, where nothing is searched for
+_FEWEST = 3  # feature points of a body that may be human: head and feet; a tube has two
+_WORSE = 1.1  # times as unlike a whole human: what is parted must not be
 _DETECTED = 0.4  # the same, where feature points and patches are found
 _NO_EDGES = np.empty((0, 2), dtype=np.int64)
 _FOREIGN = 0.012  # residual above which the mannequin does not explain the body: humans have .006 to .009
@@ -211,48 +213,50 @@ def computed_open(
     points, corners = checked_arrays(vertices, faces)
     points, corners = points.copy(), corners.copy()  # what is kept must not change
     plain = replace(settings, contacts="keep", part_here=None, keep_joined=None)
-    suspected = settings.contacts == "open" and rest is None and _suspected(points, corners, plain, kept, monitor)
-    if not suspected and settings.part_here is None:
+    looked_at = settings.contacts == "open" and rest is None
+    unlike = _unlike(points, corners, plain, kept, monitor) if looked_at else 0.0
+    if unlike <= SUSPECT and settings.part_here is None:
         result = compute(points, corners, plain, rest=rest, keep=kept, progress=monitor.report, cancelled=cancelled)
         _add_timings(result, monitor)
         return result
     chosen = settings.feature_points
     if chosen is not None:  # rejected before the search, not after it
         known_bodies(points, corners, Monitor(cancelled=cancelled), together=settings.together, features=chosen)
-    share = _LOOKED_FOR if suspected else _MARKED
-    found: Contacts = _found(points, corners, settings, kept, monitor.piece(0.0, share, {}), suspected)
-    mesh = found.parted(cancelled=cancelled) if found.touched.any() else None
-    doubts: list[Message] = _doubts(found, mesh, settings)
+    share = _LOOKED_FOR if unlike > SUSPECT else _MARKED
+    found: Contacts = _found(points, corners, settings, kept, monitor.piece(0.0, share, {}), unlike > SUSPECT)
+    kept_parted = kept.part("Parted")
+    mesh: tuple[Contacts, PartedMesh] | None
+    doubts: list[Message]
+    mesh, doubts = _parted(found, settings, unlike, plain, kept_parted, monitor)
     how: dict[str, Any] = {
-        "keep": kept if mesh is None else kept.part("Parted"),
+        "keep": kept if mesh is None else kept_parted,
         "progress": lambda done, stage: monitor.report(share + (1 - share) * done, stage),
         "cancelled": cancelled,
     }
     if mesh is None:
         result = compute(points, corners, plain, rest=rest, **how)
-        if found.explained:  # it is human, and has not the limbs of one
-            doubts.append(message("contacts_left"))
         result.warnings[:0] = doubts
         _add_timings(result, monitor)
         return result
-    how["rest"] = None if rest is None else np.asarray(rest)[given_of(mesh)]
+    found, parted = mesh
+    how["rest"] = None if rest is None else np.asarray(rest)[given_of(parted)]
     if chosen is not None:
-        numbers = rows_on_given(mesh, found.vertices, found.representative)
+        numbers = rows_on_given(parted, found.vertices, found.representative)
         plain = replace(plain, feature_points=[int(numbers[each]) for each in chosen])
-    if rest is None and _suspected(mesh.vertices, mesh.faces, plain, how["keep"], monitor) and found.explained:
-        doubts.append(message("contacts_left"))
-    result = compute(mesh.vertices, mesh.faces, plain, mesh, found, **how)
-    own: list[Message] = [each for each in result.warnings if each.kind not in _REPAIRS]  # those are of what was made
+    result = compute(parted.vertices, parted.faces, plain, parted, found, **how)
+    own: list[Message] = [
+        each for each in result.warnings if each.kind not in _REPAIRS
+    ]  # those are of what was made here
     result.warnings[:] = [*doubts, *own, *found.warnings]
     _add_timings(result, monitor)
-    whole = on_given(result, mesh, found.given)
+    whole = on_given(result, parted, found.given)
     if chosen is not None and isinstance(whole, CanonicalForm | PosedLike):
         whole.feature_points[: len(chosen)] = chosen
     return whole
 
 
-def _suspected(points: FloatArray, faces: IntArray, settings: Settings, kept: KeptStages, monitor: Monitor) -> bool:
-    """Tell whether the largest body may have grown together; what that needs is kept for the run that follows."""
+def _unlike(points: FloatArray, faces: IntArray, settings: Settings, kept: KeptStages, monitor: Monitor) -> float:
+    """Measure how unlike a whole human the largest body is; what that needs is kept for the run that follows."""
 
     def report(done: float, stage: str) -> None:
         monitor.report(_DETECTED * done, stage)
@@ -263,13 +267,34 @@ def _suspected(points: FloatArray, faces: IntArray, settings: Settings, kept: Ke
     areas = [surface_area(body.points, body.faces) for body in bodies.bodies]
     largest = int(np.argmax(areas))
     if len(bodies.bodies[largest].parts) > 1:  # parts that touch are apart already
-        return False
+        return 0.0
 
-    def eigenvalues(body: Body, chosen: IntArray | None, of_body: Monitor) -> FloatArray:
-        return body.features(chosen, settings, of_body).spectrum.eigenvalues
+    def unlike(body: Body, chosen: IntArray | None, of_body: Monitor) -> float:
+        found = body.features(chosen, settings, of_body)
+        return unlike_whole_human(found.spectrum.eigenvalues) if len(found.features) >= _FEWEST else 0.0
 
-    lowest = bodies.map(eigenvalues, own, DETECTION, bodies.chosen_vertices)
-    return may_have_grown_together(lowest[largest])
+    return bodies.map(unlike, own, DETECTION, bodies.chosen_vertices)[largest]
+
+
+def _parted(
+    found: Contacts, settings: Settings, unlike: float, plain: Settings, kept: KeptStages, monitor: Monitor
+) -> tuple[tuple[Contacts, PartedMesh] | None, list[Message]]:
+    """Part a mesh, unless it is less like a whole human then than before, and say what is doubtful.
+
+    `unlike`: how unlike it is; `plain`: the settings of what is computed afterwards. Gives None if nothing is parted.
+    """
+    mesh = found.parted(cancelled=monitor.is_cancelled) if found.touched.any() else None
+    if unlike > SUSPECT and mesh is not None:
+        plain = replace(plain, feature_points=None)
+        after = _unlike(mesh.vertices, mesh.faces, plain, kept, monitor)
+        if found.between and after > _WORSE * unlike:
+            found = _with_marks(replace(found, gone=np.zeros_like(found.gone), between=[]), settings)
+            mesh = found.parted(cancelled=monitor.is_cancelled) if found.touched.any() else None
+        unlike = min(unlike, after)
+    doubts = _doubts(found, mesh, settings)
+    if found.explained and unlike > SUSPECT:
+        doubts.append(message("contacts_left"))
+    return (None if mesh is None else (found, mesh)), doubts
 
 
 def _found(
@@ -284,8 +309,11 @@ def _found(
 
 
 def _add_timings(result: CanonicalForm | PosedLike | Rigged | Match, monitor: Monitor) -> None:
-    """Add the seconds that were spent before a result was computed."""
-    for stage, seconds in monitor.timings.items():
+    """Add the seconds that were spent before a result was computed, in the order in which they were."""
+    later = dict(result.timings)
+    result.timings.clear()
+    result.timings.update(monitor.timings)
+    for stage, seconds in later.items():
         result.timings[stage] = result.timings.get(stage, 0.0) + seconds
 
 

@@ -154,6 +154,8 @@ def match(
     from .contacts import computed_open
     from .fused.on_given import match_on_given
 
+    require_side(side)
+
     def compute(
         points: ArrayLike, corners: ArrayLike, own: Settings, *_: object, rest: ArrayLike | None = None, **how: Any
     ) -> Match:

@@ -12,6 +12,7 @@ from .deformation.elastic_body import ElasticBody
 from .deformation.struts import struts_through
 from .matches import MatchedBodies, matched_bodies
 from .matching.point_map import PointMap
+from .matching.sides import require_side
 from .matching.unfolded import Unfolded
 from .measures.form_measures import median_distortion
 from .mesh.geometry import moved_by_frames, vertex_areas
@@ -93,6 +94,7 @@ def pose_like(
     from .contacts import computed_open
     from .fused.on_given import pose_on_given
 
+    require_side(side)
     pose = _wanted(reference_vertices if reference_pose is None else reference_pose, reference_vertices)
 
     def compute(
