@@ -17,6 +17,7 @@ from .fused.explained_skin import explained_skin
 from .fused.on_given import Given, given_of, rows_on_given
 from .fused.parting import piece_count
 from .fused.suspicion import SUSPECT, unlike_whole_human
+from .mesh.connectivity import component_labels
 from .mesh.edges import vertex_pairs
 from .mesh.geometry import checked_arrays, surface_area
 from .mesh.tables import rows_in
@@ -45,6 +46,7 @@ _FEWEST = 3  # feature points of a body that may be human: head and feet; a tube
 _WORSE = 1.1  # times as unlike a whole human: what is parted must not be
 _DETECTED = 0.4  # the same, where feature points and patches are found
 _NO_EDGES = np.empty((0, 2), dtype=np.int64)
+_HOPELESS = 0.016  # residual by a match above which limbs need not be searched for: humans have up to .0126
 _FOREIGN = 0.012  # residual above which the mannequin does not explain the body: humans have .006 to .009
 _REPAIRS = ("repeated_corners", "coincident_borders", "duplicate_faces", "inconsistent_faces", "rounded_positions")
 _PLAN = {"Ways to face": 3, "Limbs": 3, "Contacts": 1}
@@ -145,7 +147,9 @@ def contacts_of(
                 lambda: unfolded_reference(figure, settings, Monitor(cancelled=piece.is_cancelled)), piece.warnings
             )  # fmt: skip
             best = candidates(one, human, lambda: [], piece, fused=True)[0]
-        own, held, residual = explained_skin(one, human, best.fit.bones, piece)
+        own, held, residual = places[body.vertices], np.empty(0, dtype=np.int64), best.residual
+        if residual <= _HOPELESS:
+            own, held, residual = explained_skin(one, human, best.fit.bones, piece)
         explained = residual <= _FOREIGN
         if explained:
             with piece.stage("Contacts"):
@@ -212,6 +216,7 @@ def computed_open(
     kept, monitor = keep or KeptStages(), Monitor(progress, cancelled)
     points, corners = checked_arrays(vertices, faces)
     points, corners = points.copy(), corners.copy()  # what is kept must not change
+    _require_marks(settings, len(points))
     plain = replace(settings, contacts="keep", part_here=None, keep_joined=None)
     looked_at = settings.contacts == "open" and rest is None
     unlike = _unlike(points, corners, plain, kept, monitor) if looked_at else 0.0
@@ -220,15 +225,16 @@ def computed_open(
         _add_timings(result, monitor)
         return result
     chosen = settings.feature_points
-    if chosen is not None:  # rejected before the search, not after it
-        known_bodies(points, corners, Monitor(cancelled=cancelled), together=settings.together, features=chosen)
+    if chosen is not None or rest is not None:  # rejected before the search, not after it
+        how: dict[str, Any] = {"together": settings.together, "features": chosen, "rest": rest}
+        known_bodies(points, corners, Monitor(cancelled=cancelled), **how)
     share = _LOOKED_FOR if unlike > SUSPECT else _MARKED
     found: Contacts = _found(points, corners, settings, kept, monitor.piece(0.0, share, {}), unlike > SUSPECT)
     kept_parted = kept.part("Parted")
     mesh: tuple[Contacts, PartedMesh] | None
     doubts: list[Message]
     mesh, doubts = _parted(found, settings, unlike, plain, kept_parted, monitor)
-    how: dict[str, Any] = {
+    how = {
         "keep": kept if mesh is None else kept_parted,
         "progress": lambda done, stage: monitor.report(share + (1 - share) * done, stage),
         "cancelled": cancelled,
@@ -345,15 +351,31 @@ def _with_marks(found: Contacts, settings: Settings) -> Contacts:
     def marked(name: str) -> BoolArray:
         chosen, here = getattr(settings, name), np.zeros(len(found.vertices), dtype=bool)
         if chosen is not None:
-            if max(chosen) >= len(here):
-                raise InvalidSettingsError("vertex_range", name=name, last=len(here) - 1)
             here[found.representative[np.asarray(chosen)]] = True
         return here
 
     part, joined = marked("part_here"), marked("keep_joined")
+    part[_all_marked(found, part)] = False  # nothing would be left of it
     gone = (found.gone & ~joined[found.faces].any(axis=1)) | part[found.faces].all(axis=1)
     pairs = vertex_pairs(found.faces[part[found.faces].any(axis=1)])
     return replace(found, gone=gone, cut=pairs[part[pairs].all(axis=1)])
+
+
+def _all_marked(found: Contacts, part: BoolArray) -> BoolArray:
+    """Tell which vertices are of a piece all of whose vertices are marked, (n,). `part` (n,): those that are."""
+    piece = component_labels(len(part), vertex_pairs(found.faces))
+    used = np.zeros(len(part), dtype=bool)
+    used[found.faces.ravel()] = True
+    left = np.bincount(piece, used & ~part) > 0
+    return used & ~left[piece]
+
+
+def _require_marks(settings: Settings, count: int) -> None:
+    """Require that marks are vertices of a mesh of `count`."""
+    for name in ("part_here", "keep_joined"):
+        chosen = getattr(settings, name)
+        if chosen is not None and max(chosen) >= count:
+            raise InvalidSettingsError("vertex_range", name=name, last=count - 1)
 
 
 def _doubts(found: Contacts, mesh: PartedMesh | None, settings: Settings) -> list[Message]:
@@ -363,7 +385,13 @@ def _doubts(found: Contacts, mesh: PartedMesh | None, settings: Settings) -> lis
         told.append(message("contacts_opened", count=len(found.between)))
     if settings.part_here is None:
         return told
+    marked = np.zeros(len(found.vertices), dtype=bool)
+    marked[found.representative[np.asarray(settings.part_here)]] = True
+    if _all_marked(found, marked).any():
+        told.append(message("part_here_all"))
+    elif mesh is None:
+        told.append(message("part_here_nothing"))
     if mesh is None:
-        return [*told, message("part_here_nothing")]
+        return told
     loose = piece_count(mesh.faces) - piece_count(found.faces)
     return [*told, message("part_here_loose", count=loose)] if loose > 0 else told

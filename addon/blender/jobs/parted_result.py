@@ -9,9 +9,11 @@ import bpy
 import numpy as np
 
 from ..mesh_items.palette import colours_of
+from ..objects.marked_contacts import KEEP_GROUP, PART_GROUP
 from ..objects.mesh_reading import Reading, read_mesh
 from ..records.form_report import patch_sizes
 from ..results.match_values import MatchValues
+from ..words.wording import told
 from .form_result import FormResult
 
 if TYPE_CHECKING:
@@ -66,8 +68,14 @@ def on_parted_object(target: bpy.types.Object, reading: Reading, result: FormRes
         return result
     parted = whole.parted
     if len(parted.representative) != len(reading.vertices):
+        stretched = told("Skin was parted, and is stretched here: only a single object without a mirror is cut.")
+        if stretched not in result.report.warnings:
+            result.report.warnings.append(stretched)
         return result
     rows, given = part_object(target, parted, whole.faces)
+    for name in (PART_GROUP, KEEP_GROUP):  # what they mark is done
+        if name in target.vertex_groups:
+            target.vertex_groups.remove(target.vertex_groups[name])
     vertices, faces = read_mesh(target.data)
     own, held = parted.result, rows >= 0
     number = np.zeros(len(parted.mesh.vertices), dtype=np.int64)

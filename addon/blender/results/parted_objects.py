@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from ...core.fused.on_given import Parted
     from ...core.numerics.arrays import BoolArray, IntArray
 
+_NORMALS = "canonical_form_normals"  # attribute for a while
+
 
 class Sources(NamedTuple):
     """What the vertices of a parted object are.
@@ -48,11 +50,15 @@ def part_object(obj: bpy.types.Object, parted: Parted, faces: IntArray) -> Sourc
     Sources
         What its vertices are now.
     """
+    normals = _keep_normals(obj.data)
     part = _Parting(obj.data, parted, faces)
     try:
-        return part.done()
+        found = part.done()
     finally:
         part.bm.free()
+    if normals:
+        _set_normals(obj.data)
+    return found
 
 
 class _Parting:
@@ -66,14 +72,17 @@ class _Parting:
         self.bm = bmesh.new()
         self.bm.from_mesh(mesh)
         self.given = list(self.bm.verts)
+        self.number = {vert: number for number, vert in enumerate(self.given)}  # lasts, unlike an index
+        self.old: set[bmesh.types.BMFace] = set()  # faces to be removed
+        self.normals = self.bm.loops.layers.float_vector.get(_NORMALS)
         self.vert_of: dict[int, bmesh.types.BMVert] = {}  # by row
         self.copies: dict[tuple[int, int], bmesh.types.BMVert] = {}  # by vertex as given and row
         self.made_from: dict[bmesh.types.BMVert, tuple[int, int]] = {}  # of new vertices: row, and vertex as given
 
     def done(self) -> Sources:
         """Part the mesh; return what its vertices are."""
-        whole, own_faces, old = self._whole_polygons(), list(self.bm.faces), []
-        moved = (self.rows != self.home[self.vertices]).any(axis=1)
+        whole, own_faces = self._whole_polygons(), list(self.bm.faces)
+        moved = ((self.rows != self.home[self.vertices]) | (self.rows < 0)).any(axis=1)
         changed = np.flatnonzero(np.bincount(self.polygons, moved, len(own_faces)))
         begin = np.searchsorted(self.polygons, np.arange(len(own_faces) + 1))  # triangles are listed by polygon
         for number in changed.tolist():
@@ -86,10 +95,13 @@ class _Parting:
                 corners, rows = [list(loops)], [[row_at[loop] for loop in loops]]
             for each, at in zip(corners, rows, strict=True):
                 if min(at) >= 0:
-                    self._add(face, [loops[loop] for loop in each], at)
-            old.append(face)
+                    self._add(face, [loops[loop] for loop in each], at, whole=bool(whole[number]))
+            self.old.add(face)
         self._close()
-        bmesh.ops.delete(self.bm, geom=old, context="FACES")
+        touched = {vert for face in self.old for vert in face.verts}
+        bmesh.ops.delete(self.bm, geom=list(self.old), context="FACES")
+        bare = [vert for vert in touched if vert.is_valid and not vert.link_edges]  # all its faces have copies
+        bmesh.ops.delete(self.bm, geom=bare, context="VERTS")
         return self._written()
 
     def _rows_of_corners(self, corners: IntArray, faces: IntArray) -> IntArray:
@@ -125,35 +137,46 @@ class _Parting:
         self.vert_of.setdefault(row, found)
         return found
 
-    def _add(self, like: bmesh.types.BMFace, loops: list[bmesh.types.BMLoop], rows: list[int]) -> None:
-        """Add a face like another one, with the data of its corners."""
-        verts = [self._vert(loop.vert.index, row) for loop, row in zip(loops, rows, strict=True)]
+    def _add(self, like: bmesh.types.BMFace, loops: list[bmesh.types.BMLoop], rows: list[int], *, whole: bool) -> None:
+        """Add a face like another one, with the data of its corners; of the whole of it, of its edges, too."""
+        verts = [self._vert(self.number[loop.vert], row) for loop, row in zip(loops, rows, strict=True)]
         if self.bm.faces.get(verts) is None:
             face = self.bm.faces.new(verts, like)
             for own, loop in zip(face.loops, loops, strict=True):
-                own.copy_from(loop)
+                if whole and own.edge != loop.edge:
+                    own.edge.copy_from(loop.edge)
+                own.copy_from(loop)  # Python's corner is not valid after that
 
     def _close(self) -> None:
         """Add the caps, with the data of the faces at their rims."""
         caps, beside = self.made.faces[self.made.first_of_caps :], given_of(self.made)
         for row in np.unique(caps).tolist():
+            if row in self.vert_of:
+                continue
             if self.made.origin[row] >= 0:
                 self._vert(int(beside[row]), row)
                 continue
             like = self.given[int(beside[row])]
             self.vert_of[row] = self.bm.verts.new(like.co, like)
-            self.made_from[self.vert_of[row]] = row, like.index
+            self.made_from[self.vert_of[row]] = row, int(beside[row])
         for corners in caps.tolist():
             verts = [self.vert_of[row] for row in corners]
             data = [_corner_at(vert, self.given[int(beside[row])]) for vert, row in zip(verts, corners, strict=True)]
-            if self.bm.faces.get(verts) is None:
+            there = self.bm.faces.get(verts)
+            if there in self.old:  # what was taken out is the cap
+                self.old.discard(there)
+                if _begins_with(there, verts[0]).link_loop_next.vert != verts[1]:
+                    there.normal_flip()
+            elif there is None:
                 face = self.bm.faces.new(verts, data[0].face)
                 for own, loop in zip(face.loops, data, strict=True):
                     own.copy_from(loop)
+                for own in face.loops if self.normals is not None else ():
+                    own[self.normals] = (0.0, 0.0, 0.0)  # as the surface has it
 
     def _written(self) -> Sources:
         """Write the mesh back; return what its vertices are."""
-        made = [self.made_from.get(vert, (-1, vert.index)) for vert in self.bm.verts]
+        made = [self.made_from[vert] if vert in self.made_from else (-1, self.number[vert]) for vert in self.bm.verts]
         rows, given = np.array(made, dtype=np.int64).T
         rows = np.where(rows < 0, self.home[given], rows)
         self.bm.to_mesh(self.mesh)
@@ -163,6 +186,29 @@ class _Parting:
         self.mesh.vertices.foreach_set("co", places.ravel())
         self.mesh.update()
         return Sources(rows, given)
+
+
+def _keep_normals(mesh: bpy.types.Mesh) -> bool:
+    """Keep custom normals as vectors, since they are stored relative to the surface; return whether there are any."""
+    if not mesh.has_custom_normals:
+        return False
+    vectors = np.empty(3 * len(mesh.loops), dtype=np.float32)
+    mesh.corner_normals.foreach_get("vector", vectors)
+    mesh.attributes.new(_NORMALS, "FLOAT_VECTOR", "CORNER").data.foreach_set("vector", vectors)
+    return True
+
+
+def _set_normals(mesh: bpy.types.Mesh) -> None:
+    """Set custom normals to vectors that were kept; those of zero are as the surface has them."""
+    vectors = np.empty((len(mesh.loops), 3), dtype=np.float32)
+    mesh.attributes[_NORMALS].data.foreach_get("vector", vectors.ravel())
+    mesh.attributes.remove(mesh.attributes[_NORMALS])
+    mesh.normals_split_custom_set(vectors.tolist())
+
+
+def _begins_with(face: bmesh.types.BMFace, vert: bmesh.types.BMVert) -> bmesh.types.BMLoop:
+    """Return the corner of a face at one of its vertices."""
+    return next(loop for loop in face.loops if loop.vert == vert)
 
 
 def _triangles(mesh: bpy.types.Mesh) -> tuple[IntArray, IntArray, IntArray]:

@@ -7,6 +7,7 @@ from typing import Any, ClassVar, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
+from ..mesh.connectivity import component_labels
 from ..mesh.edges import vertex_pairs
 from ..numerics.arrays import BoolArray, FloatArray, IntArray
 from ..numerics.factoring import factored
@@ -243,12 +244,13 @@ def _match_on_given(result: Points, rows: IntArray) -> Points:
 def _shape_of_all(mesh: PartedMesh, shape: FloatArray, given: Given) -> FloatArray:
     """Carry positions to all vertices as given: copies at seams too, and what is of no face stays. `shape` (n', 3)."""
     whole, used = given.vertices.copy(), np.unique(given.faces)
-    whole[used] = shape_on_given(mesh, shape, len(whole), given.faces)[used]
+    found = shape_on_given(mesh, shape, len(whole), given.faces)[used]
+    whole[used] = np.where(np.isfinite(found), found, whole[used])  # of a speck that was left out nothing is known
     return whole[given.representative]
 
 
 def _spanned(shape: FloatArray, lost: BoolArray, faces: IntArray) -> FloatArray:
-    """Span lost vertices between their neighbours, each in the mean of its own; those of no face stay."""
+    """Span lost vertices between their neighbours, each in the mean of its own; nan where none has a place."""
     from scipy.sparse import coo_matrix, diags
 
     used = np.zeros(len(shape), dtype=bool)
@@ -257,6 +259,11 @@ def _spanned(shape: FloatArray, lost: BoolArray, faces: IntArray) -> FloatArray:
     if len(inner) == 0:
         return shape
     pairs = vertex_pairs(faces)
+    piece = component_labels(len(shape), pairs)
+    placed = np.zeros(int(piece.max()) + 1, dtype=bool)
+    placed[piece[~lost]] = True
+    shape = np.where((lost & ~placed[piece])[:, None], np.nan, shape)
+    inner = inner[placed[piece[inner]]]
     both = np.concatenate([pairs, pairs[:, ::-1]])
     size = (len(shape), len(shape))
     beside = coo_matrix((np.ones(len(both)), (both[:, 0], both[:, 1])), shape=size).tocsr()[inner]

@@ -188,7 +188,7 @@ class Settings:
 
     @property
     def parts(self) -> bool:
-        """Whether the mesh is parted before anything is computed."""
+        """Whether the mesh may be parted before anything is computed."""
         return self.contacts == "open" or self.part_here is not None
 
     @property

@@ -20,7 +20,7 @@ from ..run.memory import require_pair_memory
 from ..run.monitor import Monitor
 from ..stress.majorisation import Majorisation
 
-_LETTER = {"quality": "full", "diffusion_time": 0.1}
+_LETTER = {"quality": "full", "diffusion_time": 0.1, "contacts": "keep"}
 
 
 def _form(found: SurfaceFeatures, settings: Settings, monitor: Monitor, *, closed: bool) -> MethodResult:

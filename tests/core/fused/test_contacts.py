@@ -10,15 +10,21 @@ from addon.core import (
     canonical_form,
     find_contacts,
     mannequin,
+    match,
+    pose_like,
     rig,
     stance_by_match,
 )
+from addon.core.fused.suspicion import SUSPECT, unlike_whole_human
 from addon.core.measures.alignment import rigid_fit
 from addon.core.mesh.edges import edge_table
 from addon.core.mesh.geometry import surface_area, vertex_areas
 from addon.core.mesh.repair import repaired
-from tests.meshes import shapes
+from addon.core.method_api.surface_features import detected
+from addon.core.run.monitor import Monitor
+from tests.meshes import shapes, tubes
 from tests.meshes.fused import fused_figure
+from tests.meshes.rings import ring
 
 
 @pytest.fixture(scope="module")
@@ -88,10 +94,49 @@ def test_a_whole_figure_has_none(arms, kept):
 
 def test_of_what_is_no_human_nothing_is_known(kept):
     vertices, faces = shapes.sphere(3)
-    form = canonical_form(vertices, faces, Settings(contacts="open"), keep=kept)
-    assert len(form.contacts) == 0
-    assert any(each.kind == "contacts_unknown" for each in form.warnings)
-    assert np.array_equal(form.vertices, canonical_form(vertices, faces).vertices)
+    found = find_contacts(vertices, faces, keep=kept)
+    assert not found.explained
+    assert not found.gone.any()
+
+
+@pytest.mark.parametrize("mesh", ["sphere", "ring", "tube", "mannequin"])
+def test_what_is_not_suspected_is_computed_as_it_is(mesh):
+    """To the bit, and with the same warnings; a ring has a handle by nature, a tube is no body without arms."""
+    vertices, faces = {
+        "sphere": lambda: shapes.sphere(3),
+        "ring": lambda: ring()[:2],
+        "tube": lambda: tubes.tube(tubes.double_bend, 16, 100),
+        "mannequin": lambda: mannequin(40.0),
+    }[mesh]()
+    kept, opened = (canonical_form(vertices, faces, Settings(contacts=way)) for way in ("keep", "open"))
+    assert opened.parted is None
+    np.testing.assert_array_equal(opened.vertices, kept.vertices)
+    assert opened.warnings == kept.warnings
+    assert list(opened.timings) == list(kept.timings)
+
+
+def test_bodies_are_suspected_by_their_limbs_alone(fused):
+    """A whole figure is not, in any pose and size; one whose arms have grown together with its sides is."""
+
+    def unlike(vertices, faces):
+        found = detected(vertices, faces, None, Settings(), Monitor())
+        return unlike_whole_human(found.spectrum.eigenvalues)
+
+    whole = [unlike(scale * vertices, faces) for scale, (vertices, faces) in ((1, mannequin()), (9, mannequin(50.0)))]
+    assert max(whole) < SUSPECT < unlike(*fused[:2])
+    assert unlike_whole_human(np.array([0.0, 5.0])) == 0
+    assert unlike_whole_human(np.array([0.0, 20, 40, 60, 80, 100, 120])) == 0  # too stout for a human
+
+
+def test_a_cut_that_makes_no_human_of_it_is_not_believed(fused, kept, monkeypatch):
+    """It is told that limbs have grown together instead."""
+    from addon.core import contacts as module
+
+    measured = iter([0.2, 0.25])
+    monkeypatch.setattr(module, "unlike_whole_human", lambda _: next(measured))
+    form = canonical_form(fused[0], fused[1], keep=kept)
+    assert form.parted is None
+    assert [each.kind for each in form.warnings if each.kind.startswith("contacts")] == ["contacts_left"]
 
 
 def test_where_it_stands_decides_nothing(fused, contacts, kept):
@@ -149,7 +194,22 @@ def test_what_the_caller_changes_later_is_not_kept(fused, kept):
 
 def test_a_rig_is_believed(fused):
     form = canonical_form(fused[0], fused[1], Settings(contacts="open", quality="draft"), rest=fused[0])
-    assert any(each.kind == "contacts_rest" for each in form.warnings)
+    assert form.parted is None
+
+
+def test_matches_and_other_poses_are_those_of_the_parted_body(fused):
+    vertices, faces, origin = fused
+    there, triangles = mannequin()
+    apart = {}
+    for way in ("keep", "open"):
+        posed = pose_like(vertices, faces, there, triangles, Settings(contacts=way))
+        found = match(vertices, faces, there, triangles, Settings(contacts=way))
+        points = np.einsum("ij,ijk->ik", found.weights, there[found.other_faces[found.faces]])
+        apart[way] = float(np.linalg.norm(points - there[origin], axis=1).mean())
+        np.testing.assert_array_equal(posed.match.faces, found.faces)
+        assert posed.vertices.shape == vertices.shape
+        assert len(found.confidence) == len(vertices)
+    assert apart["open"] < 0.7 * apart["keep"]
 
 
 def test_poses_and_rigs_are_those_of_the_parted_body(fused, kept):

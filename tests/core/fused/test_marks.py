@@ -3,7 +3,16 @@
 import numpy as np
 import pytest
 
-from addon.core import InvalidSettingsError, KeptStages, Settings, canonical_form, find_contacts, mannequin, rig
+from addon.core import (
+    CanonicalFormError,
+    InvalidSettingsError,
+    KeptStages,
+    Settings,
+    canonical_form,
+    find_contacts,
+    mannequin,
+    rig,
+)
 from addon.core.fused.parting import capped, laid_open, parted, piece_count
 from addon.core.fused.star_rest import star_rest
 from addon.core.measures.alignment import rigid_fit
@@ -79,7 +88,7 @@ def test_a_web_that_is_marked_is_parted_and_capped_as_the_body_has_it(fused, mar
     truth = (truth / np.sqrt(surface_area(truth, mannequin()[1])))[origin]
     areas, apart = vertex_areas(vertices, faces), {}
     for marks in (None, marked):
-        form = canonical_form(vertices, faces, Settings(part_here=marks)).vertices
+        form = canonical_form(vertices, faces, Settings(part_here=marks, contacts="keep")).vertices
         form = form / np.sqrt(surface_area(form, faces))
         rotation, shift = rigid_fit(form, truth, areas)
         gap = ((form @ rotation + shift - truth) ** 2).sum(axis=1)
@@ -100,7 +109,7 @@ def test_marks_and_a_search_add_up_and_what_is_protected_stays(fused, marked):
     assert both.contacts[faces[found.gone]].all()
     assert without.contacts[~right].any()
     assert not without.contacts[np.setdiff1d(np.flatnonzero(right), faces[~right[faces].all(axis=1)])].any()
-    again = canonical_form(vertices, faces, Settings(part_here=marked, keep_joined=marked))
+    again = canonical_form(vertices, faces, Settings(part_here=marked, keep_joined=marked, contacts="keep"))
     assert again.contacts[marked].all()  # only what was found is protected
 
 
@@ -140,12 +149,29 @@ def test_marks_that_are_no_vertices_are_refused(marks):
 
 def test_marks_of_another_mesh_are_refused():
     with pytest.raises(InvalidSettingsError, match="keep_joined must lie between 0 and 1535"):
-        canonical_form(ring()[0], ring()[1], Settings(contacts="open", keep_joined=[1536]))
+        canonical_form(ring()[0], ring()[1], Settings(keep_joined=[1536]))
+
+
+def test_marks_of_all_of_a_piece_are_none():
+    """Nothing would be left of it; the other piece is parted where it is marked."""
+    points, faces, along = ring()
+    two = np.concatenate([points, points + np.array([0, 0, 5])])
+    marks = np.concatenate([np.flatnonzero(along == 0), len(points) + np.arange(len(points))])
+    form = canonical_form(two, np.concatenate([faces, len(points) + faces]), Settings(part_here=marks))
+    assert "part_here_all" in kinds(form)
+    assert np.array_equal(np.flatnonzero(form.contacts), np.flatnonzero(along == 0))
+    assert np.ptp(form.vertices[len(points) :], axis=0).max() > 1
+
+
+def test_a_rest_pose_of_another_mesh_is_refused():
+    points, faces, along = ring()
+    with pytest.raises(CanonicalFormError):
+        canonical_form(points, faces, Settings(part_here=np.flatnonzero(along == 0)), rest=points[:-1])
 
 
 def test_no_marks_are_none():
     assert Settings(part_here=[]).part_here is None
-    assert not Settings(part_here=np.array([], dtype=int)).parts
+    assert Settings(part_here=np.array([], dtype=int)).part_here is None
     assert Settings(part_here=np.arange(3)) == Settings(part_here=(0, 1, 2))
 
 
@@ -153,7 +179,6 @@ def test_marks_are_believed_under_a_rig_too(fused, marked):
     vertices, faces, _ = fused
     settings = Settings(part_here=marked, quality="draft", contacts="open")
     form = canonical_form(vertices, faces, settings, rest=vertices)
-    assert "contacts_rest" in kinds(form)
     assert form.contacts[marked].all()
 
 
