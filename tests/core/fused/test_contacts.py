@@ -15,12 +15,12 @@ from addon.core import (
     rig,
     stance_by_match,
 )
+from addon.core.assembly.opening import opened
 from addon.core.fused.suspicion import SUSPECT, unlike_whole_human
 from addon.core.measures.alignment import rigid_fit
 from addon.core.mesh.edges import edge_table
 from addon.core.mesh.geometry import surface_area, vertex_areas
 from addon.core.mesh.repair import repaired
-from addon.core.method_api.surface_features import detected
 from addon.core.run.monitor import Monitor
 from tests.meshes import shapes, tubes
 from tests.meshes.fused import fused_figure
@@ -119,8 +119,9 @@ def test_bodies_are_suspected_by_their_limbs_alone(fused):
     """A whole figure is not, in any pose and size; one whose arms have grown together with its sides is."""
 
     def unlike(vertices, faces):
-        found = detected(vertices, faces, None, Settings(), Monitor())
-        return unlike_whole_human(found.spectrum.eigenvalues)
+        bodies = opened(vertices, faces, Settings(), Monitor()).bodies
+        body = max(bodies, key=lambda each: len(each.faces))
+        return unlike_whole_human(body.features(None, Settings(), Monitor()).spectrum.eigenvalues)
 
     whole = [unlike(scale * vertices, faces) for scale, (vertices, faces) in ((1, mannequin()), (9, mannequin(50.0)))]
     assert max(whole) < SUSPECT < unlike(*fused[:2])
