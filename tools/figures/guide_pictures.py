@@ -21,7 +21,8 @@ HEADERS = {
     "pose": 274,
     "rig": 300,
     "features": 325,
-    "distance": 351,
+    "contacts": 351,
+    "distance": 377,
 }  # of closed panels before a run, below the sidebar's top
 hand = Hand(PICTURES)
 
@@ -44,6 +45,7 @@ def session():
         filepath=str(PACKAGE), repo="user_default", enable_on_install=True, overwrite=True
     )
     yield from panels_on_a_bare_figure()
+    yield from a_fused_scan()
     yield from a_rig()
     yield from another_pose()
     yield from a_clothed_character()
@@ -83,6 +85,53 @@ def panels_on_a_bare_figure():
     hand.area().spaces.active.shading.color_type = "MATERIAL"
     yield from hand.click(*hand.below_top(HEADERS["distance"], 0.3))
     yield 0.5
+
+
+def a_fused_scan():
+    """Show where the skin of a scan has grown together, its form, and the marks."""
+    from tests.window.contacts import members, scan, select
+
+    bpy.data.batch_remove([*bpy.data.objects])
+    obj = scan()
+    with in_view():
+        bpy.ops.view3d.view_selected()
+    yield from hand.over_view()
+    yield 0.7
+    hand.area().spaces.active.region_3d.view_distance *= 1.4  # the arms of the form reach higher
+    with in_view():
+        bpy.ops.object.canonical_form("INVOKE_DEFAULT")
+    yield 30.0
+    yield from hand.picture("13-contacts")
+    found = members(obj, "Contacts")
+    run("canonical_form_clear")
+    yield from hand.click(*hand.below_top(HEADERS["contacts"], 0.3))
+    with in_view():
+        bpy.ops.object.mode_set(mode="EDIT")
+        bpy.ops.mesh.select_all(action="DESELECT")
+        bpy.ops.mesh.select_mode(type="FACE")
+        bpy.ops.object.mode_set(mode="OBJECT")
+        select(obj, found)
+        chosen = np.isin(np.arange(len(obj.data.vertices)), found)
+        for polygon in obj.data.polygons:
+            polygon.select = bool(chosen[list(polygon.vertices)].all())
+        bpy.ops.object.mode_set(mode="EDIT")
+    yield from hand.over_view()
+    yield 0.7
+    yield from hand.picture("14-part-here")
+    with in_view():
+        bpy.ops.object.mode_set(mode="OBJECT")
+    bpy.data.batch_remove([*bpy.data.objects])
+    figure_again()
+    yield from hand.click(*hand.below_top(HEADERS["contacts"], 0.3))
+    yield 0.5
+
+
+def figure_again():
+    """Build the sample's figure, so that the panel is where it was."""
+    from tools.sample.posed_figure import build
+
+    bpy.context.view_layer.update()
+    build(levels=3)
 
 
 def a_clothed_character():

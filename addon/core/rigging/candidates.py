@@ -121,7 +121,8 @@ def candidates(
     some, whole = _skin(one, _ROWS), _skin(one, None)
     found = _fits(one, some, adult, monitor, enough=GOOD if fused else None)
     if fused and min(each.cost for each in found) > GOOD:
-        found += _fits(one, some, adult, monitor, standing=False)
+        if found[0].stands:  # otherwise all ways have been tried
+            found += _fits(one, some, adult, monitor, standing=False)
         found = [each._replace(stands=False) for each in found]
     monitor.tick(_ALONE)
     if min(each.cost for each in found) > GOOD:
