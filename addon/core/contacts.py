@@ -221,6 +221,8 @@ def computed_open(
     looked_at = settings.contacts == "open" and rest is None
     unlike = _unlike(points, corners, plain, kept, monitor) if looked_at else 0.0
     if unlike <= SUSPECT and settings.part_here is None:
+        if keep is None:
+            kept.fill()  # large meshes would fill the memory
         result = compute(points, corners, plain, rest=rest, keep=kept, progress=monitor.report, cancelled=cancelled)
         _add_timings(result, monitor)
         return result

@@ -48,10 +48,20 @@ class KeptStages:
     def __init__(self) -> None:
         self._stages: dict[str, list[_Stage]] = {}  # the latest first
         self._parts: dict[Hashable, KeptStages] = {}
+        self._full = False
 
     def part(self, name: Hashable) -> KeptStages:
         """Return the results kept for a part of the work, such as a body. `name`: identifies the part."""
-        return self._parts.setdefault(name, KeptStages())
+        if name not in self._parts:
+            self._parts[name] = KeptStages()
+            self._parts[name]._full = self._full
+        return self._parts[name]
+
+    def fill(self) -> None:
+        """Keep no more: what is there is still returned, as where one run needs it twice."""
+        self._full = True
+        for part in self._parts.values():
+            part.fill()
 
     def take(self, name: str, sources: list[Any], compute: Callable[[], Found], warnings: list[Message]) -> Found:
         """Return the kept result of a stage, or compute it.
@@ -66,6 +76,8 @@ class KeptStages:
         if kept is None:
             before = len(warnings)
             found = compute()
+            if self._full:
+                return found
             kept = _Stage(told, found, warnings[before:])
         self._stages[name] = [kept, *(stage for stage in known if stage is not kept)][:_MOST]
         warnings += [each for each in kept.warnings if each not in warnings]

@@ -184,3 +184,21 @@ def test_only_the_last_few_results_are_kept():
     assert computed == [1, 2, 3, 4, 1]
     take(True)  # of another type than 1
     assert computed[-1] is True
+
+
+def test_what_is_full_keeps_no_more():
+    kept, calls = KeptStages(), []
+
+    def computed(value):
+        calls.append(value)
+        return [value]
+
+    first = kept.take("Stage", [1], lambda: computed(1), [])
+    kept.part("Body").take("Stage", [1], lambda: computed(2), [])
+    kept.fill()
+    assert kept.take("Stage", [1], lambda: computed(3), []) is first
+    assert kept.part("Body").take("Stage", [1], lambda: computed(4), []) == [2]
+    for part in (kept, kept.part("Body"), kept.part("Other")):
+        for _ in range(2):
+            part.take("Another", [1], lambda: computed(5), [])
+    assert calls == [1, 2, 5, 5, 5, 5, 5, 5]
