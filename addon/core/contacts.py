@@ -14,27 +14,27 @@ from .assembly.opening import OPENING, known_bodies, opened
 from .assembly.unfolded_bodies import unfolded_bodies
 from .fused.contact_faces import contact_faces, contacts_between
 from .fused.explained_skin import explained_skin
+from .fused.marks import Marks, marks_on, require_marks
 from .fused.on_given import Given, given_of, rows_on_given
 from .fused.parting import piece_count
 from .fused.suspicion import SUSPECT, unlike_whole_human
-from .mesh.connectivity import component_labels
 from .mesh.edges import vertex_pairs
-from .mesh.geometry import checked_arrays, surface_area
+from .mesh.geometry import checked_arrays
 from .mesh.tables import rows_in
 from .method_api.catalogue import DETECTION, method_named
 from .method_api.settings import Settings
 from .modelling.mannequins import mannequin
-from .numerics.arrays import BoolArray, FloatArray, IntArray
+from .numerics.arrays import FloatArray, IntArray
 from .results import CanonicalForm, Contacts, Match, PosedLike, Rigged
 from .rigging.candidates import candidates
 from .rigging.reference_rig import mannequin_rig
 from .rigging.references import Reference, unfolded_reference
-from .run.errors import InvalidSettingsError
 from .run.kept_stages import KeptStages
 from .run.messages import Message, message
 from .run.monitor import Cancelled, Monitor, Progress
 
 if TYPE_CHECKING:
+    from .assembly.bodies import Bodies
     from .fused.parting import PartedMesh
 
 Found = TypeVar("Found", "CanonicalForm", "PosedLike", "Rigged", "Match")
@@ -132,7 +132,7 @@ def contacts_of(
         As in `find_contacts`.
     """
     bodies, surfaces = unfolded_bodies(vertices, faces, settings, monitor.piece(0.0, _UNFOLDED, OPENING))
-    largest = int(np.argmax([surface_area(body.points, body.faces) for body in bodies.bodies]))
+    largest = _largest(bodies)
     body, one = bodies.bodies[largest], surfaces[largest]
     piece = monitor.piece(_UNFOLDED, 1.0, _PLAN)
     gone, places = np.zeros(len(bodies.faces), dtype=bool), bodies.vertices / body.size
@@ -216,7 +216,7 @@ def computed_open(
     kept, monitor = keep or KeptStages(), Monitor(progress, cancelled)
     points, corners = checked_arrays(vertices, faces)
     points, corners = points.copy(), corners.copy()  # what is kept must not change
-    _require_marks(settings, len(points))
+    require_marks(settings, len(points))
     plain = replace(settings, contacts="keep", part_here=None, keep_joined=None)
     looked_at = settings.contacts == "open" and rest is None
     unlike = _unlike(points, corners, plain, kept, monitor) if looked_at else 0.0
@@ -235,7 +235,9 @@ def computed_open(
     kept_parted = kept.part("Parted")
     mesh: tuple[Contacts, PartedMesh] | None
     doubts: list[Message]
-    mesh, doubts = _parted(found, settings, unlike, plain, kept_parted, monitor)
+    mesh, doubts = _parted(
+        found, marks_on(found.faces, found.representative, settings), unlike, plain, kept_parted, monitor
+    )
     how = {
         "keep": kept if mesh is None else kept_parted,
         "progress": lambda done, stage: monitor.report(share + (1 - share) * done, stage),
@@ -252,10 +254,8 @@ def computed_open(
         numbers = rows_on_given(parted, found.vertices, found.representative)
         plain = replace(plain, feature_points=[int(numbers[each]) for each in chosen])
     result = compute(parted.vertices, parted.faces, plain, parted, found, **how)
-    own: list[Message] = [
-        each for each in result.warnings if each.kind not in _REPAIRS
-    ]  # those are of what was made here
-    result.warnings[:] = [*doubts, *own, *found.warnings]
+    own: list[Message] = [each for each in result.warnings if each.kind not in _REPAIRS]  # of what was made here
+    result.warnings[:] = [*doubts, *own, *(each for each in found.warnings if each not in own)]
     _add_timings(result, monitor)
     whole = on_given(result, parted, found.given)
     if chosen is not None and isinstance(whole, CanonicalForm | PosedLike):
@@ -272,8 +272,7 @@ def _unlike(points: FloatArray, faces: IntArray, settings: Settings, kept: KeptS
     own = Monitor(report, monitor.is_cancelled, OPENING, kept)
     own.timings = monitor.timings
     bodies = opened(points, faces, settings, own)
-    areas = [surface_area(body.points, body.faces) for body in bodies.bodies]
-    largest = int(np.argmax(areas))
+    largest = _largest(bodies)
     if len(bodies.bodies[largest].parts) > 1:  # parts that touch are apart already
         return 0.0
 
@@ -285,35 +284,34 @@ def _unlike(points: FloatArray, faces: IntArray, settings: Settings, kept: KeptS
 
 
 def _parted(
-    found: Contacts, settings: Settings, unlike: float, plain: Settings, kept: KeptStages, monitor: Monitor
+    found: Contacts, marks: Marks, unlike: float, plain: Settings, kept: KeptStages, monitor: Monitor
 ) -> tuple[tuple[Contacts, PartedMesh] | None, list[Message]]:
     """Part a mesh, unless it is less like a whole human then than before, and say what is doubtful.
 
     `unlike`: how unlike it is; `plain`: the settings of what is computed afterwards. Gives None if nothing is parted.
     """
-    mesh = found.parted(cancelled=monitor.is_cancelled) if found.touched.any() else None
+    both = _with_marks(found, marks)
+    mesh = both.parted(cancelled=monitor.is_cancelled) if both.touched.any() else None
     if unlike > SUSPECT and mesh is not None:
-        plain = replace(plain, feature_points=None)
-        after = _unlike(mesh.vertices, mesh.faces, plain, kept, monitor)
-        if found.between and after > _WORSE * unlike:
-            found = _with_marks(replace(found, gone=np.zeros_like(found.gone), between=[]), settings)
-            mesh = found.parted(cancelled=monitor.is_cancelled) if found.touched.any() else None
+        after = _unlike(mesh.vertices, mesh.faces, replace(plain, feature_points=None), kept, monitor)
+        if both.between and after > _WORSE * unlike:
+            both = _with_marks(replace(found, gone=np.zeros_like(found.gone), between=[]), marks)
+            mesh = both.parted(cancelled=monitor.is_cancelled) if both.touched.any() else None
         unlike = min(unlike, after)
-    doubts = _doubts(found, mesh, settings)
-    if found.explained and unlike > SUSPECT:
+    doubts = _doubts(both, mesh, marks)
+    if both.explained and unlike > SUSPECT:
         doubts.append(message("contacts_left"))
-    return (None if mesh is None else (found, mesh)), doubts
+    return (None if mesh is None else (both, mesh)), doubts
 
 
 def _found(
     points: FloatArray, faces: IntArray, settings: Settings, kept: KeptStages, monitor: Monitor, searched: bool
 ) -> Contacts:
-    """Find contacts, or read the mesh for its marks only, and add these."""
+    """Find contacts, or read the mesh for its marks only."""
     plain = Settings(pieces=settings.pieces, memory_limit=settings.memory_limit)  # whatever unfolds it later
     find = contacts_of if searched else _nothing_found
     sources = [points, faces, repr(plain), searched]
-    found: Contacts = kept.take("Contacts", sources, lambda: find(points, faces, plain, kept, monitor), [])
-    return _with_marks(found, settings)
+    return kept.take("Contacts", sources, lambda: find(points, faces, plain, kept, monitor), [])
 
 
 def _add_timings(result: CanonicalForm | PosedLike | Rigged | Match, monitor: Monitor) -> None:
@@ -330,7 +328,7 @@ def _nothing_found(
 ) -> Contacts:
     """Read a mesh for what is marked on it, without a search."""
     bodies = known_bodies(vertices, faces, monitor, together=settings.together)
-    size = float(np.sqrt(max(surface_area(body.points, body.faces) for body in bodies.bodies)))
+    size = bodies.bodies[_largest(bodies)].size
     return Contacts(
         bodies.vertices,
         bodies.pieces.representative,
@@ -347,53 +345,27 @@ def _nothing_found(
     )
 
 
-def _with_marks(found: Contacts, settings: Settings) -> Contacts:
+def _with_marks(found: Contacts, marks: Marks) -> Contacts:
     """Add what is marked to contacts, and leave out those that are to stay joined."""
-
-    def marked(name: str) -> BoolArray:
-        chosen, here = getattr(settings, name), np.zeros(len(found.vertices), dtype=bool)
-        if chosen is not None:
-            here[found.representative[np.asarray(chosen)]] = True
-        return here
-
-    part, joined = marked("part_here"), marked("keep_joined")
-    part[_all_marked(found, part)] = False  # nothing would be left of it
-    gone = (found.gone & ~joined[found.faces].any(axis=1)) | part[found.faces].all(axis=1)
-    pairs = vertex_pairs(found.faces[part[found.faces].any(axis=1)])
-    return replace(found, gone=gone, cut=pairs[part[pairs].all(axis=1)])
+    part = marks.part[found.faces]
+    gone = (found.gone & ~marks.joined[found.faces].any(axis=1)) | part.all(axis=1)
+    pairs = vertex_pairs(found.faces[part.any(axis=1)])
+    return replace(found, gone=gone, cut=pairs[marks.part[pairs].all(axis=1)])
 
 
-def _all_marked(found: Contacts, part: BoolArray) -> BoolArray:
-    """Tell which vertices are of a piece all of whose vertices are marked, (n,). `part` (n,): those that are."""
-    piece = component_labels(len(part), vertex_pairs(found.faces))
-    used = np.zeros(len(part), dtype=bool)
-    used[found.faces.ravel()] = True
-    left = np.bincount(piece, used & ~part) > 0
-    return used & ~left[piece]
-
-
-def _require_marks(settings: Settings, count: int) -> None:
-    """Require that marks are vertices of a mesh of `count`."""
-    for name in ("part_here", "keep_joined"):
-        chosen = getattr(settings, name)
-        if chosen is not None and max(chosen) >= count:
-            raise InvalidSettingsError("vertex_range", name=name, last=count - 1)
-
-
-def _doubts(found: Contacts, mesh: PartedMesh | None, settings: Settings) -> list[Message]:
+def _doubts(found: Contacts, mesh: PartedMesh | None, marks: Marks) -> list[Message]:
     """Say what was parted without being marked, what could not be, and what came off."""
     told: list[Message] = []
     if mesh is not None and found.between:
         told.append(message("contacts_opened", count=len(found.between)))
-    if settings.part_here is None:
-        return told
-    marked = np.zeros(len(found.vertices), dtype=bool)
-    marked[found.representative[np.asarray(settings.part_here)]] = True
-    if _all_marked(found, marked).any():
+    if marks.whole:
         told.append(message("part_here_all"))
-    elif mesh is None:
+    elif marks.given and mesh is None:
         told.append(message("part_here_nothing"))
-    if mesh is None:
-        return told
-    loose = piece_count(mesh.faces) - piece_count(found.faces)
+    loose = 0 if mesh is None or not marks.given else piece_count(mesh.faces) - piece_count(found.faces)
     return [*told, message("part_here_loose", count=loose)] if loose > 0 else told
+
+
+def _largest(bodies: Bodies) -> int:
+    """Return the number of the largest body."""
+    return int(np.argmax([body.size for body in bodies.bodies]))

@@ -184,3 +184,30 @@ def test_marks_and_modifiers_that_resize_are_refused(blender):
     with pytest.raises(RuntimeError, match="Part Here"):
         bpy.ops.object.canonical_form(mesh="SHOWN")
     assert bpy.ops.object.canonical_form(quality="draft") == {"FINISHED"}
+
+
+def test_the_t_pose_of_several_marked_objects_shows_where_on_each(blender, capfd):
+    """Each has its own part of the contacts, and it is told."""
+    vertices, faces, _ = fused_figure(86.0, 0.015)
+    left = (vertices[faces].mean(axis=1)[:, 2] > 1.3)[:, None]
+    seam = np.intersect1d(faces[left[:, 0]], faces[~left[:, 0]])
+    objects = []
+    for name, own in (("Head", faces[left[:, 0]]), ("Body", faces[~left[:, 0]])):
+        used, numbers = np.unique(own, return_inverse=True)
+        objects.append((add_object(name, vertices[used], numbers.reshape(-1, 3)), used))
+    (head, _), (body, used) = objects
+    assert len(seam)
+    below = vertices[used, 2] < 1.2
+    marks = np.flatnonzero(below & (np.abs(np.abs(vertices[used, 0]) - 0.17) < 0.012))
+    select(body, marks)
+    for obj, _ in objects:
+        obj.select_set(True)
+    bpy.context.view_layer.objects.active = body
+    assert bpy.ops.object.canonical_form_mark(marks="PART", how="ADD") == {"FINISHED"}
+    assert bpy.ops.object.canonical_form_pose_like(pose="T", anyway=True, objects="TOGETHER", contacts="keep") == {
+        "FINISHED"
+    }
+    assert "shows where skin was parted" in capfd.readouterr().out
+    assert "Contacts" in body.vertex_groups
+    assert group_of(body, "Contacts") <= set(marks.tolist())
+    assert "Contacts" not in head.vertex_groups

@@ -4,7 +4,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from addon.core import mannequin
-from addon.core.mesh.geometry import vertex_normals
+from addon.core.fused.parting import capped, laid_open
+from addon.core.mesh.geometry import surface_area, vertex_normals
 from addon.core.modelling.surface_nets import surface_net
 
 
@@ -24,3 +25,10 @@ def fused_figure(arms, grown, step=0.02):
     field = (np.where(outside, distance, -distance) - grown).reshape(grid.shape[:3])
     points, triangles = surface_net(field, axes)
     return points, triangles, tree.query(points)[1]
+
+
+def parted(vertices, faces, gone, places, cut=()):
+    """A mesh parted along triangles and edges, and capped, as contacts are."""
+    unit = float(np.sqrt(surface_area(vertices, faces)))
+    mesh = laid_open(vertices, faces, gone, np.reshape(cut, (-1, 2)).astype(np.int64), unit)
+    return capped(mesh, places[mesh.origin], unit)

@@ -139,7 +139,7 @@ def _colours_of(found: AnyResult, whole: Combined) -> Colours:
 
 def _split(found: AnyResult, readings: Sequence[Reading], whole: Combined) -> Sequence[AnyResult]:
     """Split forms or patches by object."""
-    from ...core import CanonicalForm, FeaturePatches
+    from ...core import FeaturePatches, Stance
 
     surfaces = list(
         zip(whole.owned(found.feature_points), whole.split(found.patches), whole.split(found.adf), strict=True)
@@ -151,7 +151,7 @@ def _split(found: AnyResult, readings: Sequence[Reading], whole: Combined) -> Se
         replace(found, vertices=form, faces=reading.faces, feature_points=points, patches=patches, adf=adf)
         for form, reading, (points, patches, adf) in zip(forms, readings, surfaces, strict=True)
     ]
-    if isinstance(found, CanonicalForm) and len(found.contacts):
+    if not isinstance(found, Stance) and len(found.contacts):
         own = whole.split(found.contacts)
         return [replace(part, contacts=each) for part, each in zip(parts, own, strict=True)]  # type: ignore[arg-type]
     return parts
@@ -163,7 +163,7 @@ def _report(readings: Sequence[Reading], whole: Combined, found: AnyResult, requ
 
     report = FormReport.of(found, whole.vertices, whole.faces, request.settings, hausdorff=request.hausdorff)
     report.warnings = warnings_by_object(found.warnings, readings)
-    if isinstance(found, CanonicalForm) and found.contacts.any():
+    if isinstance(found, CanonicalForm | PosedLike) and found.contacts.any():
         report.warnings.append(told("The vertex group Contacts shows where skin was parted."))
     if isinstance(found, FeaturePatches):
         return report

@@ -180,33 +180,24 @@ def limbs_on_given(mesh: PartedMesh, bodies: list[BodyLimbs]) -> list[BodyLimbs]
 
 def surface_on_given(result: Surface, mesh: PartedMesh, given: Given) -> Surface:
     """Carry a form or a pose with its feature points and patches to the mesh as given."""
-    rows = rows_on_given(mesh, given.vertices, given.representative)
-    held = np.zeros(len(given.vertices), dtype=bool)
-    held[given.faces.ravel()] = True
-    held = held[given.representative]
-    return replace(
-        result,
-        vertices=_shape_of_all(mesh, result.vertices, given),
-        faces=given.faces.copy(),
-        feature_points=given_of(mesh)[result.feature_points],
-        patches=np.where(held, result.patches[rows], -1),
-        adf=np.where(held, result.adf[rows], 0.0),
-        contacts=given.touched,
-        parted=Parted(mesh, result, given.representative),
-    )
+    return _surface_on_given(result, mesh, given, _rows(mesh, given))
 
 
 def pose_on_given(result: Posed, mesh: PartedMesh, given: Given) -> Posed:
     """Carry a pose with its match to the mesh as given."""
-    rows = rows_on_given(mesh, given.vertices, given.representative)
-    return replace(surface_on_given(result, mesh, given), match=_match_on_given(result.match, rows))
+    rows = _rows(mesh, given)
+    return replace(_surface_on_given(result, mesh, given, rows), match=_match_on_given(result.match, rows))
 
 
 def rig_on_given(result: Skinned, mesh: PartedMesh, given: Given) -> Skinned:
     """Carry a rig to the mesh as given."""
-    rows = rows_on_given(mesh, given.vertices, given.representative)
-    posed, match = _shape_of_all(mesh, result.vertices, given), _match_on_given(result.match, rows)
-    return replace(result, vertices=posed, weights=result.weights[rows], match=match)
+    rows, posed = _rows(mesh, given), _shape_of_all(mesh, result.vertices, given)
+    return replace(result, vertices=posed, weights=result.weights[rows], match=_match_on_given(result.match, rows))
+
+
+def match_on_given(result: Points, mesh: PartedMesh, given: Given) -> Points:
+    """Carry a match to the mesh as given."""
+    return _match_on_given(result, _rows(mesh, given))
 
 
 def form_on_parted(form: Form, mesh: PartedMesh) -> Form:
@@ -224,9 +215,26 @@ def form_on_parted(form: Form, mesh: PartedMesh) -> Form:
     return replace(form, vertices=form.vertices[given], faces=mesh.faces, bodies=bodies)
 
 
-def match_on_given(result: Points, mesh: PartedMesh, given: Given) -> Points:
-    """Carry a match to the mesh as given."""
-    return _match_on_given(result, rows_on_given(mesh, given.vertices, given.representative))
+def _rows(mesh: PartedMesh, given: Given) -> IntArray:
+    """Return for each vertex as given the one of the parted mesh that it is, (n,)."""
+    return rows_on_given(mesh, given.vertices, given.representative)
+
+
+def _surface_on_given(result: Surface, mesh: PartedMesh, given: Given, rows: IntArray) -> Surface:
+    """Carry a form or a pose to the mesh as given, whose vertices are some rows of it, (n,)."""
+    held = np.zeros(len(given.vertices), dtype=bool)
+    held[given.faces.ravel()] = True
+    held = held[given.representative]
+    return replace(
+        result,
+        vertices=_shape_of_all(mesh, result.vertices, given),
+        faces=given.faces.copy(),
+        feature_points=given_of(mesh)[result.feature_points],
+        patches=np.where(held, result.patches[rows], -1),
+        adf=np.where(held, result.adf[rows], 0.0),
+        contacts=given.touched,
+        parted=Parted(mesh, result, given.representative),
+    )
 
 
 def _match_on_given(result: Points, rows: IntArray) -> Points:

@@ -76,52 +76,22 @@ class OpenMesh(NamedTuple):
         return _moved_apart(self.vertices, self.faces, self.origin)
 
 
-def parted(
-    vertices: FloatArray,
-    faces: IntArray,
-    gone: BoolArray,
-    places: FloatArray,
-    unit: float | None = None,
-    cut: IntArray | None = None,
-) -> PartedMesh:
-    """Part a mesh as `laid_open` does, and close the lips as `capped` does.
-
-    `vertices` (n, 3), `faces` (m, 3); `gone` (m,): triangles to take out; `places` (n, 3): of the vertices at rest, in
-    units of sqrt(area), or the vertices themselves; `unit`: sqrt(area) of the body, if the mesh has others; `cut`
-    (e, 2): edges to part.
-
-    Examples
-    --------
-    >>> points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1]])
-    >>> two = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 4], [2, 3, 4], [3, 1, 4]])
-    >>> found = parted(points, two, np.zeros(6, dtype=bool), points)
-    >>> len(found.faces), found.caps
-    (6, 0)
-    """
-    unit = _unit(vertices, faces) if unit is None else unit
-    mesh = laid_open(vertices, faces, gone, cut, unit)
-    return capped(mesh, places[mesh.origin], unit)
-
-
-def laid_open(
-    vertices: FloatArray, faces: IntArray, gone: BoolArray, cut: IntArray | None = None, unit: float | None = None
-) -> OpenMesh:
+def laid_open(vertices: FloatArray, faces: IntArray, gone: BoolArray, cut: IntArray, unit: float) -> OpenMesh:
     """Take triangles out of a mesh, and part edges and what only a vertex holds together.
 
     `vertices` (n, 3), `faces` (m, 3); `gone` (m,): triangles to take out; `cut` (e, 2): edges to part; `unit`:
-    sqrt(area) of the body, if the mesh has others.
+    sqrt(area) of the body.
 
     Examples
     --------
     >>> square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
-    >>> found = laid_open(square, np.array([[0, 1, 2], [0, 2, 3]]), np.zeros(2, dtype=bool), np.array([[0, 2]]))
+    >>> found = laid_open(square, np.array([[0, 1, 2], [0, 2, 3]]), np.zeros(2, dtype=bool), np.array([[0, 2]]), 1.0)
     >>> len(found.vertices), [len(each) for each in found.lips]
     (6, [])
     """
     count = len(vertices)
     areas = np.linalg.norm(area_vectors(vertices, faces), axis=1)
-    unit = _unit(vertices, faces) if unit is None else unit
-    cuts = np.empty(0, dtype=np.int64) if cut is None else undirected_keys(cut[:, 0], cut[:, 1], count)
+    cuts = undirected_keys(cut[:, 0], cut[:, 1], count)
     open_before = _border_keys(faces, count)
     gone = _without_flaps(faces, gone, open_before, count)
     kept = faces[~gone]
@@ -161,11 +131,6 @@ def capped(mesh: OpenMesh, rest: FloatArray, unit: float) -> PartedMesh:
     triangles = np.concatenate(done)
     origin = np.append(mesh.origin, np.full(len(points) - len(mesh.vertices), -1))
     return PartedMesh(_moved_apart(points, triangles, origin), triangles, origin, len(mesh.lips), len(mesh.faces))
-
-
-def _unit(vertices: FloatArray, faces: IntArray) -> float:
-    """Return sqrt(area) of a mesh."""
-    return float(np.sqrt(np.linalg.norm(area_vectors(vertices, faces), axis=1).sum()))
 
 
 def _without_flaps(faces: IntArray, gone: BoolArray, open_before: IntArray, count: int) -> BoolArray:

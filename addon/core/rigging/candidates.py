@@ -119,17 +119,20 @@ def candidates(
     tried, as its file may lie.
     """
     some, whole = _skin(one, _ROWS), _skin(one, None)
-    found = _fits(one, some, adult, monitor, enough=GOOD if fused else None)
+    ways, upright = _likeliest(one, adult, monitor)
+    found = _fits(one, some, adult, upright or ways, bool(upright), monitor, enough=GOOD if fused else None)
     if fused and min(each.cost for each in found) > GOOD:
-        if found[0].stands:  # otherwise all ways have been tried
-            found += _fits(one, some, adult, monitor, standing=False)
+        if upright:
+            left = [way for way in ways if all(way is not each for each in upright)]
+            found += _fits(one, some, adult, left, False, monitor)
         found = [each._replace(stands=False) for each in found]
     monitor.tick(_ALONE)
     if min(each.cost for each in found) > GOOD:
-        others = builds()
-        for number, build in enumerate(others, start=1):
-            found += _fits(one, some, build, monitor)
-            monitor.tick(_ALONE + (1 - _ALONE) * number / len(others))
+        shapes = builds()
+        for number, build in enumerate(shapes, start=1):
+            ways, upright = _likeliest(one, build, monitor)
+            found += _fits(one, some, build, upright or ways, bool(upright), monitor)
+            monitor.tick(_ALONE + (1 - _ALONE) * number / len(shapes))
     apart = _facing_apart(sorted(found, key=lambda each: each.cost))[: 1 if fused else None]
     again = [_fit(whole, each.reference, each.found, each.turned, each.stands, monitor) for each in apart]
     return sorted(again, key=lambda each: each.cost)
@@ -177,28 +180,33 @@ def _skin(one: Unfolded, count: int | None) -> _Skin:
     )
 
 
+def _likeliest(one: Unfolded, reference: Reference, monitor: Monitor) -> tuple[list[Side], list[Side]]:
+    """List the likeliest matches with a reference, and the likeliest of those that leave the body as it stands."""
+    ways = scored_sides(one, reference.body, Monitor(cancelled=monitor.is_cancelled))  # what is counted is references
+    upright = [way for way in ways if _standing(one, way, reference) > _STANDING]
+    return ways[:_MAPS], upright[:_MAPS]
+
+
 def _fits(
     one: Unfolded,
     skin: _Skin,
     reference: Reference,
+    ways: Sequence[Side],
+    stands: bool,
     monitor: Monitor,
     *,
-    standing: bool = True,
     enough: float | None = None,
 ) -> list[Candidate]:
-    """Fit the skeleton of one reference by its likeliest matches, both ways round.
+    """Fit the skeleton of one reference by some matches, both ways round.
 
-    `standing`: only by those that leave the body as it stands, if there are any; `enough`: cost up to which no other
-    match is tried.
+    `stands`: whether they leave the body as it stands; `enough`: cost up to which no other match is tried.
     """
-    quiet = Monitor(cancelled=monitor.is_cancelled)  # what is counted is references
-    ways = scored_sides(one, reference.body, quiet)
-    upright = [way for way in ways if _standing(one, way, reference) > _STANDING] if standing else ways
+    quiet = Monitor(cancelled=monitor.is_cancelled)
     fits: list[Candidate] = []
-    for way in (upright or ways)[:_MAPS]:
+    for way in ways:
         if enough is None or not fits or min(each.cost for each in fits) > enough:
             found = _matched(one, reference, way, quiet)
-            fits += [_fit(skin, reference, found, turned, bool(upright), quiet) for turned in (False, True)]
+            fits += [_fit(skin, reference, found, turned, stands, quiet) for turned in (False, True)]
     return fits
 
 

@@ -13,13 +13,13 @@ from addon.core import (
     mannequin,
     rig,
 )
-from addon.core.fused.parting import capped, laid_open, parted, piece_count
+from addon.core.fused.parting import capped, laid_open, piece_count
 from addon.core.fused.star_rest import star_rest
 from addon.core.measures.alignment import rigid_fit
 from addon.core.mesh.edges import is_closed, vertex_pairs
 from addon.core.mesh.geometry import surface_area, vertex_areas
 from addon.core.rigging.reference_rig import mannequin_rig
-from tests.meshes.fused import fused_figure
+from tests.meshes.fused import fused_figure, parted
 from tests.meshes.rings import ring
 
 
@@ -61,7 +61,7 @@ def test_a_ring_cut_along_a_loop_of_edges_is_a_closed_tube():
 
 def test_an_edge_inside_of_a_surface_parts_nothing():
     points, faces, _ = ring()
-    opened = laid_open(points, faces, np.zeros(len(faces), dtype=bool), vertex_pairs(faces)[:1])
+    opened = laid_open(points, faces, np.zeros(len(faces), dtype=bool), vertex_pairs(faces)[:1], 1.0)
     assert opened.lips == []
     assert np.array_equal(capped(opened, points, 1.0).faces, opened.faces)
 

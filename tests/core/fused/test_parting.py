@@ -4,12 +4,12 @@ import numpy as np
 
 from addon.core.fused.contact_faces import contact_faces, contacts_between
 from addon.core.fused.on_given import given_of, limbs_on_given, shape_on_given
-from addon.core.fused.parting import parted
 from addon.core.mesh.connectivity import component_labels
 from addon.core.mesh.edges import edge_table, is_closed, vertex_pairs
 from addon.core.mesh.repair import repaired
 from addon.core.run.monitor import Monitor
 from tests.meshes import shapes
+from tests.meshes.fused import parted
 from tests.meshes.rings import ring
 
 
