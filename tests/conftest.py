@@ -18,7 +18,8 @@ DATA = Path(os.environ.get("CANONICAL_FORM_DATA", Path(__file__).resolve().paren
 def whole_bodies(request, monkeypatch):
     """Let small figures, whose four ends are suspect, take no search for contacts but where that is what is tested."""
     if request.path.parent.name != "fused" and request.path.name not in ("test_contacts.py", "test_parted_objects.py"):
-        monkeypatch.setattr("addon.core.contacts.SUSPECT", np.inf)
+        for limit in ("SUSPECT", "SUSPECT_BESIDE"):
+            monkeypatch.setattr(f"addon.core.contacts.{limit}", np.inf)
 
 
 @pytest.fixture(scope="session")

@@ -17,12 +17,13 @@ if TYPE_CHECKING:
     from .contacts import find_contacts
     from .distance_fields import distance_field, heat_geodesics
     from .features import feature_patches
+    from .fused.found_contacts import Contacts
     from .limbs import limb_shapes
     from .matches import match
     from .method_api.settings import Settings
     from .modelling.mannequins import mannequin
     from .poses import pose_like
-    from .results import CanonicalForm, Contacts, FeaturePatches, Match, PosedLike, Rigged, Stance
+    from .results import CanonicalForm, FeaturePatches, Match, PosedLike, Rigged, Stance
     from .rigging.skeleton import Skeleton
     from .rigs import rig
     from .run.kept_stages import KeptStages
@@ -68,7 +69,7 @@ __all__ = [
 _DOORS = {
     "Settings": "method_api.settings",
     "CanonicalForm": "results",
-    "Contacts": "results",
+    "Contacts": "fused.found_contacts",
     "FeaturePatches": "results",
     "KeptStages": "run.kept_stages",
     "Match": "results",

@@ -18,7 +18,7 @@ from .mesh.handles import handle_count
 from .method_api.catalogue import DETECTION, Method, method_named
 from .method_api.settings import Settings
 from .numerics.arrays import FloatArray, IntArray
-from .results import CanonicalForm, Contacts
+from .results import CanonicalForm
 from .run.kept_stages import KeptStages
 from .run.messages import doubts_first
 from .run.monitor import Cancelled, Monitor, Progress
@@ -26,6 +26,7 @@ from .symmetry.trunk_twist import TWISTED, trunk_twist
 
 if TYPE_CHECKING:
     from .assembly.bodies import Bodies
+    from .fused.found_contacts import Contacts
     from .fused.on_given import Given
     from .fused.parting import PartedMesh
     from .method_api.method_result import MethodResult
@@ -60,7 +61,8 @@ def canonical_form(
         belong together and where: in a T-pose, no hand touches a thigh.
     reference : CanonicalForm, optional
         A form of the same mesh in another pose, or of a mesh of a similar body. The form is aligned to it by a proper
-        rotation and a translation, and its limbs get the same numbers.
+        rotation and a translation, and its limbs get the same numbers. Skin that has grown together is found by it,
+        too, of animals as well.
     progress : callable, optional
         Called with the fraction done (0 to 1) and the name of the stage.
     cancelled : callable, optional
@@ -101,9 +103,11 @@ def canonical_form(
     settings = settings or Settings()
     if settings.parts:
         from .contacts import computed_open
+        from .fused.whole_body import whole_of
 
         compute = partial(_like_given, reference=reference)
-        return computed_open(compute, _on_given, vertices, faces, settings, keep, progress, cancelled, rest)
+        known = whole_of(reference)
+        return computed_open(compute, _on_given, vertices, faces, settings, keep, progress, cancelled, rest, known)
     return _form(vertices, faces, settings, rest, reference, Monitor(progress, cancelled, OPENING, keep))
 
 
@@ -135,7 +139,7 @@ def _on_given(form: CanonicalForm, mesh: PartedMesh, given: Given) -> CanonicalF
     from .fused.on_given import limbs_on_given, surface_on_given
 
     whole = surface_on_given(form, mesh, given)
-    return replace(whole, bodies=limbs_on_given(mesh, form.bodies))
+    return replace(whole, bodies=limbs_on_given(mesh, form.bodies), posed=given.vertices)
 
 
 def _form(
@@ -180,6 +184,8 @@ def _form(
         float(np.fmax.reduce([each.embedded.asymmetry for each in forms])),
         features.bodies,
         _numbered([each.bends for each in forms], features.bodies),
+        posed=bodies.vertices,
+        eigenvalues=forms[bodies.largest_body].eigenvalues,
     )
 
 
@@ -204,12 +210,13 @@ def _summed(histories: list[FloatArray]) -> FloatArray:
 
 
 class _BodyForm(NamedTuple):
-    """The placed form of a body, the features of its surface, the result of the method, and how limbs are bent."""
+    """The placed form of a body, its features, the result of the method, how limbs are bent, and its eigenvalues."""
 
     points: FloatArray
     features: WholeFeatures
     embedded: MethodResult
     bends: FloatArray  # (k, 2)
+    eigenvalues: FloatArray  # (K,)
 
 
 def _body_form(
@@ -232,7 +239,7 @@ def _body_form(
         if trunk_twist(points[found.whole_features], found.limbs) > TWISTED:
             monitor.warn("twisted")
         bends = np.column_stack([_bends(found, shape) for shape in (found.whole_points, points)])[order]
-    return _BodyForm(points, features, embedded, bends)
+    return _BodyForm(points, features, embedded, bends, found.spectrum.eigenvalues)
 
 
 def _bends(found: SurfaceFeatures, shape: FloatArray) -> FloatArray:

@@ -1,4 +1,4 @@
-"""Entry point for skin that has grown together: where two parts of a human body have become one surface."""
+"""Entry point for skin that has grown together: where two parts of a body have become one surface."""
 
 from __future__ import annotations
 
@@ -11,45 +11,34 @@ from numpy.typing import ArrayLike
 
 from .assembly.body import Body
 from .assembly.opening import OPENING, known_bodies, opened
-from .assembly.unfolded_bodies import unfolded_bodies
-from .fused.contact_faces import contact_faces, contacts_between
-from .fused.explained_skin import explained_skin
+from .fused.found_contacts import Contacts
 from .fused.marks import Marks, marks_on, require_marks
 from .fused.on_given import Given, given_of, rows_on_given
 from .fused.parting import piece_count
-from .fused.suspicion import SUSPECT, unlike_whole_human
+from .fused.search import contacts_of, none_found
+from .fused.suspicion import SUSPECT, SUSPECT_BESIDE, is_tall, unlike, unlike_whole_human
+from .fused.whole_body import WholeBody, lowest_eigenvalues, whole_of
 from .mesh.edges import vertex_pairs
 from .mesh.geometry import checked_arrays
-from .mesh.tables import rows_in
 from .method_api.catalogue import DETECTION, method_named
 from .method_api.settings import Settings
-from .modelling.mannequins import mannequin
 from .numerics.arrays import FloatArray, IntArray
-from .results import CanonicalForm, Contacts, Match, PosedLike, Rigged
-from .rigging.candidates import candidates
-from .rigging.reference_rig import mannequin_rig
-from .rigging.references import Reference, unfolded_reference
+from .results import CanonicalForm, Match, PosedLike, Rigged
 from .run.kept_stages import KeptStages
 from .run.messages import Message, message
 from .run.monitor import Cancelled, Monitor, Progress
 
 if TYPE_CHECKING:
-    from .assembly.bodies import Bodies
     from .fused.parting import PartedMesh
 
 Found = TypeVar("Found", "CanonicalForm", "PosedLike", "Rigged", "Match")
 
-_UNFOLDED = 0.4  # of the work
-_LOOKED_FOR = 0.8  # the same, where something is computed afterwards
+_LOOKED_FOR = 0.8  # of the work, where something is computed afterwards
 _MARKED = 0.1  # the same, where nothing is searched for
 _FEWEST = 3  # feature points of a body that may be human: head and feet; a tube has two
 _WORSE = 1.1  # times as unlike a whole human: what is parted must not be
 _DETECTED = 0.4  # the same, where feature points and patches are found
-_NO_EDGES = np.empty((0, 2), dtype=np.int64)
-_HOPELESS = 0.016  # residual by a match above which limbs need not be searched for: humans have up to .0126
-_FOREIGN = 0.012  # residual above which the mannequin does not explain the body: humans have .006 to .009
 _REPAIRS = ("repeated_corners", "coincident_borders", "duplicate_faces", "inconsistent_faces", "rounded_positions")
-_PLAN = {"Ways to face": 3, "Limbs": 3, "Contacts": 1}
 
 
 def find_contacts(
@@ -57,15 +46,17 @@ def find_contacts(
     faces: ArrayLike,
     settings: Settings | None = None,
     *,
+    reference: CanonicalForm | None = None,
     keep: KeptStages | None = None,
     progress: Progress | None = None,
     cancelled: Cancelled | None = None,
 ) -> Contacts:
-    """Find where the skin of a human body has grown together, as in scans, voxel sculpts and generated meshes.
+    """Find where the skin of a body has grown together, as in scans, voxel sculpts and generated meshes.
 
     The skeleton of a mannequin is fitted to the largest body, its arms by search, as no match knows where they are.
     So every vertex gets a place on the mannequin, which stands with arms and legs spread. Skin between places that lie
-    far apart has grown together if the way round over the surface is as long as that.
+    far apart has grown together if the way round over the surface is as long as that. A body that is not human is found
+    by a reference, whose skin is bent onto it patch by patch; places are those on its form.
 
     Parameters
     ----------
@@ -75,6 +66,8 @@ def find_contacts(
         Triangles, in any state that docs/any-mesh.md lists.
     settings : Settings, optional
         Options of the form by which the mannequin is matched.
+    reference : CanonicalForm, optional
+        A form of the same body in another pose, or of a body like it, whose skin has not grown together.
     keep : KeptStages, optional
         Results of earlier runs.
     progress : callable, optional
@@ -85,8 +78,8 @@ def find_contacts(
     Returns
     -------
     Contacts
-        The triangles in which it has; `parted` opens them. A body of several parts, or one that is not human, is left
-        as it is.
+        The triangles in which it has; `parted` opens them. A body of several parts, or one that is neither human nor
+        like the reference, is left as it is.
 
     Raises
     ------
@@ -104,75 +97,8 @@ def find_contacts(
     Bronstein, Bronstein and Kimmel, "Topology-Invariant Similarity of Nonrigid Shapes", 2009,
     doi:10.1007/s11263-008-0172-2, describes the weakness; docs/appendix.md tells how it was made.
     """
-    return contacts_of(vertices, faces, settings or Settings(), keep or KeptStages(), Monitor(progress, cancelled))
-
-
-def contacts_of(
-    vertices: ArrayLike, faces: ArrayLike, settings: Settings, kept: KeptStages, monitor: Monitor
-) -> Contacts:
-    """Find contacts as `find_contacts` does, as a part of a longer run.
-
-    Parameters
-    ----------
-    vertices, faces, settings
-        As in `find_contacts`.
-    kept : KeptStages
-        Results of earlier runs.
-    monitor : Monitor
-        Of this part.
-
-    Returns
-    -------
-    Contacts
-        The contacts.
-
-    Raises
-    ------
-    CanonicalFormError
-        As in `find_contacts`.
-    """
-    bodies, surfaces = unfolded_bodies(vertices, faces, settings, monitor.piece(0.0, _UNFOLDED, OPENING))
-    largest = _largest(bodies)
-    body, one = bodies.bodies[largest], surfaces[largest]
-    piece = monitor.piece(_UNFOLDED, 1.0, _PLAN)
-    gone, places = np.zeros(len(bodies.faces), dtype=bool), bodies.vertices / body.size
-    between: list[tuple[int, int]] = []
-    explained, residual = False, float("nan")
-    human: Reference | None = None
-    if len(body.parts) < 2:  # parts that touch are apart already
-        with piece.stage("Ways to face"):
-            figure = kept.take("Mannequin", [], lambda: mannequin_rig(*mannequin()), piece.warnings)
-            human = kept.take(
-                "Mannequin unfolded", [figure, repr(settings)],
-                lambda: unfolded_reference(figure, settings, Monitor(cancelled=piece.is_cancelled)), piece.warnings
-            )  # fmt: skip
-            best = candidates(one, human, lambda: [], piece, fused=True)[0]
-        own, held, residual = places[body.vertices], np.empty(0, dtype=np.int64), best.residual
-        if residual <= _HOPELESS:
-            own, held, residual = explained_skin(one, human, best.fit.bones, piece)
-        explained = residual <= _FOREIGN
-        if explained:
-            with piece.stage("Contacts"):
-                places[body.vertices] = own
-                here = contact_faces(one.found.whole_points, body.faces, own, piece)
-                between = contacts_between(body.faces[here], held)
-            gone[rows_in(body.vertices[body.faces[here]], bodies.faces)] = True
-    names = [] if human is None else human.whole.skeleton.names
-    told = [*bodies.pieces.repairs, *bodies.apart]
-    return Contacts(
-        bodies.vertices,
-        bodies.pieces.representative,
-        bodies.faces,
-        body.size,
-        gone,
-        _NO_EDGES,
-        places,
-        [(names[one], names[two]) for one, two in between],
-        explained,
-        residual,
-        monitor.timings,
-        [*told, message("contacts_largest")] if len(bodies.bodies) > 1 else told,
-    )
+    settings, kept, monitor = settings or Settings(), keep or KeptStages(), Monitor(progress, cancelled)
+    return contacts_of(vertices, faces, settings, kept, monitor, whole_of(reference))
 
 
 def computed_open(
@@ -185,6 +111,7 @@ def computed_open(
     progress: Progress | None,
     cancelled: Cancelled | None,
     rest: ArrayLike | None = None,
+    known: WholeBody | None = None,
 ) -> Found:
     """Find contacts, and compute something on the mesh that is parted there.
 
@@ -201,6 +128,8 @@ def computed_open(
         Options of the computation.
     rest : (n, 3) array_like of float, optional
         Positions in the rest pose of a rig, as in `canonical_form`: only what was marked is parted.
+    known : WholeBody, optional
+        A body like it, by which contacts are found on one that is not human.
 
     Returns
     -------
@@ -219,8 +148,8 @@ def computed_open(
     require_marks(settings, len(points))
     plain = replace(settings, contacts="keep", part_here=None, keep_joined=None)
     looked_at = settings.contacts == "open" and rest is None
-    unlike = _unlike(points, corners, plain, kept, monitor) if looked_at else 0.0
-    if unlike <= SUSPECT and settings.part_here is None:
+    unlike = _unlike(points, corners, plain, kept, monitor, known) if looked_at else 0.0
+    if unlike <= 1.0 and settings.part_here is None:
         if keep is None:
             kept.fill()  # large meshes would fill the memory
         result = compute(points, corners, plain, rest=rest, keep=kept, progress=monitor.report, cancelled=cancelled)
@@ -230,14 +159,13 @@ def computed_open(
     if chosen is not None or rest is not None:  # rejected before the search, not after it
         how: dict[str, Any] = {"together": settings.together, "features": chosen, "rest": rest}
         known_bodies(points, corners, Monitor(cancelled=cancelled), **how)
-    share = _LOOKED_FOR if unlike > SUSPECT else _MARKED
-    found: Contacts = _found(points, corners, settings, kept, monitor.piece(0.0, share, {}), unlike > SUSPECT)
+    share = _LOOKED_FOR if unlike > 1.0 else _MARKED
+    found: Contacts = _found(points, corners, settings, kept, monitor.piece(0.0, share, {}), unlike > 1.0, known)
     kept_parted = kept.part("Parted")
     mesh: tuple[Contacts, PartedMesh] | None
     doubts: list[Message]
-    mesh, doubts = _parted(
-        found, marks_on(found.faces, found.representative, settings), unlike, plain, kept_parted, monitor
-    )
+    marks = marks_on(found.faces, found.representative, settings)
+    mesh, doubts = _parted(found, marks, unlike, plain, kept_parted, monitor, known)
     how = {
         "keep": kept if mesh is None else kept_parted,
         "progress": lambda done, stage: monitor.report(share + (1 - share) * done, stage),
@@ -263,8 +191,18 @@ def computed_open(
     return whole
 
 
-def _unlike(points: FloatArray, faces: IntArray, settings: Settings, kept: KeptStages, monitor: Monitor) -> float:
-    """Measure how unlike a whole human the largest body is; what that needs is kept for the run that follows."""
+def _unlike(
+    points: FloatArray,
+    faces: IntArray,
+    settings: Settings,
+    kept: KeptStages,
+    monitor: Monitor,
+    whole: WholeBody | None,
+) -> float:
+    """Measure how unlike a whole human the largest body is, or `whole` if it is none: above 1 it is suspect.
+
+    What that needs is kept for the run that follows.
+    """
 
     def report(done: float, stage: str) -> None:
         monitor.report(_DETECTED * done, stage)
@@ -272,46 +210,69 @@ def _unlike(points: FloatArray, faces: IntArray, settings: Settings, kept: KeptS
     own = Monitor(report, monitor.is_cancelled, OPENING, kept)
     own.timings = monitor.timings
     bodies = opened(points, faces, settings, own)
-    largest = _largest(bodies)
+    largest = bodies.largest_body
     if len(bodies.bodies[largest].parts) > 1:  # parts that touch are apart already
         return 0.0
 
-    def unlike(body: Body, chosen: IntArray | None, of_body: Monitor) -> float:
+    def measured(body: Body, chosen: IntArray | None, of_body: Monitor) -> float:
         found = body.features(chosen, settings, of_body)
-        return unlike_whole_human(found.spectrum.eigenvalues) if len(found.features) >= _FEWEST else 0.0
+        eigenvalues = found.spectrum.eigenvalues
+        if len(found.features) < _FEWEST:
+            return 0.0
+        if whole is None or is_tall(eigenvalues):
+            return unlike_whole_human(eigenvalues) / SUSPECT
+        quiet = Monitor(cancelled=monitor.is_cancelled, keep=kept.part("Whole body"))
+        return unlike(eigenvalues, lowest_eigenvalues(whole, settings, quiet)) / SUSPECT_BESIDE
 
-    return bodies.map(unlike, own, DETECTION, bodies.chosen_vertices)[largest]
+    return bodies.map(measured, own, DETECTION, bodies.chosen_vertices)[largest]
 
 
 def _parted(
-    found: Contacts, marks: Marks, unlike: float, plain: Settings, kept: KeptStages, monitor: Monitor
+    found: Contacts,
+    marks: Marks,
+    unlike: float,
+    plain: Settings,
+    kept: KeptStages,
+    monitor: Monitor,
+    known: WholeBody | None,
 ) -> tuple[tuple[Contacts, PartedMesh] | None, list[Message]]:
-    """Part a mesh, unless it is less like a whole human then than before, and say what is doubtful.
+    """Part a mesh, unless it is less like a whole body then than before, and say what is doubtful.
 
     `unlike`: how unlike it is; `plain`: the settings of what is computed afterwards. Gives None if nothing is parted.
     """
     both = _with_marks(found, marks)
     mesh = both.parted(cancelled=monitor.is_cancelled) if both.touched.any() else None
-    if unlike > SUSPECT and mesh is not None:
-        after = _unlike(mesh.vertices, mesh.faces, replace(plain, feature_points=None), kept, monitor)
+    if unlike > 1.0 and mesh is not None:
+        after = _unlike(mesh.vertices, mesh.faces, replace(plain, feature_points=None), kept, monitor, known)
         if both.between and after > _WORSE * unlike:
             both = _with_marks(replace(found, gone=np.zeros_like(found.gone), between=[]), marks)
             mesh = both.parted(cancelled=monitor.is_cancelled) if both.touched.any() else None
         unlike = min(unlike, after)
     doubts = _doubts(both, mesh, marks)
-    if both.explained and unlike > SUSPECT:
+    if unlike > 1.0 and (both.between or both.alike):
         doubts.append(message("contacts_left"))
     return (None if mesh is None else (both, mesh)), doubts
 
 
 def _found(
-    points: FloatArray, faces: IntArray, settings: Settings, kept: KeptStages, monitor: Monitor, searched: bool
+    points: FloatArray,
+    faces: IntArray,
+    settings: Settings,
+    kept: KeptStages,
+    monitor: Monitor,
+    searched: bool,
+    known: WholeBody | None,
 ) -> Contacts:
     """Find contacts, or read the mesh for its marks only."""
     plain = Settings(pieces=settings.pieces, memory_limit=settings.memory_limit)  # whatever unfolds it later
-    find = contacts_of if searched else _nothing_found
-    sources = [points, faces, repr(plain), searched]
-    return kept.take("Contacts", sources, lambda: find(points, faces, plain, kept, monitor), [])
+    sources = [points, faces, repr(plain), searched, *(known or (None,) * 3)[:3]]
+
+    def find() -> Contacts:
+        if searched:
+            return contacts_of(points, faces, plain, kept, monitor, known)
+        return none_found(points, faces, plain, monitor)
+
+    return kept.take("Contacts", sources, find, [])
 
 
 def _add_timings(result: CanonicalForm | PosedLike | Rigged | Match, monitor: Monitor) -> None:
@@ -321,28 +282,6 @@ def _add_timings(result: CanonicalForm | PosedLike | Rigged | Match, monitor: Mo
     result.timings.update(monitor.timings)
     for stage, seconds in later.items():
         result.timings[stage] = result.timings.get(stage, 0.0) + seconds
-
-
-def _nothing_found(
-    vertices: ArrayLike, faces: ArrayLike, settings: Settings, _: KeptStages, monitor: Monitor
-) -> Contacts:
-    """Read a mesh for what is marked on it, without a search."""
-    bodies = known_bodies(vertices, faces, monitor, together=settings.together)
-    size = bodies.bodies[_largest(bodies)].size
-    return Contacts(
-        bodies.vertices,
-        bodies.pieces.representative,
-        bodies.faces,
-        size,
-        np.zeros(len(bodies.faces), dtype=bool),
-        _NO_EDGES,
-        bodies.vertices / size,
-        [],
-        False,
-        float("nan"),
-        monitor.timings,
-        [*bodies.pieces.repairs, *bodies.apart],
-    )
 
 
 def _with_marks(found: Contacts, marks: Marks) -> Contacts:
@@ -364,8 +303,3 @@ def _doubts(found: Contacts, mesh: PartedMesh | None, marks: Marks) -> list[Mess
         told.append(message("part_here_nothing"))
     loose = 0 if mesh is None or not marks.given else piece_count(mesh.faces) - piece_count(found.faces)
     return [*told, message("part_here_loose", count=loose)] if loose > 0 else told
-
-
-def _largest(bodies: Bodies) -> int:
-    """Return the number of the largest body."""
-    return int(np.argmax([body.size for body in bodies.bodies]))

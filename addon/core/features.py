@@ -11,7 +11,7 @@ from .assembly.gathering import gathered_features
 from .assembly.opening import OPENING, opened
 from .method_api.catalogue import DETECTION, method_named
 from .method_api.settings import Settings
-from .numerics.arrays import IntArray
+from .numerics.arrays import FloatArray, IntArray
 from .results import FeaturePatches
 from .run.monitor import Cancelled, Monitor, Progress
 
@@ -61,8 +61,11 @@ def feature_patches(
     monitor = Monitor(progress, cancelled, OPENING)
     bodies = opened(vertices, faces, settings, monitor, rest=rest)
 
-    def work(body: Body, chosen: IntArray | None, own: Monitor) -> WholeFeatures:
-        return body.features(chosen, settings, own).prolonged(own)
+    def work(body: Body, chosen: IntArray | None, own: Monitor) -> tuple[WholeFeatures, FloatArray]:
+        found = body.features(chosen, settings, own)
+        return found.prolonged(own), found.spectrum.eigenvalues
 
-    found = gathered_features(bodies, bodies.map(work, monitor, DETECTION, bodies.chosen_vertices))
-    return FeaturePatches(found.points, found.patches, found.adf, monitor.timings, monitor.warnings, found.bodies)
+    features, spectra = zip(*bodies.map(work, monitor, DETECTION, bodies.chosen_vertices), strict=True)
+    found, warnings = gathered_features(bodies, features), monitor.warnings
+    eigenvalues = spectra[bodies.largest_body]
+    return FeaturePatches(found.points, found.patches, found.adf, monitor.timings, warnings, found.bodies, eigenvalues)

@@ -7,31 +7,19 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from .method_api.settings import Settings
 from .numerics.arrays import BoolArray, FloatArray, IntArray
 from .run.messages import Message
-from .run.monitor import Cancelled, Monitor
+from .run.summaries import Summarised
 
 if TYPE_CHECKING:
-    from .fused.on_given import Given, Parted
-    from .fused.parting import PartedMesh
+    from .fused.on_given import Parted
     from .matching.seam_sides import SeamSides
     from .rigging.skeleton import BoneMotions, Skeleton
     from .symmetry.limbs import BodyLimbs
 
 
-class _Summarised:
-    """Results whose representation shows array shapes."""
-
-    warnings: list[Message]
-
-    def __repr__(self) -> str:
-        sizes = [f"{name} {value.shape}" for name, value in vars(self).items() if hasattr(value, "shape")]
-        return f"<{type(self).__name__}: {', '.join(sizes)}, {len(self.warnings)} warning(s)>"
-
-
 @dataclass(frozen=True, eq=False, repr=False)
-class FeaturePatches(_Summarised):
+class FeaturePatches(Summarised):
     """Feature points and patches of a mesh.
 
     Attributes
@@ -49,6 +37,8 @@ class FeaturePatches(_Summarised):
         Sentences for the user.
     bodies : list of BodyLimbs
         The limbs identified among the feature points of each body; a form of this mesh needs them to be a reference.
+    eigenvalues : (K,) ndarray of float
+        λ_1 ≤ … ≤ λ_K of the Laplacian of the largest body, scaled to unit area.
     """
 
     feature_points: IntArray
@@ -57,103 +47,11 @@ class FeaturePatches(_Summarised):
     timings: dict[str, float]
     warnings: list[Message]
     bodies: list[BodyLimbs] = field(default_factory=list)
+    eigenvalues: FloatArray = field(default_factory=lambda: np.empty(0))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Contacts(_Summarised):
-    """Where the skin of a body has grown together.
-
-    Attributes
-    ----------
-    vertices : (n, 3) ndarray of float
-        The vertices as given.
-    representative : (n,) ndarray of int
-        The vertex that stands for each: itself, or of coincident ones the first.
-    faces : (m', 3) ndarray of int
-        The triangles of those that stand for others: those given, repaired where the warnings say so.
-    size : float
-        Square root of the area of the largest body, the only one that is looked at.
-    gone : (m',) ndarray of bool
-        Triangles in which two parts of the body have grown together, or that were marked.
-    cut : (e, 2) ndarray of int
-        Edges that were marked.
-    places : (n, 3) ndarray of float
-        The place of each vertex on the mannequin, which stands with arms and legs spread, in units of sqrt(area); that
-        of the mesh where the body is no human one.
-    between : list of (str, str)
-        By contact, the bones of the mannequin on either side.
-    explained : bool
-        Whether the body is a human one; of others nothing is known.
-    residual : float
-        Mean distance of the skin from that of the mannequin, in sizes of the body.
-    timings : dict of str to float
-        Seconds by stage.
-    warnings : list of Message
-        Sentences for the user, on the mesh as given.
-    """
-
-    vertices: FloatArray
-    representative: IntArray
-    faces: IntArray
-    size: float
-    gone: BoolArray
-    cut: IntArray
-    places: FloatArray
-    between: list[tuple[str, str]]
-    explained: bool
-    residual: float
-    timings: dict[str, float]
-    warnings: list[Message]
-
-    @property
-    def touched(self) -> BoolArray:
-        """Which vertices lie in a contact, (n,); copies at one place do so together."""
-        found = np.zeros(len(self.vertices), dtype=bool)
-        found[self.faces[self.gone].ravel()] = True
-        found[self.cut.ravel()] = True
-        return found[self.representative]
-
-    @property
-    def given(self) -> Given:
-        """The mesh as given."""
-        from .fused.on_given import Given
-
-        return Given(self.vertices, self.faces, self.representative, self.touched)
-
-    def parted(self, *, cancelled: Cancelled | None = None) -> PartedMesh:
-        """Take those triangles out, part those edges, and close both sides by caps.
-
-        Caps are short on the body at rest: on the mannequin, or if nothing is known of the body, on the form of what
-        was parted.
-
-        Parameters
-        ----------
-        cancelled : callable, optional
-            As in `canonical_form`.
-
-        Returns
-        -------
-        PartedMesh
-            The mesh without contacts.
-
-        Raises
-        ------
-        CanonicalFormError
-            As in `canonical_form`.
-        """
-        from .fused.parting import capped, laid_open
-
-        mesh = laid_open(self.vertices, self.faces, self.gone, self.cut, self.size)
-        if self.explained or not mesh.lips:
-            return capped(mesh, self.places[mesh.origin], self.size)
-        from .assembly.unfolded_bodies import unfolded_shape
-
-        rest = unfolded_shape(mesh.apart, mesh.faces, Settings(quality="draft"), Monitor(cancelled=cancelled))
-        return capped(mesh, rest, self.size)
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class CanonicalForm(_Summarised):
+class CanonicalForm(Summarised):
     """The canonical form of a mesh and intermediate results.
 
     Attributes
@@ -194,6 +92,11 @@ class CanonicalForm(_Summarised):
         Vertices at which the mesh was parted for the form; empty if it was not.
     parted : Parted, optional
         The mesh that was parted for the form, and its form.
+    posed : (n, 3) ndarray of float
+        The vertices as given; empty where they are not known.
+    eigenvalues : (K,) ndarray of float
+        λ_1 ≤ … ≤ λ_K of the Laplacian of the largest body, scaled to unit area: a shape descriptor that no pose
+        changes.
     """
 
     vertices: FloatArray
@@ -211,6 +114,8 @@ class CanonicalForm(_Summarised):
     bends: FloatArray = field(default_factory=lambda: np.empty((0, 2)))
     contacts: BoolArray = field(default_factory=lambda: np.empty(0, dtype=bool))
     parted: Parted | None = None
+    posed: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
+    eigenvalues: FloatArray = field(default_factory=lambda: np.empty(0))
 
 
 class MatchedSeams(NamedTuple):
@@ -233,7 +138,7 @@ class MatchedSeams(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Match(_Summarised):
+class Match(Summarised):
     """For every vertex of a mesh, the corresponding point of another.
 
     Attributes
@@ -279,7 +184,7 @@ class Match(_Summarised):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class PosedLike(_Summarised):
+class PosedLike(Summarised):
     """A mesh in the pose of another.
 
     Attributes
@@ -323,7 +228,7 @@ class PosedLike(_Summarised):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Stance(_Summarised):
+class Stance(Summarised):
     """A rigged mesh in a T-pose or an A-pose.
 
     Attributes
@@ -360,7 +265,7 @@ class Stance(_Summarised):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Rigged(_Summarised):
+class Rigged(Summarised):
     """A skeleton for a mesh, with weights.
 
     Attributes

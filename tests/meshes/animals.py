@@ -17,3 +17,19 @@ def giraffe(neck: float = 0.0, cells: int = 60) -> Mesh:
         for side in (-0.45, 0.45)
     ]
     return limbed([trunk, throat, tail, *legs], np.array([-3.2, -2.4, -2.8]), np.array([3.2, 2.4, 3.6]), cells)
+
+
+def walker(swing: float = 0.0, cells: int = 70) -> Mesh:
+    """A body on four legs; fore and hind leg of its right are swung towards each other by an angle in radians."""
+    trunk: Limb = (((-1.0, 0, 0), (1.0, 0, 0.1)), 0.4)
+    throat: Limb = (((0.9, 0, 0.1), (1.5, 0, 0.9), (2.1, 0, 1.0)), 0.26)
+    tail: Limb = (((-1.0, 0, 0.1), (-1.8, 0, 0.2), (-2.3, 0, -0.3)), 0.16)
+    legs: list[Limb] = []
+    for place in (-0.95, 0.95):
+        for side in (-0.4, 0.4):
+            along = -np.sign(place) * 2.0 * np.sin(swing) if side < 0 else 0.0
+            down = 2.0 * np.cos(swing) if side < 0 else 2.0
+            hip = (place, side, -0.1)
+            legs.append(((hip, (place + along / 2, side * 1.2, -down / 2), (place + along, side * 1.2, -down)), 0.2))
+    low, high = np.array([-2.9, -1.3, -2.6]), np.array([2.9, 1.3, 1.7])
+    return limbed([trunk, throat, tail, *legs], low, high, cells)

@@ -133,6 +133,11 @@ class Bodies:
         return told
 
     @property
+    def largest_body(self) -> int:
+        """Number of the body with the largest area."""
+        return int(np.argmax([body.size for body in self.bodies]))
+
+    @property
     def largest(self) -> int:
         """Number of vertices of the body that has the most."""
         return max(len(body.vertices) for body in self.bodies)

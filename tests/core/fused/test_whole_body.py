@@ -1,0 +1,122 @@
+"""Skin that has grown together on animals: found by another pose of the same body, or by a body like it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from addon.core import KeptStages, Settings, canonical_form, feature_patches, find_contacts
+from addon.core.fused.suspicion import SUSPECT_BESIDE, is_tall, unlike
+from addon.core.fused.whole_body import WholeBody, known_body, whole_of
+from addon.core.run.monitor import Monitor
+from tests.meshes import shapes
+from tests.meshes.animals import walker
+
+
+@pytest.fixture(scope="module")
+def kept():
+    return KeptStages()
+
+
+@pytest.fixture(scope="module")
+def reference():
+    return canonical_form(*walker())
+
+
+@pytest.fixture(scope="module")
+def fused():
+    """The fore leg and the hind leg of the right have grown together below the belly."""
+    return walker(0.45)
+
+
+@pytest.fixture(scope="module")
+def form(fused, reference, kept):
+    return canonical_form(*fused, reference=reference, keep=kept)
+
+
+def test_legs_of_an_animal_are_parted_by_a_reference(fused, reference, form):
+    glued = canonical_form(*fused, Settings(contacts="keep"), reference=reference)
+    assert not is_tall(glued.eigenvalues)
+    assert unlike(glued.eigenvalues, reference.eigenvalues) > SUSPECT_BESIDE
+    assert unlike(form.eigenvalues, reference.eigenvalues) < 0.07
+    assert len(glued.feature_points) < len(form.feature_points) == len(reference.feature_points)
+    assert [each.kind for each in form.warnings if each.kind.startswith("contacts")] == ["contacts_opened"]
+    where = fused[0][form.contacts]
+    assert len(where) > 30
+    assert np.abs(where[:, 0]).max() < 0.5  # between the legs,
+    assert where[:, 1].max() < -0.2  # of the right,
+    assert where[:, 2].max() < -1.2  # below the belly
+
+
+def test_without_a_reference_nothing_is_known_of_an_animal(fused):
+    assert canonical_form(*fused).parted is None
+
+
+@pytest.mark.parametrize("swing", [0.0, 0.25])
+def test_whole_poses_are_not_searched(swing, reference):
+    """To the bit: the lowest eigenvalues tell that they are whole."""
+    ways = [canonical_form(*walker(swing), Settings(contacts=way), reference=reference) for way in ("keep", "open")]
+    np.testing.assert_array_equal(ways[0].vertices, ways[1].vertices)
+    assert list(ways[0].timings) == list(ways[1].timings)
+    assert ways[0].warnings == ways[1].warnings
+
+
+@pytest.mark.parametrize("swing", [0.0, 0.3])
+def test_a_search_finds_none_on_whole_poses(swing, reference, kept):
+    found = find_contacts(*walker(swing), reference=reference, keep=kept)
+    assert found.explained
+    assert found.residual < 0.006
+    assert not found.gone.any()
+
+
+def test_another_body_explains_nothing(reference, kept):
+    found = find_contacts(*shapes.sphere(3), reference=reference, keep=kept)
+    assert not found.explained
+    assert not found.gone.any()
+
+
+def test_where_it_stands_decides_nothing(fused, reference, form, kept):
+    turn = np.linalg.qr(np.random.default_rng(4).normal(size=(3, 3)))[0]
+    turn *= np.sign(np.linalg.det(turn))
+    found = find_contacts(3.0 * fused[0] @ turn + [5.0, 0, 1], fused[1], reference=reference, keep=kept)
+    gone = np.zeros(len(fused[0]), dtype=bool)
+    gone[found.faces[found.gone]] = True
+    assert (gone & form.contacts).sum() > 0.75 * (gone | form.contacts).sum()
+
+
+def test_a_cut_that_makes_it_less_like_the_reference_is_not_believed(fused, reference, kept, monkeypatch):
+    measured = iter([0.2, 0.25])
+    monkeypatch.setattr("addon.core.contacts.unlike", lambda *_: next(measured))
+    found = canonical_form(*fused, reference=reference, keep=kept)
+    assert found.parted is None
+    assert any(each.kind == "contacts_left" for each in found.warnings)
+
+
+def test_a_form_that_was_parted_is_a_reference_as_what_it_was_parted_to(form, reference):
+    whole = whole_of(form)
+    assert len(whole.vertices) == len(form.parted.mesh.vertices) == len(whole.form)
+    np.testing.assert_array_equal(whole.eigenvalues, form.eigenvalues)
+    again = canonical_form(*walker(0.42), reference=form)
+    assert unlike(again.eigenvalues, reference.eigenvalues) < 0.07
+
+
+def test_a_reference_of_which_only_the_form_is_known(fused, reference):
+    bare = replace(reference, posed=np.empty((0, 3)), eigenvalues=np.empty(0))
+    found = canonical_form(*fused, reference=bare)
+    assert unlike(found.eigenvalues, reference.eigenvalues) < 0.07
+
+
+def test_a_reference_of_several_parts_is_not_used():
+    """They touch already."""
+    one, two = walker()[0], shapes.sphere(2)
+    points = np.concatenate([one, 0.3 * two[0] + [0.0, 0, 0.65]])
+    faces = np.concatenate([walker()[1], two[1] + len(one)])
+    found = known_body(WholeBody(points, faces, None, np.empty(0)), Settings(), Monitor())
+    assert found is None or len(found.form) == len(one)
+
+
+def test_eigenvalues_of_a_sphere_of_unit_area():
+    """4 π l (l + 1)."""
+    found = feature_patches(*shapes.sphere(4)).eigenvalues
+    np.testing.assert_allclose(found[:8], 4 * np.pi * np.array([2, 2, 2, 6, 6, 6, 6, 6]), rtol=0.02)
+    assert unlike(found, canonical_form(*shapes.sphere(4)).eigenvalues) == 0
