@@ -251,6 +251,8 @@ def _parted(
     doubts = _doubts(both, mesh, marks)
     if unlike > 1.0 and (both.between or both.alike):
         doubts.append(message("contacts_left"))
+    elif unlike > 1.0 and known is not None and not both.explained:
+        doubts.append(message("contacts_unknown"))
     return (None if mesh is None else (both, mesh)), doubts
 
 

@@ -109,6 +109,8 @@ class Reference:
                 found.timings,
                 found.warnings,
                 bodies=found.bodies,
+                posed=self._vertices if self._rest is None else self._rest,
+                eigenvalues=found.eigenvalues,
             )
         return self._computed
 

@@ -14,7 +14,7 @@ from ..numerics.arrays import FloatArray
 _WHOLE = np.array([6.1, 10.2, 14.2, 18.9, 36.2, 39.8])
 _TALL = (3.5, 10.5)  # λ_2 of bodies as tall for their skin as humans: on four legs it is 11 to 22
 SUSPECT = 0.112  # unlikeness above which skin of a human may have grown together: whole ones have at most .108
-SUSPECT_BESIDE = 0.13  # the same, of a body beside another of its kind: poses of one that is whole have at most .09
+SUSPECT_BESIDE = 0.13  # the same, of a body beside another of its kind: poses of one that is whole have at most .1
 
 
 def is_tall(eigenvalues: FloatArray) -> bool:

@@ -49,7 +49,7 @@ class Settings:
         Maximum number of majorisation steps.
     contacts : {'open', 'keep'}
         Whether skin that has grown together, such as that of a hand on a hip in a scan, is parted for the result where
-        a human body looks like it.
+        a human body looks like it, or another body beside a form of its own as the reference.
     part_here : sequence of int, optional
         Vertices between which the mesh is parted before anything is computed: triangles with three of them are taken
         out, and edges with two are cut. Both lips are closed.
@@ -145,7 +145,12 @@ class Settings:
         "Grown Together",
         "What is done where skin has grown together, such as that of a hand on a hip in a scan",
         choices=(
-            Choice("open", "Open", "Part it for the result, if a human body looks like it; takes some seconds then"),
+            Choice(
+                "open",
+                "Open",
+                "Part it for the result, if a human body looks like it, or an animal beside its reference; takes some "
+                "seconds then",
+            ),
             Choice("keep", "Keep", "Leave it, unless it is marked: the result keeps the pose there"),
         ),
     )
