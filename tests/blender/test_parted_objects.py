@@ -7,6 +7,7 @@ import pytest
 from addon.blender.records.record import require_record
 from tests.blender.conftest import add_object, snapshot
 from tests.blender.test_contacts import add_ring, euler, group_of, select
+from tests.meshes.animals import walker
 from tests.meshes.fused import fused_figure
 from tests.meshes.rings import ring
 
@@ -55,6 +56,25 @@ def test_a_scan_is_cut_where_it_has_grown_together(blender, pose):
     assert np.quantile(lengths(mesh, shape(mesh, key)), 0.999) < 2.5 * longest
     assert "Contacts" in made.vertex_groups
     assert len(require_record(mesh).report.patch_sizes) == len(require_record(mesh).report.feature_points)
+
+
+def test_an_animal_is_cut_beside_a_reference(blender):
+    """Fore and hind leg of one side have grown together; another pose, in which they have not, is the reference."""
+    whole, scan = add_object("Whole", *walker(cells=60)), add_object("Scan", *walker(0.46, cells=60))
+    bpy.context.view_layer.objects.active = whole
+    scan.select_set(False)
+    assert bpy.ops.object.canonical_form(quality="draft") == {"FINISHED"}
+    whole.select_set(False)
+    scan.select_set(True)
+    bpy.context.view_layer.objects.active = scan
+    assert bpy.ops.object.canonical_form(result="OBJECT", quality="draft", reference="Whole") == {"FINISHED"}
+    (made,) = (each for each in bpy.data.objects if each not in (whole, scan))
+    assert "Contacts" in made.vertex_groups
+    assert euler(made.data) == 2
+    assert euler(scan.data) == 0
+    report = require_record(made.data).report
+    assert len(report.feature_points) == len(require_record(whole.data).report.feature_points)
+    assert any("grown together" in str(each) for each in report.warnings)
 
 
 @pytest.mark.parametrize("wide", [1, 3, 6])
