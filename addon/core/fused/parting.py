@@ -8,12 +8,13 @@ from typing import NamedTuple
 import numpy as np
 
 from ..mesh.connectivity import component_labels
-from ..mesh.edges import EdgeTable, edge_table, undirected_keys
+from ..mesh.edges import EdgeTable, edge_table, undirected_keys, vertex_pairs
 from ..mesh.geometry import area_vectors
 from ..numerics.arrays import BoolArray, FloatArray, IntArray
 
 _OLD = 0.5  # share of a border that is of a hole of before, from which it stays open
 _LEAST = 0.01  # of the area: what comes off and is smaller is left out
+_TAKEN = 10.0  # cost of an ear whose diagonal is an edge already: it would have four triangles
 _POSE = 0.2  # weight of the length of a cap's edges in the pose, beside that at rest
 _LONGEST = 0.03  # sqrt(area): inner edges of caps are split until they are shorter
 _ROUNDS = 4  # of splitting
@@ -124,8 +125,12 @@ def capped(mesh: OpenMesh, rest: FloatArray, unit: float) -> PartedMesh:
     (2, 1)
     """
     points, done = mesh.vertices, [mesh.faces]
+    at_lip = np.zeros(len(points), dtype=bool)
+    at_lip[[vertex for lip in mesh.lips for vertex in lip]] = True
+    edges = vertex_pairs(mesh.faces)
+    edges = edges[at_lip[edges].all(axis=1)]
     for lip in mesh.lips:
-        cap = _ears(lip, rest, points / unit)
+        cap = _ears(lip, rest, points / unit, _between(np.array(lip), edges))
         points, rest, cap = _refined(points, rest, cap, _LONGEST * unit)
         done.append(cap)
     triangles = np.concatenate(done)
@@ -221,15 +226,27 @@ def _border_loops(faces: IntArray) -> list[list[int]]:
     return loops
 
 
-def _ears(loop: list[int], rest: FloatArray, points: FloatArray) -> IntArray:
-    """Close a border by ears, those with the shortest diagonal first. `rest`, `points` (n, 3); gives (t, 3)."""
+def _between(loop: IntArray, edges: IntArray) -> set[tuple[int, int]]:
+    """List the pairs of a border, by their positions in it, that one of some edges joins. `edges` (e, 2)."""
+    order = np.argsort(loop)
+    ends = order[np.minimum(np.searchsorted(loop, edges, sorter=order), len(loop) - 1)]
+    here = (loop[ends] == edges).all(axis=1)
+    return {(min(pair), max(pair)) for pair in ends[here].tolist()}
+
+
+def _ears(loop: list[int], rest: FloatArray, points: FloatArray, taken: set[tuple[int, int]]) -> IntArray:
+    """Close a border by ears, those with the shortest diagonal first.
+
+    `rest`, `points` (n, 3); `taken`: pairs of positions in the border that an edge joins already; gives (t, 3).
+    """
     count = len(loop)
     before, after = [(k - 1) % count for k in range(count)], [(k + 1) % count for k in range(count)]
     there, here = rest[loop], points[loop]
 
     def cost(ear: int) -> float:
         one, two = before[ear], after[ear]
-        return float(np.linalg.norm(there[one] - there[two]) + _POSE * np.linalg.norm(here[one] - here[two]))
+        own = _TAKEN if (min(one, two), max(one, two)) in taken else 0.0
+        return float(own + np.linalg.norm(there[one] - there[two]) + _POSE * np.linalg.norm(here[one] - here[two]))
 
     queue = [(cost(k), k, 0) for k in range(count)]
     heapq.heapify(queue)

@@ -17,6 +17,7 @@ from ..run.monitor import Monitor
 from .articulated_fit import ALIKE, UNLIKE, Explained, explained, turned_round
 from .evidence import beyond_limits, skin_alike, toes_forward, trunk_axes, unlike_sides
 from .references import Reference
+from .transport import spread
 
 _STANDING = 0.3  # correlation of heights above which a match leaves the body as it stands
 _SAME = 0.5  # cosine between axes of two skeletons below which they face different ways
@@ -168,7 +169,7 @@ def _skin(one: Unfolded, count: int | None) -> _Skin:
     surface = one.found.surface
     areas = vertex_areas(surface.points, surface.faces)
     share = areas / areas.sum()
-    rows = np.arange(len(areas)) if count is None else np.unique(_spread(share, count))
+    rows = np.arange(len(areas)) if count is None else np.unique(spread(share, count))
     nearest = cKDTree(surface.points[rows]).query(surface.points)[1]
     lumped = np.bincount(nearest, areas, len(rows)).astype(np.float64)
     return _Skin(
@@ -176,7 +177,7 @@ def _skin(one: Unfolded, count: int | None) -> _Skin:
         surface.points[rows],
         vertex_normals(surface.points, surface.faces)[rows],
         lumped,
-        surface.points[_spread(share, _SAMPLES)],
+        surface.points[spread(share, _SAMPLES)],
     )
 
 
@@ -273,9 +274,3 @@ def _standing(one: Unfolded, way: Side, reference: Reference) -> float:
     there = cKDTree(reference.body.form).query(place)[1]
     heights = one.found.surface.points[:, 2], reference.rig.vertices[there, 2]
     return float(np.corrcoef(*heights)[0, 1]) if all(np.ptp(each) > 0 for each in heights) else 0.0
-
-
-def _spread(share: FloatArray, count: int) -> IntArray:
-    """Choose vertices as often as their area asks for."""
-    steps = (np.arange(count) + 0.5) / count
-    return np.minimum(np.searchsorted(np.cumsum(share), steps), len(share) - 1)

@@ -4,6 +4,7 @@ import numpy as np
 
 from addon.core.fused.contact_faces import contact_faces, contacts_between
 from addon.core.fused.on_given import given_of, limbs_on_given, shape_on_given
+from addon.core.fused.parting import OpenMesh, capped
 from addon.core.mesh.connectivity import component_labels
 from addon.core.mesh.edges import edge_table, is_closed, vertex_pairs
 from addon.core.mesh.repair import repaired
@@ -120,3 +121,13 @@ def test_limbs_come_back_to_the_mesh_as_given():
     assert np.array_equal(body.vertices, np.arange(len(points)))
     tips = body.vertices[body.tips]
     assert np.ptp(along[tips]) > 5  # both ends of the tube
+
+
+def test_a_cap_makes_no_edge_of_four_triangles():
+    """A bowl of two triangles: its border has four corners, and the shorter diagonal is an edge already."""
+    points = np.array([[1.0, 0, 0], [0, 0.5, 0.1], [-1, 0, 0], [0, -0.5, 0.1]])
+    faces = np.array([[0, 1, 3], [1, 2, 3]])
+    mesh = capped(OpenMesh(points, faces, np.arange(4), [[3, 2, 1, 0]]), points, 10.0)
+    table = edge_table(mesh.faces)
+    assert table.count.max() == 2
+    assert is_closed(mesh.faces)
