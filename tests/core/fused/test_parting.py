@@ -127,7 +127,7 @@ def test_a_cap_makes_no_edge_of_four_triangles():
     """A bowl of two triangles: its border has four corners, and the shorter diagonal is an edge already."""
     points = np.array([[1.0, 0, 0], [0, 0.5, 0.1], [-1, 0, 0], [0, -0.5, 0.1]])
     faces = np.array([[0, 1, 3], [1, 2, 3]])
-    mesh = capped(OpenMesh(points, faces, np.arange(4), [[3, 2, 1, 0]]), points, 10.0)
+    mesh = capped(OpenMesh(points, faces, np.arange(4), [[3, 2, 1, 0]]), points, 100.0)
     table = edge_table(mesh.faces)
     assert table.count.max() == 2
     assert is_closed(mesh.faces)
