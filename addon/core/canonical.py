@@ -101,6 +101,10 @@ def canonical_form(
     "Local Feature-Based 3D Canonical Form".
     """
     settings = settings or Settings()
+    if reference is not None:
+        from .placing.reference import require_limbs
+
+        require_limbs(reference)
     if settings.parts:
         from .contacts import computed_open
         from .fused.whole_body import whole_of
@@ -139,7 +143,7 @@ def _on_given(form: CanonicalForm, mesh: PartedMesh, given: Given) -> CanonicalF
     from .fused.on_given import limbs_on_given, surface_on_given
 
     whole = surface_on_given(form, mesh, given)
-    return replace(whole, bodies=limbs_on_given(mesh, form.bodies), posed=given.vertices)
+    return replace(whole, bodies=limbs_on_given(mesh, form.bodies), posed=given.vertices.copy())
 
 
 def _form(
@@ -184,8 +188,8 @@ def _form(
         float(np.fmax.reduce([each.embedded.asymmetry for each in forms])),
         features.bodies,
         _numbered([each.bends for each in forms], features.bodies),
-        posed=bodies.vertices,
-        eigenvalues=forms[bodies.largest_body].eigenvalues,
+        posed=bodies.vertices.copy(),
+        eigenvalues=forms[bodies.largest_body].eigenvalues.copy(),
     )
 
 

@@ -16,7 +16,7 @@ from .fused.marks import Marks, marks_on, require_marks
 from .fused.on_given import Given, given_of, rows_on_given
 from .fused.parting import piece_count
 from .fused.search import contacts_of, none_found
-from .fused.suspicion import SUSPECT, SUSPECT_BESIDE, is_tall, unlike, unlike_whole_human
+from .fused.suspicion import ENOUGH, SUSPECT, SUSPECT_BESIDE, is_tall, raised, unlike_whole_human
 from .fused.whole_body import WholeBody, lowest_eigenvalues, whole_of
 from .mesh.edges import vertex_pairs
 from .mesh.geometry import checked_arrays
@@ -207,6 +207,9 @@ def _unlike(
     def report(done: float, stage: str) -> None:
         monitor.report(_DETECTED * done, stage)
 
+    if settings.eigenpairs < ENOUGH:
+        settings = replace(settings, eigenpairs=ENOUGH)
+    plain = replace(settings, feature_points=None)
     own = Monitor(report, monitor.is_cancelled, OPENING, kept)
     own.timings = monitor.timings
     bodies = opened(points, faces, settings, own)
@@ -219,10 +222,12 @@ def _unlike(
         eigenvalues = found.spectrum.eigenvalues
         if len(found.features) < _FEWEST:
             return 0.0
-        if whole is None or is_tall(eigenvalues):
-            return unlike_whole_human(eigenvalues) / SUSPECT
+        human = unlike_whole_human(eigenvalues) / SUSPECT
+        if whole is None or (is_tall(eigenvalues) and human <= 1.0):
+            return human
         quiet = Monitor(cancelled=monitor.is_cancelled, keep=kept.part("Whole body"))
-        return unlike(eigenvalues, lowest_eigenvalues(whole, settings, quiet)) / SUSPECT_BESIDE
+        beside = raised(eigenvalues, lowest_eigenvalues(whole, plain, quiet)) / SUSPECT_BESIDE
+        return min(human, beside) if is_tall(eigenvalues) else beside
 
     return bodies.map(measured, own, DETECTION, bodies.chosen_vertices)[largest]
 
@@ -250,7 +255,7 @@ def _parted(
         unlike = min(unlike, after)
     doubts = _doubts(both, mesh, marks)
     if unlike > 1.0 and (both.between or both.alike):
-        doubts.append(message("contacts_left"))
+        doubts.append(message("contacts_left" if known is None else "contacts_left_beside"))
     elif unlike > 1.0 and known is not None and not both.explained:
         doubts.append(message("contacts_unknown"))
     return (None if mesh is None else (both, mesh)), doubts

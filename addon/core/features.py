@@ -67,5 +67,5 @@ def feature_patches(
 
     features, spectra = zip(*bodies.map(work, monitor, DETECTION, bodies.chosen_vertices), strict=True)
     found, warnings = gathered_features(bodies, features), monitor.warnings
-    eigenvalues = spectra[bodies.largest_body]
+    eigenvalues = spectra[bodies.largest_body].copy()
     return FeaturePatches(found.points, found.patches, found.adf, monitor.timings, warnings, found.bodies, eigenvalues)

@@ -28,6 +28,7 @@ ADVICE = {  # by message kind
     "spectrum_diverged": f"{_MERGE} and {_DISSOLVE} may repair it.",
     "handles": _PART,
     "contacts_left": _PART,
+    "contacts_left_beside": _PART,
     "contacts_unknown": _PART,
     "stance_parts": _ANYWAY,
     "stance_unlike": _ANYWAY,

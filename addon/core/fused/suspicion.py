@@ -12,9 +12,10 @@ from ..numerics.arrays import FloatArray
 
 # λ_2 to λ_7, means over 190 whole bodies of unit area (MakeHuman builds, FAUST, TOSCA): five ends make four low ones.
 _WHOLE = np.array([6.1, 10.2, 14.2, 18.9, 36.2, 39.8])
+ENOUGH = 7  # eigenvalues that have to be known
 _TALL = (3.5, 10.5)  # λ_2 of bodies as tall for their skin as humans: on four legs it is 11 to 22
 SUSPECT = 0.112  # unlikeness above which skin of a human may have grown together: whole ones have at most .108
-SUSPECT_BESIDE = 0.13  # the same, of a body beside another of its kind: poses of one that is whole have at most .1
+SUSPECT_BESIDE = 0.13  # by how much eigenvalues are raised beside those of another pose: of one that is whole by .1
 
 
 def is_tall(eigenvalues: FloatArray) -> bool:
@@ -46,18 +47,18 @@ def unlike_whole_human(eigenvalues: FloatArray) -> float:
     return float(np.abs(apart - apart.mean()).mean())
 
 
-def unlike(eigenvalues: FloatArray, others: FloatArray) -> float:
-    """Measure how unlike the lowest eigenvalues of a body are those of another, in any pose.
+def raised(eigenvalues: FloatArray, others: FloatArray) -> float:
+    """Measure by how much the lowest eigenvalues of a body lie above those of another, in any pose.
 
-    `eigenvalues` (k,), `others` (k',): λ_1, λ_2, … of both, at unit area; gives the mean deviation of the logarithms of
-    the lowest six, 0 where fewer are known.
+    `eigenvalues` (k,), `others` (k',): λ_1, λ_2, … of both, at unit area; gives the mean of the logarithms of their
+    ratios, of the lowest six; 0 where they do not lie above, or fewer are known.
 
     Examples
     --------
-    >>> unlike(np.full(6, 2.0), np.full(6, 2.0))
-    0.0
+    >>> raised(np.full(6, np.e), np.ones(6)), raised(np.ones(6), np.full(6, 2.0))
+    (1.0, 0.0)
     """
     count = len(_WHOLE)
     if min(len(eigenvalues), len(others)) < count:
         return 0.0
-    return float(np.abs(np.log(eigenvalues[:count] / others[:count])).mean())
+    return max(float(np.log(eigenvalues[:count] / others[:count]).mean()), 0.0)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -10,7 +12,7 @@ from ..assembly.body import Body
 from ..assembly.opening import opened
 from ..matching.unfolded import Unfolded, unfolded
 from ..mesh.edges import vertex_pairs
-from ..mesh.geometry import surface_area, vertex_areas, vertex_normals
+from ..mesh.geometry import checked_arrays, surface_area, vertex_areas, vertex_normals
 from ..method_api.catalogue import method_named
 from ..method_api.settings import Settings
 from ..numerics.arrays import FloatArray, IntArray
@@ -18,12 +20,15 @@ from ..rigging.articulated_fit import laid_on, nearest_of_posed
 from ..rigging.bone_fit import BoneFit, fitted_bones
 from ..rigging.candidates import candidates_of
 from ..rigging.reference_rig import ReferenceRig
-from ..rigging.references import Reference, adult
+from ..rigging.references import Reference
 from ..rigging.transport import transported_bones
+from ..run.errors import CancelledError, CanonicalFormError
+from ..run.messages import message
 from ..run.monitor import Monitor
 from .explained_skin import Explained, residual_of
 from .on_given import Parted
-from .patch_rig import patch_rig
+from .patch_rig import PatchRig, patch_rig
+from .suspicion import ENOUGH
 
 _COUNTS = 8, 24, 60  # patches: of a body that is laid on as it stands, that was matched, and that lies about right
 _FOREIGN = 0.01  # residual, in sqrt(area), above which a body is not explained: poses have .005, a cat by a dog .008
@@ -73,15 +78,21 @@ class Known(NamedTuple):
 
     Attributes
     ----------
-    levels : list of Reference
-        The body as rigs of more and more patches.
+    body : Unfolded
+        The body.
+    rigs : list of PatchRig
+        Its working surface as rigs of more and more patches.
+    whole : ReferenceRig
+        All its vertices as the last of them.
     form : (n, 3) ndarray of float
         The form of all its vertices, of unit area.
     patch : (n,) ndarray of int
         Patch of each vertex, by feature points.
     """
 
-    levels: list[Reference]
+    body: Unfolded
+    rigs: list[PatchRig]
+    whole: ReferenceRig
     form: FloatArray
     patch: IntArray
 
@@ -92,14 +103,19 @@ def whole_of(form: _Form | None) -> WholeBody | None:
         return None
     of: _Form = form if form.parted is None else form.parted.result
     posed = of.posed if len(of.posed) == len(of.vertices) else of.vertices
+    with _about_reference():
+        for points in (of.vertices, posed):
+            checked_arrays(points, of.faces)
     return WholeBody(posed, of.faces, of.vertices, of.eigenvalues)
 
 
 def lowest_eigenvalues(whole: WholeBody, settings: Settings, monitor: Monitor) -> FloatArray:
     """Return the lowest eigenvalues of a body, (k,), computed if they are not known."""
-    if len(whole.eigenvalues):
-        return whole.eigenvalues
-    return _largest(whole, settings, monitor).features(None, settings, monitor).spectrum.eigenvalues
+    known = whole.eigenvalues
+    if len(known) >= ENOUGH and np.isfinite(known).all() and (known > 0).all():
+        return known
+    with _about_reference():
+        return _largest(whole, settings, monitor).features(None, settings, monitor).spectrum.eigenvalues
 
 
 def known_body(whole: WholeBody, settings: Settings, monitor: Monitor) -> Known | None:
@@ -107,17 +123,33 @@ def known_body(whole: WholeBody, settings: Settings, monitor: Monitor) -> Known 
 
     `settings`: of its form.
     """
-    body, method = _largest(whole, settings, monitor), method_named(settings.method)
-    if len(body.parts) > 1:
-        return None
-    found = body.features(None, settings, monitor)
-    form = method.unfold(found, settings, monitor).points if whole.form is None else whole.form[body.vertices]
-    form = form / np.sqrt(surface_area(form, found.whole_faces))
-    surface, vertices = unfolded(found, form, monitor), np.arange(len(form))
-    levels = [
-        adult(patch_rig(found.whole_points, found.whole_faces, form, count), surface, vertices) for count in _COUNTS
-    ]
-    return Known(levels, form, found.prolonged(monitor).cells)
+    with _about_reference():
+        body, method = _largest(whole, settings, monitor), method_named(settings.method)
+        if len(body.parts) > 1:
+            return None
+        found = body.features(None, settings, monitor)
+        form = method.unfold(found, settings, monitor).points if whole.form is None else whole.form[body.vertices]
+        form = form / np.sqrt(surface_area(form, found.whole_faces))
+        surface = found.surface
+        rigs = []
+        for count in _COUNTS:  # of the working surface: all vertices of a large body take long
+            monitor.check()
+            rigs.append(patch_rig(surface.points, surface.faces, form[surface.kept], count))
+        weights = np.maximum(surface.prolong(rigs[-1].weights), 0.0)
+        weights /= np.maximum(weights.sum(axis=1, keepdims=True), np.finfo(float).tiny)
+        whole_rig = ReferenceRig(found.whole_points, found.whole_faces, rigs[-1].skeleton, weights)
+        return Known(unfolded(found, form, monitor), rigs, whole_rig, form, found.prolonged(monitor).cells)
+
+
+@contextmanager
+def _about_reference() -> Iterator[None]:
+    """Let errors say that they are about the reference."""
+    try:
+        yield
+    except CancelledError:
+        raise
+    except CanonicalFormError as error:
+        raise error.about(message("the_reference")) from error
 
 
 def explained_by(one: Unfolded, known: Known, monitor: Monitor) -> Explained:
@@ -136,7 +168,7 @@ def explained_by(one: Unfolded, known: Known, monitor: Monitor) -> Explained:
     """
     surface = one.found.surface
     skin = surface.points, vertex_normals(surface.points, surface.faces), vertex_areas(surface.points, surface.faces)
-    few, some, many = (each.rig for each in known.levels)
+    few, some, many = known.rigs
 
     def laid(rig: ReferenceRig, ways: list[BoneFit], times: int) -> tuple[float, BoneFit]:
         found = []
@@ -147,20 +179,20 @@ def explained_by(one: Unfolded, known: Known, monitor: Monitor) -> Explained:
         return min(found, key=lambda each: each[0])
 
     with monitor.stage("Ways to face"):
-        ways = [each.fit.bones for each in candidates_of(one, known.levels[1], monitor)]
+        ways = [each.fit.bones for each in candidates_of(one, Reference(some, known.body, known.whole), monitor)]
     with monitor.stage("Limbs"):
         stands = [transported_bones(few, each, *skin, monitor) for each in _standing(few, skin[0], skin[2])]
         nearest, _ = min(stands, key=lambda each: each[1])
         ways.append(transported_bones(some, _refined(few, nearest, some), *skin, monitor)[0])
         _, best = laid(some, ways, 1)
         residual, best = laid(many, [_refined(some, best, many)], _LAID)
-    points, whole = one.found.whole_points, known.levels[2].whole
+    points, whole = one.found.whole_points, known.whole
     there = nearest_of_posed(whole, best, points, vertex_normals(points, one.found.whole_faces), monitor)
     names = [str(number) for number in range(int(known.patch.max()) + 1)]
     held = known.patch[there.nearest_corners(whole.faces)]
     stretched = _stretched(many, best)
     convinces, places = residual <= _FOREIGN and stretched <= _STRETCHED, there.on(known.form, whole.faces)
-    return Explained(places, held, names, residual, convinces, stretched <= _SAME)
+    return Explained(places, held, names, residual, convinces, convinces and stretched <= _SAME)
 
 
 def _largest(whole: WholeBody, settings: Settings, monitor: Monitor) -> Body:

@@ -56,6 +56,19 @@ class ReferenceBody(NamedTuple):
     same_mesh: bool
 
 
+def require_limbs(reference: Reference) -> None:
+    """Require that a form has limbs by which others are aligned to it.
+
+    Examples
+    --------
+    >>> from addon.core import canonical_form
+    >>> require_limbs(canonical_form([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
+    ...                              [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]))
+    """
+    if not reference.bodies:
+        raise InvalidSettingsError("reference_without_limbs")
+
+
 def reference_bodies(
     reference: Reference | None, faces: IntArray, vertices: Sequence[IntArray], monitor: Monitor
 ) -> list[ReferenceBody | None]:
@@ -73,8 +86,7 @@ def reference_bodies(
     """
     if reference is None:
         return [None] * len(vertices)
-    if not reference.bodies:
-        raise InvalidSettingsError("reference_without_limbs")
+    require_limbs(reference)
     count = len(vertices)
     if len(reference.bodies) != count:
         monitor.warn("reference_bodies", count=count, others=len(reference.bodies))

@@ -78,6 +78,7 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
     ),
     "contacts_largest": "Where skin has grown together was looked for on the largest body only.",
     "contacts_left": "Some arms or legs have probably grown together with the body still.",
+    "contacts_left_beside": "Beside the reference, some limbs have probably grown together, or it is another body.",
     "contacts_unknown": "Whether skin has grown together is not known: the reference is too unlike this body.",
     "part_here_nothing": "No face and no edge is marked with all of its vertices: nothing was parted.",
     "part_here_all": "All vertices of a piece are marked: nothing was parted there. Mark only where parts meet.",
@@ -222,6 +223,7 @@ _DOUBTS = (
 _PHRASES = {  # parts of these sentences
     "about": "{what}: {error}",
     "other_mesh": "The other mesh",
+    "the_reference": "The reference",
     "limit_given": "the limit of {limit:g} GB",
     "limit_free": "{limit:.1f} GB, which is {share:.0%} of the free memory",
     "pairs_of_points": "of points",

@@ -5,12 +5,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from addon.core import KeptStages, Settings, canonical_form, feature_patches, find_contacts
-from addon.core.fused.suspicion import SUSPECT_BESIDE, is_tall, unlike
+from addon.core import (
+    InvalidMeshError,
+    InvalidSettingsError,
+    KeptStages,
+    Settings,
+    canonical_form,
+    feature_patches,
+    find_contacts,
+)
+from addon.core.fused.suspicion import SUSPECT_BESIDE, is_tall, raised
 from addon.core.fused.whole_body import WholeBody, known_body, whole_of
 from addon.core.run.monitor import Monitor
 from tests.meshes import shapes
-from tests.meshes.animals import walker
+from tests.meshes.animals import giraffe, walker
 
 
 @pytest.fixture(scope="module")
@@ -37,8 +45,8 @@ def form(fused, reference, kept):
 def test_legs_of_an_animal_are_parted_by_a_reference(fused, reference, form):
     glued = canonical_form(*fused, Settings(contacts="keep"), reference=reference)
     assert not is_tall(glued.eigenvalues)
-    assert unlike(glued.eigenvalues, reference.eigenvalues) > SUSPECT_BESIDE
-    assert unlike(form.eigenvalues, reference.eigenvalues) < 0.07
+    assert raised(glued.eigenvalues, reference.eigenvalues) > SUSPECT_BESIDE
+    assert raised(form.eigenvalues, reference.eigenvalues) < 0.07
     assert len(glued.feature_points) < len(form.feature_points) == len(reference.feature_points)
     assert [each.kind for each in form.warnings if each.kind.startswith("contacts")] == ["contacts_opened"]
     where = fused[0][form.contacts]
@@ -86,10 +94,10 @@ def test_where_it_stands_decides_nothing(fused, reference, form, kept):
 
 def test_a_cut_that_makes_it_less_like_the_reference_is_not_believed(fused, reference, kept, monkeypatch):
     measured = iter([0.2, 0.25])
-    monkeypatch.setattr("addon.core.contacts.unlike", lambda *_: next(measured))
+    monkeypatch.setattr("addon.core.contacts.raised", lambda *_: next(measured))
     found = canonical_form(*fused, reference=reference, keep=kept)
     assert found.parted is None
-    assert any(each.kind == "contacts_left" for each in found.warnings)
+    assert any(each.kind == "contacts_left_beside" for each in found.warnings)
 
 
 def test_a_form_that_was_parted_is_a_reference_as_what_it_was_parted_to(form, reference):
@@ -97,13 +105,13 @@ def test_a_form_that_was_parted_is_a_reference_as_what_it_was_parted_to(form, re
     assert len(whole.vertices) == len(form.parted.mesh.vertices) == len(whole.form)
     np.testing.assert_array_equal(whole.eigenvalues, form.eigenvalues)
     again = canonical_form(*walker(0.42), reference=form)
-    assert unlike(again.eigenvalues, reference.eigenvalues) < 0.07
+    assert raised(again.eigenvalues, reference.eigenvalues) < 0.07
 
 
 def test_a_reference_of_which_only_the_form_is_known(fused, reference):
     bare = replace(reference, posed=np.empty((0, 3)), eigenvalues=np.empty(0))
     found = canonical_form(*fused, reference=bare)
-    assert unlike(found.eigenvalues, reference.eigenvalues) < 0.07
+    assert raised(found.eigenvalues, reference.eigenvalues) < 0.07
 
 
 def test_a_reference_of_several_parts_is_not_used():
@@ -119,4 +127,64 @@ def test_eigenvalues_of_a_sphere_of_unit_area():
     """4 π l (l + 1)."""
     found = feature_patches(*shapes.sphere(4)).eigenvalues
     np.testing.assert_allclose(found[:8], 4 * np.pi * np.array([2, 2, 2, 6, 6, 6, 6, 6]), rtol=0.02)
-    assert unlike(found, canonical_form(*shapes.sphere(4)).eigenvalues) == 0
+    assert raised(found, canonical_form(*shapes.sphere(4)).eigenvalues) == 0
+
+
+def told(form):
+    return [each.kind for each in form.warnings if each.kind.startswith("contacts")]
+
+
+def test_a_tall_animal_is_whole_beside_itself():
+    """A giraffe is as tall for its skin as a human, and unlike one."""
+    form = canonical_form(*giraffe())
+    assert is_tall(form.eigenvalues)
+    again = canonical_form(*giraffe(0.8), reference=form)
+    assert told(again) == []
+    assert "Limbs" not in again.timings  # nothing was searched for
+
+
+def test_a_reference_that_has_grown_together_itself_accuses_no_whole_body(fused):
+    glued = canonical_form(*fused, Settings(contacts="keep"))
+    whole = canonical_form(*walker(), reference=glued)
+    assert told(whole) == []
+    assert "Limbs" not in whole.timings
+
+
+def test_what_the_caller_changes_later_changes_no_reference(fused):
+    vertices, faces = walker()
+    kept = KeptStages()
+    for settings in (Settings(contacts="keep"), Settings()):
+        form = canonical_form(vertices, faces, settings, keep=kept)
+        assert not np.shares_memory(form.posed, vertices)
+        before = form.vertices.copy()
+        form.posed[:] *= 2
+        form.eigenvalues[:] = 1
+        again = canonical_form(vertices, faces, settings, keep=kept)
+        np.testing.assert_array_equal(again.vertices, before)
+        np.testing.assert_array_equal(again.posed, vertices)
+        assert again.eigenvalues[0] > 1
+
+
+def test_few_eigenpairs_are_enough_for_the_suspicion(fused, reference):
+    form = canonical_form(*fused, Settings(eigenpairs=5), reference=reference)
+    assert "contacts_opened" in told(form)
+
+
+def test_chosen_points_are_no_points_of_the_reference(fused):
+    small = replace(canonical_form(*walker(cells=40)), eigenvalues=np.empty(0))
+    chosen = [len(fused[0]) - 1, 5, 100]
+    form = canonical_form(*fused, Settings(feature_points=chosen, quality="draft"), reference=small)
+    assert form.feature_points.tolist() == chosen
+
+
+@pytest.mark.parametrize("field", ["vertices", "posed"])
+def test_a_bad_reference_is_named(fused, reference, field):
+    points = getattr(reference, field).copy()
+    points[reference.faces[0, 0]] = np.nan
+    with pytest.raises(InvalidMeshError, match="The reference: "):
+        canonical_form(*fused, reference=replace(reference, **{field: points}))
+
+
+def test_a_reference_without_limbs_is_refused_before_the_search(fused, reference):
+    with pytest.raises(InvalidSettingsError, match="no feature points"):
+        canonical_form(*fused, reference=replace(reference, bodies=[]), cancelled=lambda: pytest.fail("too late"))
