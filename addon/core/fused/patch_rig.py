@@ -45,12 +45,13 @@ def patch_rig(points: FloatArray, faces: IntArray, form: FloatArray, count: int)
     ----------
     Sumner, Schmid and Pauly, "Embedded deformation for shape manipulation", 2007, doi:10.1145/1276377.1276478.
     """
-    patch = _even_patches(form, count)
+    areas = vertex_areas(points, faces)
+    patch = _even_patches(form, areas, count)
     count = int(patch.max()) + 1
     pairs = vertex_pairs(faces)
     across = patch[pairs]  # (e, 2)
     border = across[:, 0] != across[:, 1]
-    order, parents = _tree(across[border], np.bincount(patch, vertex_areas(points, faces), count))
+    order, parents = _tree(across[border], np.bincount(patch, areas, count))
     number = np.argsort(order)
     middles = np.array([points[patch == each].mean(axis=0) for each in order])
     heads = middles - [0.0, 0.0, _LEAST]
@@ -63,7 +64,7 @@ def patch_rig(points: FloatArray, faces: IntArray, form: FloatArray, count: int)
     return PatchRig(points, faces, skeleton, diffused(points, faces, hard, _SOFT / count))
 
 
-def _even_patches(form: FloatArray, count: int) -> IntArray:
+def _even_patches(form: FloatArray, areas: FloatArray, count: int) -> IntArray:
     """Divide vertices into patches of like extent, (n,): the farthest from the others, moved to their middles."""
     from scipy.spatial import cKDTree
 
@@ -75,7 +76,8 @@ def _even_patches(form: FloatArray, count: int) -> IntArray:
     vertices = cKDTree(form)
     for _ in range(_ROUNDS):
         patch = cKDTree(form[chosen]).query(form)[1]
-        middles = [form[patch == each].mean(axis=0) for each in np.unique(patch)]
+        own = [patch == each for each in np.unique(patch)]
+        middles = [areas[each] @ form[each] / max(areas[each].sum(), np.finfo(float).tiny) for each in own]
         chosen = vertices.query(middles)[1]
     patch = cKDTree(form[chosen]).query(form)[1]
     return np.unique(patch, return_inverse=True)[1].astype(np.int64)
