@@ -254,9 +254,9 @@ def _parted(
             mesh = both.parted(cancelled=monitor.is_cancelled) if both.touched.any() else None
         unlike = min(unlike, after)
     doubts = _doubts(both, mesh, marks)
-    if unlike > 1.0 and (both.between or both.alike):
+    if unlike > 1.0 and both.explained:
         doubts.append(message("contacts_left" if known is None else "contacts_left_beside"))
-    elif unlike > 1.0 and known is not None and not both.explained:
+    elif unlike > 1.0 and known is not None:
         doubts.append(message("contacts_unknown"))
     return (None if mesh is None else (both, mesh)), doubts
 

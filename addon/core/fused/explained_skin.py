@@ -41,8 +41,6 @@ class Explained(NamedTuple):
         How far the skin lies from that one in the mean, in sizes of the body or sqrt(area).
     convinces : bool
         Whether it is such a body at all.
-    alike : bool
-        Whether it is so like that one that whatever is unlike still has grown together.
     """
 
     places: FloatArray
@@ -50,7 +48,6 @@ class Explained(NamedTuple):
     names: list[str]
     residual: float
     convinces: bool
-    alike: bool
 
 
 def explained_by_mannequin(one: Unfolded, settings: Settings, kept: KeptStages, monitor: Monitor) -> Explained:
@@ -71,13 +68,12 @@ def explained_by_mannequin(one: Unfolded, settings: Settings, kept: KeptStages, 
     names, own, whole = human.whole.skeleton.names, one.found, human.whole
     if best.residual > _HOPELESS:
         count = len(own.whole_points)
-        return Explained(own.whole_points, np.zeros(count, dtype=np.int64), names, best.residual, False, False)
+        return Explained(own.whole_points, np.zeros(count, dtype=np.int64), names, best.residual, False)
     bones, residual = _laid_limbs(one, human, best.fit.bones, monitor)
     normals = vertex_normals(own.whole_points, own.whole_faces)
     there = nearest_of_posed(whole, bones, own.whole_points, normals, monitor)
     held = there.on(whole.weights, whole.faces).argmax(axis=1)
-    human_too = residual <= _FOREIGN
-    return Explained(there.on(star_rest(whole), whole.faces), held, names, residual, human_too, human_too)
+    return Explained(there.on(star_rest(whole), whole.faces), held, names, residual, residual <= _FOREIGN)
 
 
 def _laid_limbs(one: Unfolded, human: Reference, bones: BoneFit, monitor: Monitor) -> tuple[BoneFit, float]:

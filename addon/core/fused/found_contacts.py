@@ -41,8 +41,6 @@ class Contacts(Summarised):
         By contact, the bones of the mannequin on either side, or the numbers of the patches of the reference.
     explained : bool
         Whether the body is a human one, or one like the reference; of others nothing is known.
-    alike : bool
-        Whether it is so like that one that whatever is unlike still has grown together.
     residual : float
         Mean distance of the skin from that of the mannequin, in sizes of the body; or from that of the reference, in
         units of sqrt(area).
@@ -61,7 +59,6 @@ class Contacts(Summarised):
     places: FloatArray
     between: list[tuple[str, str]]
     explained: bool
-    alike: bool
     residual: float
     timings: dict[str, float]
     warnings: list[Message]

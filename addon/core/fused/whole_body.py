@@ -32,8 +32,7 @@ from .suspicion import ENOUGH
 
 _COUNTS = 8, 24, 60  # patches: of a body that is laid on as it stands, that was matched, and that lies about right
 _FOREIGN = 0.01  # residual, in sqrt(area), above which a body is not explained: poses have .005, a cat by a dog .008
-_STRETCHED = 0.25  # mean change of the logarithms of edges by which it is another kind: a cat by a dog has .23,
-_SAME = 0.2  # and another build: poses have .06 to .19
+_STRETCHED = 0.25  # mean change of the logarithms of edges above which it is another kind: poses have .06 to .22
 _LAID = 3  # times that bones are laid on by closest points
 
 
@@ -190,9 +189,8 @@ def explained_by(one: Unfolded, known: Known, monitor: Monitor) -> Explained:
     there = nearest_of_posed(whole, best, points, vertex_normals(points, one.found.whole_faces), monitor)
     names = [str(number) for number in range(int(known.patch.max()) + 1)]
     held = known.patch[there.nearest_corners(whole.faces)]
-    stretched = _stretched(many, best)
-    convinces, places = residual <= _FOREIGN and stretched <= _STRETCHED, there.on(known.form, whole.faces)
-    return Explained(places, held, names, residual, convinces, convinces and stretched <= _SAME)
+    convinces = residual <= _FOREIGN and _stretched(many, best) <= _STRETCHED
+    return Explained(there.on(known.form, whole.faces), held, names, residual, convinces)
 
 
 def _largest(whole: WholeBody, settings: Settings, monitor: Monitor) -> Body:
