@@ -255,7 +255,7 @@ def _parted(
         unlike = min(unlike, after)
     doubts = _doubts(both, mesh, marks)
     if unlike > 1.0 and both.explained:
-        doubts.append(message("contacts_left" if known is None else "contacts_left_beside"))
+        doubts.append(message("contacts_left") if known is None else message("contacts_left_beside"))
     elif unlike > 1.0 and known is not None:
         doubts.append(message("contacts_unknown"))
     return (None if mesh is None else (both, mesh)), doubts

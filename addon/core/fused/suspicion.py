@@ -55,7 +55,7 @@ def raised(eigenvalues: FloatArray, others: FloatArray) -> float:
 
     Examples
     --------
-    >>> raised(np.full(6, np.e), np.ones(6)), raised(np.ones(6), np.full(6, 2.0))
+    >>> round(raised(np.full(6, np.e), np.ones(6)), 6), raised(np.ones(6), np.full(6, 2.0))
     (1.0, 0.0)
     """
     count = len(_WHOLE)
