@@ -226,8 +226,12 @@ def _unlike(
         if whole is None or (is_tall(eigenvalues) and human <= 1.0):
             return human
         quiet = Monitor(cancelled=monitor.is_cancelled, keep=kept.part("Whole body"))
-        beside = raised(eigenvalues, lowest_eigenvalues(whole, plain, quiet)) / SUSPECT_BESIDE
-        return min(human, beside) if is_tall(eigenvalues) else beside
+        others = lowest_eigenvalues(whole, plain, quiet)
+        beside = raised(eigenvalues, others) / SUSPECT_BESIDE
+        if not is_tall(eigenvalues):
+            return beside
+        of_no_human = is_tall(others) and unlike_whole_human(others) > SUSPECT  # such as a giraffe
+        return min(human, beside) if of_no_human else human
 
     return bodies.map(measured, own, DETECTION, bodies.chosen_vertices)[largest]
 

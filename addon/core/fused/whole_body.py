@@ -13,7 +13,6 @@ from ..assembly.opening import opened
 from ..matching.unfolded import Unfolded, unfolded
 from ..mesh.edges import vertex_pairs
 from ..mesh.geometry import checked_arrays, surface_area, vertex_areas, vertex_normals
-from ..method_api.catalogue import method_named
 from ..method_api.settings import Settings
 from ..numerics.arrays import FloatArray, IntArray
 from ..rigging.articulated_fit import laid_on, nearest_of_posed
@@ -45,15 +44,15 @@ class WholeBody(NamedTuple):
         Its vertices, in any pose.
     faces : (m, 3) ndarray of int
         Its triangles.
-    form : (n, 3) ndarray of float or None
-        Its canonical form; None if it is to be computed.
+    form : (n, 3) ndarray of float
+        Its canonical form.
     eigenvalues : (k,) ndarray of float
         The lowest of its surface; empty if they are to be computed.
     """
 
     vertices: FloatArray
     faces: IntArray
-    form: FloatArray | None
+    form: FloatArray
     eigenvalues: FloatArray
 
 
@@ -118,16 +117,16 @@ def lowest_eigenvalues(whole: WholeBody, settings: Settings, monitor: Monitor) -
 
 
 def known_body(whole: WholeBody, settings: Settings, monitor: Monitor) -> Known | None:
-    """Unfold a body that others are to be explained by; None if it is of several parts.
+    """Divide a body that others are to be explained by into patches; None if it is of several parts.
 
-    `settings`: of its form.
+    `settings`: of its surface.
     """
     with _about_reference():
-        body, method = _largest(whole, settings, monitor), method_named(settings.method)
+        body = _largest(whole, settings, monitor)
         if len(body.parts) > 1:
             return None
         found = body.features(None, settings, monitor)
-        form = method.unfold(found, settings, monitor).points if whole.form is None else whole.form[body.vertices]
+        form = whole.form[body.vertices]
         form = form / np.sqrt(surface_area(form, found.whole_faces))
         surface = found.surface
         rigs = []

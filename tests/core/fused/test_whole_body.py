@@ -13,12 +13,14 @@ from addon.core import (
     canonical_form,
     feature_patches,
     find_contacts,
+    mannequin,
 )
 from addon.core.fused.suspicion import SUSPECT_BESIDE, is_tall, raised
 from addon.core.fused.whole_body import WholeBody, known_body, whole_of
 from addon.core.run.monitor import Monitor
 from tests.meshes import shapes
 from tests.meshes.animals import giraffe, walker
+from tests.meshes.fused import fused_figure
 
 
 @pytest.fixture(scope="module")
@@ -119,7 +121,7 @@ def test_a_reference_of_several_parts_is_not_used():
     one, two = walker()[0], shapes.sphere(2)
     points = np.concatenate([one, 0.3 * two[0] + [0.0, 0, 0.65]])
     faces = np.concatenate([walker()[1], two[1] + len(one)])
-    found = known_body(WholeBody(points, faces, None, np.empty(0)), Settings(), Monitor())
+    found = known_body(WholeBody(points, faces, points, np.empty(0)), Settings(), Monitor())
     assert found is None or len(found.form) == len(one)
 
 
@@ -141,6 +143,15 @@ def test_a_tall_animal_is_whole_beside_itself():
     again = canonical_form(*giraffe(0.8), reference=form)
     assert told(again) == []
     assert "Limbs" not in again.timings  # nothing was searched for
+
+
+@pytest.mark.parametrize("other", ["mannequin", "walker"])
+def test_a_human_is_suspected_whatever_the_reference(other):
+    """Legs and arms have grown together; a thinner human, or an animal, says nothing of that."""
+    vertices, faces, _ = fused_figure(86.0, 0.015)
+    beside = canonical_form(*{"mannequin": lambda: mannequin(40.0), "walker": walker}[other]())
+    form = canonical_form(vertices, faces, reference=beside)
+    assert "contacts_opened" in told(form)
 
 
 def test_a_reference_that_has_grown_together_itself_accuses_no_whole_body(fused):
