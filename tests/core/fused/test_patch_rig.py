@@ -16,7 +16,7 @@ def body():
 
 @pytest.mark.parametrize("count", [1, 8, 60])
 def test_patches_are_one_tree_and_hold_all_skin(body, count):
-    rig = patch_rig(*body, body[0], count)
+    rig = patch_rig(body[0], body[1], body[0], count)
     bones = rig.skeleton
     assert len(bones.names) == count
     assert (bones.parents < np.arange(count)).all()  # each after that above it
@@ -29,7 +29,7 @@ def test_patches_are_one_tree_and_hold_all_skin(body, count):
 
 
 def test_bones_begin_at_the_border_of_their_patches(body):
-    rig = patch_rig(*body, body[0], 24)
+    rig = patch_rig(body[0], body[1], body[0], 24)
     held = rig.weights.argmax(axis=1)
     for bone, above in enumerate(rig.skeleton.parents):
         if above >= 0:
@@ -45,6 +45,6 @@ def test_more_patches_than_vertices():
 
 
 def test_parts_of_a_rig_keep_their_kind(body):
-    rig = patch_rig(*body, body[0], 8)
+    rig = patch_rig(body[0], body[1], body[0], 8)
     half = rig.at(np.arange(100), np.array([[0, 1, 2]]))
     np.testing.assert_array_equal(half.mates, np.arange(8))

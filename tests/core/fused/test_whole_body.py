@@ -45,7 +45,7 @@ def form(fused, reference, kept):
 
 
 def test_legs_of_an_animal_are_parted_by_a_reference(fused, reference, form):
-    glued = canonical_form(*fused, Settings(contacts="keep"), reference=reference)
+    glued = canonical_form(fused[0], fused[1], Settings(contacts="keep"), reference=reference)
     assert not is_tall(glued.eigenvalues)
     assert raised(glued.eigenvalues, reference.eigenvalues) > SUSPECT_BESIDE
     assert raised(form.eigenvalues, reference.eigenvalues) < 0.07
@@ -65,7 +65,8 @@ def test_without_a_reference_nothing_is_known_of_an_animal(fused):
 @pytest.mark.parametrize("swing", [0.0, 0.25])
 def test_whole_poses_are_not_searched(swing, reference):
     """To the bit: the lowest eigenvalues tell that they are whole."""
-    ways = [canonical_form(*walker(swing), Settings(contacts=way), reference=reference) for way in ("keep", "open")]
+    vertices, faces = walker(swing)
+    ways = [canonical_form(vertices, faces, Settings(contacts=way), reference=reference) for way in ("keep", "open")]
     np.testing.assert_array_equal(ways[0].vertices, ways[1].vertices)
     assert list(ways[0].timings) == list(ways[1].timings)
     assert ways[0].warnings == ways[1].warnings
@@ -104,6 +105,7 @@ def test_a_cut_that_makes_it_less_like_the_reference_is_not_believed(fused, refe
 
 def test_a_form_that_was_parted_is_a_reference_as_what_it_was_parted_to(form, reference):
     whole = whole_of(form)
+    assert whole is not None
     assert len(whole.vertices) == len(form.parted.mesh.vertices) == len(whole.form)
     np.testing.assert_array_equal(whole.eigenvalues, form.eigenvalues)
     again = canonical_form(*walker(0.42), reference=form)
@@ -155,7 +157,7 @@ def test_a_human_is_suspected_whatever_the_reference(other):
 
 
 def test_a_reference_that_has_grown_together_itself_accuses_no_whole_body(fused):
-    glued = canonical_form(*fused, Settings(contacts="keep"))
+    glued = canonical_form(fused[0], fused[1], Settings(contacts="keep"))
     whole = canonical_form(*walker(), reference=glued)
     assert told(whole) == []
     assert "Limbs" not in whole.timings
@@ -177,14 +179,14 @@ def test_what_the_caller_changes_later_changes_no_reference(fused):
 
 
 def test_few_eigenpairs_are_enough_for_the_suspicion(fused, reference):
-    form = canonical_form(*fused, Settings(eigenpairs=5), reference=reference)
+    form = canonical_form(fused[0], fused[1], Settings(eigenpairs=5), reference=reference)
     assert "contacts_opened" in told(form)
 
 
 def test_chosen_points_are_no_points_of_the_reference(fused):
     small = replace(canonical_form(*walker(cells=40)), eigenvalues=np.empty(0))
     chosen = [len(fused[0]) - 1, 5, 100]
-    form = canonical_form(*fused, Settings(feature_points=chosen, quality="draft"), reference=small)
+    form = canonical_form(fused[0], fused[1], Settings(feature_points=chosen, quality="draft"), reference=small)
     assert form.feature_points.tolist() == chosen
 
 

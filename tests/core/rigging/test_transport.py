@@ -26,15 +26,24 @@ def still(rig):
     return BoneFit(rig.skeleton.heads, rig.skeleton.tails, turns, np.ones((count, 2)))
 
 
-def skin_of(points, faces):
-    return points, vertex_normals(points, faces), vertex_areas(points, faces)
+def assigned(rig, bones, points, monitor=None):
+    """Bones laid onto points, the triangles of which are those of the rig or of the other body."""
+    faces = rig.faces if isinstance(points, np.ndarray) else points[1]
+    points = points if isinstance(points, np.ndarray) else points[0]
+    normals, areas = vertex_normals(points, faces), vertex_areas(points, faces)
+    return transported_bones(rig, bones, points, normals, areas, monitor or Monitor())
+
+
+def closest(rig, bones, points, faces):
+    normals, areas = vertex_normals(points, faces), vertex_areas(points, faces)
+    return laid_on(rig, bones, points, normals, areas, Monitor())
 
 
 def test_a_body_that_was_turned_is_met(rig):
     angle = np.radians(25.0)
     turn = np.array([[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]])
     points = rig.vertices @ turn.T + [0.05, 0.02, 0]
-    found, left = transported_bones(rig, still(rig), *skin_of(points, rig.faces), Monitor())
+    found, left = assigned(rig, still(rig), points)
     laid = found.posed(rig, rig.vertices, rig.weights)
     assert np.linalg.norm(laid - points, axis=1).mean() < 0.01
     assert left < 0.03
@@ -44,13 +53,11 @@ def test_two_legs_do_not_come_to_lie_on_one(rig):
     """A fore leg that has swung far back is nearer to the hind leg that was there: closest points mistake it."""
     vertices, faces = walker(0.8)
     points = vertices / np.sqrt(surface_area(vertices, faces))
-    skin = skin_of(points, faces)
     feet = {}
-    for name, bones in (
-        ("closest", laid_on(rig, still(rig), *skin, Monitor())),
-        ("assigned", laid_on(rig, transported_bones(rig, still(rig), *skin, Monitor())[0], *skin, Monitor())),
-    ):
-        there = nearest_of_posed(rig, bones, skin[0], skin[1], Monitor()).on(rig.vertices, rig.faces)
+    for name, start in (("closest", still(rig)), ("assigned", assigned(rig, still(rig), (points, faces))[0])):
+        bones = closest(rig, start, points, faces)
+        normals = vertex_normals(points, faces)
+        there = nearest_of_posed(rig, bones, points, normals, Monitor()).on(rig.vertices, rig.faces)
         fore = (points[:, 2] < points[:, 2].min() + 0.15) & (points[:, 1] < 0)
         feet[name] = int((there[fore, 0] > 0).sum()), int((there[fore, 0] < 0).sum())
     assert min(feet["assigned"]) > 0.3 * max(feet["assigned"])  # both, by half
@@ -58,15 +65,14 @@ def test_two_legs_do_not_come_to_lie_on_one(rig):
 
 
 def test_the_same_twice(rig):
-    skin = skin_of(rig.vertices, rig.faces)
-    one, two = (transported_bones(rig, still(rig), *skin, Monitor()) for _ in range(2))
+    one, two = (assigned(rig, still(rig), rig.vertices) for _ in range(2))
     np.testing.assert_array_equal(one[0].heads, two[0].heads)
     assert one[1] == two[1]
 
 
 def test_it_can_be_stopped(rig):
     with pytest.raises(CancelledError):
-        transported_bones(rig, still(rig), *skin_of(rig.vertices, rig.faces), Monitor(cancelled=lambda: True))
+        assigned(rig, still(rig), rig.vertices, Monitor(cancelled=lambda: True))
 
 
 def test_samples_are_spread_by_area():
