@@ -23,7 +23,7 @@ from .method_api.costs import require_match_memory
 from .method_api.settings import Settings
 from .numerics.arrays import FloatArray, IntArray
 from .results import Match, MatchedSeams
-from .run.errors import CancelledError, CanonicalFormError
+from .run.errors import errors_about
 from .run.kept_stages import KeptStages
 from .run.messages import Message, message
 from .run.monitor import Cancelled, Monitor, Progress
@@ -271,14 +271,10 @@ def unfolded_pair(
     one = monitor.piece(0.0, UNFOLDED / 2 * share, OPENING, keep)
     two = monitor.piece(UNFOLDED / 2 * share, UNFOLDED * share, OPENING)
     bodies, surfaces = unfolded_bodies(vertices, faces, settings, one, rest)
-    try:
+    with errors_about(message("other_mesh")):
         others, other_surfaces = unfolded_bodies(
             other_vertices, other_faces, replace(settings, feature_points=None), two
         )
-    except CancelledError:
-        raise
-    except CanonicalFormError as error:
-        raise error.about(message("other_mesh")) from error
     monitor.extend(one.warnings)
     order, other_order = (_by_area(each) for each in (bodies, others))
     if len(order) != len(other_order):

@@ -5,6 +5,7 @@ from scipy.spatial import cKDTree
 
 from addon.core import mannequin
 from addon.core.fused.parting import capped, laid_open
+from addon.core.measures.alignment import rigid_fit
 from addon.core.mesh.geometry import surface_area, vertex_normals
 from addon.core.modelling.surface_nets import surface_net
 
@@ -32,3 +33,9 @@ def parted(vertices, faces, gone, places, cut=()):
     unit = float(np.sqrt(surface_area(vertices, faces)))
     mesh = laid_open(vertices, faces, gone, np.reshape(cut, (-1, 2)).astype(np.int64), unit)
     return capped(mesh, places[mesh.origin], unit)
+
+
+def apart(form, truth, areas):
+    """Distance after a rigid fit, root mean square by area."""
+    rotation, shift = rigid_fit(form, truth, areas)
+    return float(np.sqrt(areas @ ((form @ rotation + shift - truth) ** 2).sum(axis=1) / areas.sum()))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..mesh.edges import vertex_pairs
+from ..mesh.far_points import far_points
 from ..mesh.geometry import vertex_areas
 from ..numerics.arrays import FloatArray, IntArray
 from ..rigging.reference_rig import ReferenceRig, diffused
@@ -68,12 +69,7 @@ def _even_patches(form: FloatArray, areas: FloatArray, count: int) -> IntArray:
     """Divide vertices into patches of like extent, (n,): the farthest from the others, moved to their middles."""
     from scipy.spatial import cKDTree
 
-    chosen = [int(((form - form.mean(axis=0)) ** 2).sum(axis=1).argmax())]
-    near = ((form - form[chosen[0]]) ** 2).sum(axis=1)
-    while len(chosen) < min(count, len(form)):
-        chosen.append(int(near.argmax()))
-        near = np.minimum(near, ((form - form[chosen[-1]]) ** 2).sum(axis=1))
-    vertices = cKDTree(form)
+    chosen, vertices = far_points(form, count), cKDTree(form)
     for _ in range(_ROUNDS):
         patch = cKDTree(form[chosen]).query(form)[1]
         own = [patch == each for each in np.unique(patch)]

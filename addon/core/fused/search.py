@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..assembly.bodies import Bodies
 from ..assembly.opening import OPENING, known_bodies
 from ..assembly.unfolded_bodies import unfolded_bodies
 from ..matching.unfolded import Unfolded
@@ -41,38 +44,33 @@ def contacts_of(
     largest = bodies.largest_body
     body, one = bodies.bodies[largest], surfaces[largest]
     piece = monitor.piece(_UNFOLDED, 1.0, _PLAN)
-    gone, places = np.zeros(len(bodies.faces), dtype=bool), bodies.vertices / body.size
-    between: list[tuple[int, int]] = []
-    explained: Explained | None = None
-    if len(body.parts) < 2:  # parts that touch are apart already
-        explained = _explained(one, settings, kept, piece, whole)
-    if explained is not None and explained.convinces:
-        with piece.stage("Contacts"):
-            places[body.vertices] = explained.places
-            here = contact_faces(one.found.whole_points, body.faces, explained.places, piece)
-            between = contacts_between(body.faces[here], explained.held)
-        gone[rows_in(body.vertices[body.faces[here]], bodies.faces)] = True
-    names = [] if explained is None else explained.names
-    told = [*bodies.pieces.repairs, *bodies.apart]
-    return Contacts(
-        bodies.vertices,
-        bodies.pieces.representative,
-        bodies.faces,
-        body.size,
-        gone,
-        _NO_EDGES,
-        places,
-        [(names[one], names[two]) for one, two in between],
-        explained is not None and explained.convinces,
-        float("nan") if explained is None else explained.residual,
-        monitor.timings,
-        [*told, message("contacts_largest")] if len(bodies.bodies) > 1 else told,
-    )
+    found = _without(bodies, monitor)
+    if len(bodies.bodies) > 1:
+        found.warnings.append(message("contacts_largest"))
+    if len(body.parts) > 1:  # parts that touch are apart already
+        return found
+    explained = _explained(one, settings, kept, piece, whole)
+    if explained is None:
+        return found
+    if not explained.convinces:
+        return replace(found, residual=explained.residual)
+    with piece.stage("Contacts"):
+        found.places[body.vertices] = explained.places
+        here = contact_faces(one.found.whole_points, body.faces, explained.places, piece)
+        between = contacts_between(body.faces[here], explained.held)
+    found.gone[rows_in(body.vertices[body.faces[here]], bodies.faces)] = True
+    names = explained.names
+    pairs = [(names[first], names[second]) for first, second in between]
+    return replace(found, between=pairs, explained=True, residual=explained.residual)
 
 
 def none_found(vertices: ArrayLike, faces: ArrayLike, settings: Settings, monitor: Monitor) -> Contacts:
     """Read a mesh for what is marked on it, without a search."""
-    bodies = known_bodies(vertices, faces, monitor, together=settings.together)
+    return _without(known_bodies(vertices, faces, monitor, together=settings.together), monitor)
+
+
+def _without(bodies: Bodies, monitor: Monitor) -> Contacts:
+    """Describe a mesh of which nothing is known."""
     size = bodies.bodies[bodies.largest_body].size
     return Contacts(
         bodies.vertices,

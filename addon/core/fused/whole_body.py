@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -11,7 +9,8 @@ import numpy as np
 from ..assembly.body import Body
 from ..assembly.opening import opened
 from ..matching.unfolded import Unfolded, unfolded
-from ..mesh.edges import vertex_pairs
+from ..measures.alignment import half_turns
+from ..measures.form_measures import edge_stretch
 from ..mesh.geometry import checked_arrays, surface_area, vertex_areas, vertex_normals
 from ..method_api.settings import Settings
 from ..numerics.arrays import FloatArray, IntArray
@@ -21,7 +20,7 @@ from ..rigging.candidates import candidates_of
 from ..rigging.reference_rig import ReferenceRig
 from ..rigging.references import Reference
 from ..rigging.transport import transported_bones
-from ..run.errors import CancelledError, CanonicalFormError
+from ..run.errors import errors_about
 from ..run.messages import message
 from ..run.monitor import Monitor
 from .explained_skin import Explained, residual_of
@@ -101,7 +100,7 @@ def whole_of(form: _Form | None) -> WholeBody | None:
         return None
     of: _Form = form if form.parted is None else form.parted.result
     posed = of.posed if len(of.posed) == len(of.vertices) else of.vertices
-    with _about_reference():
+    with errors_about(message("the_reference")):
         for points in (of.vertices, posed):
             checked_arrays(points, of.faces)
     return WholeBody(posed, of.faces, of.vertices, of.eigenvalues)
@@ -112,7 +111,7 @@ def lowest_eigenvalues(whole: WholeBody, settings: Settings, monitor: Monitor) -
     known = whole.eigenvalues
     if len(known) >= ENOUGH and np.isfinite(known).all() and (known > 0).all():
         return known
-    with _about_reference():
+    with errors_about(message("the_reference")):
         return _largest(whole, settings, monitor).features(None, settings, monitor).spectrum.eigenvalues
 
 
@@ -121,7 +120,7 @@ def known_body(whole: WholeBody, settings: Settings, monitor: Monitor) -> Known 
 
     `settings`: of its surface.
     """
-    with _about_reference():
+    with errors_about(message("the_reference")):
         body = _largest(whole, settings, monitor)
         if len(body.parts) > 1:
             return None
@@ -137,17 +136,6 @@ def known_body(whole: WholeBody, settings: Settings, monitor: Monitor) -> Known 
         weights /= np.maximum(weights.sum(axis=1, keepdims=True), np.finfo(float).tiny)
         whole_rig = ReferenceRig(found.whole_points, found.whole_faces, rigs[-1].skeleton, weights)
         return Known(unfolded(found, form, monitor), rigs, whole_rig, form, found.prolonged(monitor).cells)
-
-
-@contextmanager
-def _about_reference() -> Iterator[None]:
-    """Let errors say that they are about the reference."""
-    try:
-        yield
-    except CancelledError:
-        raise
-    except CanonicalFormError as error:
-        raise error.about(message("the_reference")) from error
 
 
 def explained_by(one: Unfolded, known: Known, monitor: Monitor) -> Explained:
@@ -188,7 +176,9 @@ def explained_by(one: Unfolded, known: Known, monitor: Monitor) -> Explained:
     there = nearest_of_posed(whole, best, points, vertex_normals(points, one.found.whole_faces), monitor)
     names = [str(number) for number in range(int(known.patch.max()) + 1)]
     held = known.patch[there.nearest_corners(whole.faces)]
-    convinces = residual <= _FOREIGN and _stretched(many, best) <= _STRETCHED
+    stretch = edge_stretch(many.vertices, best.posed(many, many.vertices, many.weights), many.faces)
+    stretched = float(np.abs(np.log(stretch[stretch > 0])).mean())
+    convinces = residual <= _FOREIGN and stretched <= _STRETCHED
     return Explained(there.on(known.form, whole.faces), held, names, residual, convinces)
 
 
@@ -200,21 +190,12 @@ def _largest(whole: WholeBody, settings: Settings, monitor: Monitor) -> Body:
 
 def _standing(rig: ReferenceRig, points: FloatArray, areas: FloatArray) -> list[BoneFit]:
     """Place a body with its axes along those of another in all four ways, each as its file has it."""
-    (here, own), (there, axes) = _frame(rig.vertices, vertex_areas(rig.vertices, rig.faces)), _frame(points, areas)
-    found, count = [], len(rig.skeleton.names)
-    for flips in ([1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]):
-        turn = axes @ np.diag(flips) @ own.T
-        heads, tails = ((each - here) @ turn.T + there for each in (rig.skeleton.heads, rig.skeleton.tails))
-        found.append(BoneFit(heads, tails, np.broadcast_to(turn, (count, 3, 3)).copy(), np.ones((count, 2))))
+    bones, own, count = rig.skeleton, vertex_areas(rig.vertices, rig.faces), len(rig.skeleton.names)
+    found = []
+    for turn, shift in half_turns(rig.vertices, own / own.sum(), points, areas / areas.sum()):
+        turns = np.broadcast_to(turn.T, (count, 3, 3)).copy()
+        found.append(BoneFit(bones.heads @ turn + shift, bones.tails @ turn + shift, turns, np.ones((count, 2))))
     return found
-
-
-def _frame(points: FloatArray, areas: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the centre of a surface, and its axes as columns, the longest first, right-handed."""
-    centre = areas @ points / areas.sum()
-    apart = points - centre
-    axes = np.linalg.eigh((apart * areas[:, None]).T @ apart)[1][:, ::-1]
-    return centre, axes * [1, 1, np.sign(np.linalg.det(axes))]
 
 
 def _refined(few: ReferenceRig, bones: BoneFit, many: ReferenceRig) -> BoneFit:
@@ -222,11 +203,3 @@ def _refined(few: ReferenceRig, bones: BoneFit, many: ReferenceRig) -> BoneFit:
     laid = bones.posed(few, few.vertices, few.weights)
     areas = vertex_areas(few.vertices, few.faces)
     return fitted_bones(many, laid, areas, many.vertices, many.weights, np.ones(len(laid)))
-
-
-def _stretched(rig: ReferenceRig, bones: BoneFit) -> float:
-    """Measure by how much edges of a body change as it is bent: the mean of their logarithms."""
-    ends, laid = vertex_pairs(rig.faces).T, bones.posed(rig, rig.vertices, rig.weights)
-    before, after = (np.linalg.norm(each[ends[0]] - each[ends[1]], axis=1) for each in (rig.vertices, laid))
-    known = (before > 0) & (after > 0)
-    return float(np.abs(np.log(after[known] / before[known])).mean())

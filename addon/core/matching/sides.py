@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..measures.alignment import rigid_fit
+from ..mesh.far_points import far_points
 from ..numerics.arrays import FloatArray, IntArray
 from ..run.errors import InvalidSettingsError
 from ..run.monitor import Monitor
@@ -97,7 +98,7 @@ def scored_sides(one: Unfolded, other: Unfolded, monitor: Monitor) -> list[Side]
 
     `one, other`: the surfaces.
     """
-    rows = _spread(one.form, _SAMPLES)
+    rows = np.sort(far_points(one.form, _SAMPLES))
     tried: list[tuple[float, Start, FloatArray]] = []
     ways = starts(one, other, rows, monitor)
     for number, start in enumerate(ways, start=1):
@@ -138,16 +139,3 @@ def _correlation(one: FloatArray, two: FloatArray) -> float:
     one, two = one - one.mean(), two - two.mean()
     size = np.sqrt((one**2).sum() * (two**2).sum())
     return float(one @ two / size) if size > 0 else 0.0
-
-
-def _spread(points: FloatArray, count: int) -> IntArray:
-    """Choose vertices that lie far from each other, the farthest from the centre first."""
-    if len(points) <= count:
-        return np.arange(len(points))
-    chosen = np.empty(count, dtype=np.int64)
-    nearest = ((points - points.mean(axis=0)) ** 2).sum(axis=1)
-    for number in range(count):
-        chosen[number] = int(np.argmax(nearest))
-        apart = ((points - points[chosen[number]]) ** 2).sum(axis=1)
-        nearest = apart if number == 0 else np.minimum(nearest, apart)
-    return np.sort(chosen)

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..measures.alignment import closest_points_from, rigid_fit
+from ..measures.alignment import closest_points_from, half_turns, rigid_fit
 from ..numerics.arrays import FloatArray, IntArray
 from ..run.monitor import Monitor
 from .assignments import feature_assignments
@@ -15,7 +15,6 @@ from .unfolded import Unfolded
 
 _ASSIGNMENTS = 6  # best ones that are tried
 _ITERATIONS = 25  # of closest points
-_HALF_TURNS = ((1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1))  # about the principal axes
 _SAME = np.cos(np.radians(25))  # cosine of the angle below which two motions count as one
 
 
@@ -96,15 +95,4 @@ def _by_number(one: Unfolded) -> list[IntArray]:
 
 def _by_axes(one: Unfolded, other: Unfolded) -> list[tuple[FloatArray, FloatArray]]:
     """Align the principal axes, by the four proper rotations."""
-    (centre, axes), (there, others) = (_principal_axes(each) for each in (one, other))
-    turns = [axes.T @ (np.array(signs)[:, None] * others) for signs in _HALF_TURNS]
-    return [(rotation, there - centre @ rotation) for rotation in turns]
-
-
-def _principal_axes(surface: Unfolded) -> tuple[FloatArray, FloatArray]:
-    """Compute the centre and the principal axes of a form, longest first, as rows of a proper rotation."""
-    centre = surface.areas @ surface.form
-    apart = surface.form - centre
-    axes = np.linalg.eigh((apart * surface.areas[:, None]).T @ apart)[1].T[::-1].copy()
-    axes[2] *= np.sign(np.linalg.det(axes))
-    return centre, axes
+    return half_turns(one.form, one.areas, other.form, other.areas)

@@ -12,6 +12,7 @@ from ..numerics.arrays import FloatArray
 if TYPE_CHECKING:
     from scipy.spatial import KDTree
 
+_HALF_TURNS = ((1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1))  # about the principal axes
 _SCOUTS = 2000  # points of a cloud that are used from every start
 
 
@@ -42,6 +43,36 @@ def rigid_fit(
         left[:, -1] *= -1
     rotation = left @ right
     return rotation, target_centre - source_centre @ rotation
+
+
+def half_turns(
+    source: FloatArray, shares: FloatArray, target: FloatArray, target_shares: FloatArray
+) -> list[tuple[FloatArray, FloatArray]]:
+    """Align the principal axes of a surface to those of another, by the four proper rotations.
+
+    `source` (n, 3), `target` (n', 3); `shares` (n,), `target_shares` (n',): of the area, which sum to 1; gives the
+    motions, ``x ↦ x R + t``.
+
+    Examples
+    --------
+    >>> points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 4]])
+    >>> even = np.full(4, 0.25)
+    >>> ways = half_turns(points, even, points, even)
+    >>> bool(min(np.abs(points @ turn + shift - points).max() for turn, shift in ways) < 1e-9)
+    True
+    """
+    (centre, axes), (there, others) = _principal_axes(source, shares), _principal_axes(target, target_shares)
+    turns = [axes.T @ (np.array(signs)[:, None] * others) for signs in _HALF_TURNS]
+    return [(rotation, there - centre @ rotation) for rotation in turns]
+
+
+def _principal_axes(points: FloatArray, shares: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Compute the centre and the principal axes of a surface, longest first, as rows of a proper rotation."""
+    centre = shares @ points
+    apart = points - centre
+    axes = np.linalg.eigh((apart * shares[:, None]).T @ apart)[1].T[::-1].copy()
+    axes[2] *= np.sign(np.linalg.det(axes))
+    return centre, axes
 
 
 def closest_point_fit(

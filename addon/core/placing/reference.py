@@ -86,7 +86,6 @@ def reference_bodies(
     """
     if reference is None:
         return [None] * len(vertices)
-    require_limbs(reference)
     count = len(vertices)
     if len(reference.bodies) != count:
         monitor.warn("reference_bodies", count=count, others=len(reference.bodies))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 from .messages import Message, kinds, message
@@ -75,3 +77,24 @@ class CancelledError(CanonicalFormError):
 
     def __init__(self, reason: str = "cancelled") -> None:
         super().__init__(reason)
+
+
+@contextmanager
+def errors_about(what: str) -> Iterator[None]:
+    """Let the errors of a computation name what they are about; a cancelled run is about nothing.
+
+    `what`: its name.
+
+    Examples
+    --------
+    >>> with errors_about("The other mesh"):
+    ...     raise InvalidMeshError("no_faces")
+    Traceback (most recent call last):
+    addon.core.run.errors.InvalidMeshError: The other mesh: The mesh has no faces. Choose a mesh with a surface.
+    """
+    try:
+        yield
+    except CancelledError:
+        raise
+    except CanonicalFormError as error:
+        raise error.about(what) from error

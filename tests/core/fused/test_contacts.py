@@ -17,13 +17,12 @@ from addon.core import (
 )
 from addon.core.assembly.opening import opened
 from addon.core.fused.suspicion import SUSPECT, unlike_whole_human
-from addon.core.measures.alignment import rigid_fit
 from addon.core.mesh.edges import edge_table
 from addon.core.mesh.geometry import surface_area, vertex_areas
 from addon.core.mesh.repair import repaired
 from addon.core.run.monitor import Monitor
 from tests.meshes import shapes, tubes
-from tests.meshes.fused import fused_figure
+from tests.meshes.fused import apart, fused_figure
 from tests.meshes.rings import ring
 
 
@@ -45,12 +44,6 @@ def contacts(fused, kept):
 
 def of_unit_area(vertices, faces):
     return vertices / np.sqrt(surface_area(vertices, faces))
-
-
-def apart(form, truth, areas):
-    """Distance after a rigid fit, root mean square by area."""
-    rotation, shift = rigid_fit(form, truth, areas)
-    return float(np.sqrt(areas @ ((form @ rotation + shift - truth) ** 2).sum(axis=1) / areas.sum()))
 
 
 def test_arms_and_legs_that_have_grown_together_are_found(contacts):

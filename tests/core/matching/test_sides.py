@@ -6,6 +6,7 @@ import pytest
 from addon.core.matching import sides as module
 from addon.core.matching.sides import Side, sides
 from addon.core.measures.alignment import rigid_fit
+from addon.core.mesh.far_points import far_points
 from addon.core.run.monitor import Monitor
 
 
@@ -67,9 +68,9 @@ def test_samples_are_the_farthest_from_each_other():
     while len(chosen) < 20:
         far = np.min([np.linalg.norm(points - points[each], axis=1) for each in chosen], axis=0)
         chosen.append(int(np.argmax(far)))
-    assert module._spread(points, 20).tolist() == sorted(chosen)
-    assert module._spread(points, 200).tolist() == list(range(200))
-    assert module._spread(points, 300).tolist() == list(range(200))
+    assert far_points(points, 20).tolist() == chosen
+    assert far_points(points, 200).tolist() == list(range(200))
+    assert far_points(points, 300).tolist() == list(range(200))
 
 
 @pytest.mark.parametrize(

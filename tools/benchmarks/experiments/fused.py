@@ -6,11 +6,11 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from addon.core import CanonicalForm, Settings, canonical_form
-from addon.core.measures.alignment import rigid_fit
 from addon.core.mesh.geometry import surface_area, vertex_areas, vertex_normals
+from tests.meshes.fused import apart
 from tools.benchmarks.experiment import Row, experiment
 from tools.benchmarks.measuring import timed
-from tools.benchmarks.mesh_sets import Body, folders
+from tools.benchmarks.mesh_sets import Body, folders, shown
 
 VOXEL = 0.014  # of sqrt(area)
 FACING = 0.03  # weight of normals in the search for the nearest vertex, in sqrt(area)
@@ -29,22 +29,21 @@ def fused(body: Body, way: str) -> Iterator[Row]:
     first = canonical_form(poses[0], faces, Settings(contacts="keep"))
     truth = first.vertices / np.sqrt(surface_area(first.vertices, faces))
     settings = Settings(contacts="keep" if way == "keep" else "open")
-    apart, seconds, forms = [], [], []
+    distances, seconds, forms = [], [], []
     for pose in poses[1:]:
         points, triangles, origin = voxelised(pose, faces)
         reference = first if way == "reference" else None
         form, took = timed(canonical_form, points, triangles, settings, reference=reference)
         forms.append(form)
         seconds.append(took)
-        apart.append(
-            distance(form.vertices / np.sqrt(surface_area(points, triangles)), truth[origin], points, triangles)
-        )
-    far = np.array(apart) > FAR
+        shape = form.vertices / np.sqrt(surface_area(points, triangles))
+        distances.append(apart(shape, truth[origin], vertex_areas(points, triangles)))
+    far = np.array(distances) > FAR
     yield {
-        "poses": len(apart),
+        "poses": len(distances),
         "parted": sum(form.parted is not None for form in forms),
-        "distance": np.mean(apart),
-        "most": max(apart),
+        "distance": np.mean(distances),
+        "most": max(distances),
         "over .1": int(far.sum()),
         "untold": sum(not told(form) for form, over in zip(forms, far, strict=True) if over),
         "seconds": np.median(seconds),
@@ -62,26 +61,14 @@ def voxelised(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.n
     bpy.context.scene.collection.objects.link(obj)
     modifier = obj.modifiers.new("voxels", "REMESH")
     modifier.mode, modifier.voxel_size = "VOXEL", VOXEL * unit
-    made = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).to_mesh()
-    made.calc_loop_triangles()
-    points, corners = np.empty(3 * len(made.vertices)), np.empty(3 * len(made.loop_triangles), dtype=np.int32)
-    made.vertices.foreach_get("co", points)
-    made.loop_triangles.foreach_get("vertices", corners)
+    points, triangles = shown([obj])
     bpy.data.objects.remove(obj)
     bpy.data.meshes.remove(mesh)
-    points, triangles = points.reshape(-1, 3), corners.reshape(-1, 3).astype(np.int64)
     one, two = (
         np.column_stack([each / unit, FACING * vertex_normals(each, own)])
         for each, own in ((vertices, faces), (points, triangles))
     )
     return points, triangles, KDTree(one).query(two)[1]
-
-
-def distance(form: np.ndarray, truth: np.ndarray, points: np.ndarray, triangles: np.ndarray) -> float:
-    """Return the root mean square distance of a form from the truth after rigid alignment, by area."""
-    areas = vertex_areas(points, triangles)
-    rotation, shift = rigid_fit(form, truth, areas)
-    return float(np.sqrt(areas @ ((form @ rotation + shift - truth) ** 2).sum(axis=1) / areas.sum()))
 
 
 def told(form: CanonicalForm) -> bool:
