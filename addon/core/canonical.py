@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .assembly.body import Body
+from .assembly.body import Body, Chosen
 from .assembly.gathering import gathered_features, shaped
 from .assembly.opening import OPENING, opened
 from .measures.form_measures import is_unchanged
@@ -165,9 +165,7 @@ def _form(
         monitor.warn("handles", count=handles)
     others = reference_bodies(reference, bodies.faces, [body.vertices for body in bodies.bodies], monitor)
     plan = {**DETECTION, **method.stages, "Alignment": 1}
-    forms = bodies.map(
-        partial(_body_form, method=method, settings=settings), monitor, plan, bodies.chosen_vertices, others
-    )
+    forms = bodies.map(partial(_body_form, method=method, settings=settings), monitor, plan, bodies.chosen, others)
     form = shaped(bodies, [each.points for each in forms], monitor, area_kept=True)
     features = gathered_features(bodies, [each.features for each in forms])
     if is_unchanged(bodies.vertices, form, bodies.faces):
@@ -190,6 +188,7 @@ def _form(
         _numbered([each.bends for each in forms], features.bodies),
         posed=bodies.vertices.copy(),
         eigenvalues=forms[bodies.largest_body].eigenvalues.copy(),
+        feature_names=features.numbered([each.names for each in forms]),
     )
 
 
@@ -214,10 +213,11 @@ def _summed(histories: list[FloatArray]) -> FloatArray:
 
 
 class _BodyForm(NamedTuple):
-    """The placed form of a body, its features, the result of the method, how limbs are bent, and its eigenvalues."""
+    """The placed form of a body, its features and their names, the result of the method, bends, and eigenvalues."""
 
     points: FloatArray
     features: WholeFeatures
+    names: list[str]  # of the feature points
     embedded: MethodResult
     bends: FloatArray  # (k, 2)
     eigenvalues: FloatArray  # (K,)
@@ -225,7 +225,7 @@ class _BodyForm(NamedTuple):
 
 def _body_form(
     body: Body,
-    chosen: IntArray | None,
+    chosen: Chosen | None,
     reference: ReferenceBody | None,
     monitor: Monitor,
     *,
@@ -233,17 +233,19 @@ def _body_form(
     settings: Settings,
 ) -> _BodyForm:
     """Find the features of a body, unfold it, and place the form."""
-    from .placing.orientation import in_place
+    from .placing.orientation import in_place, names_in_form
 
     found = body.features(chosen, settings, monitor)
     embedded = method.unfold(found, settings, monitor)
     with monitor.stage("Alignment"):
         points, order = in_place(embedded, found, settings, reference, monitor)
+        names = names_in_form(embedded, found)
         features = monitor.kept("shown", [found, order], lambda: found.prolonged(monitor, order))
         if trunk_twist(points[found.whole_features], found.limbs) > TWISTED:
             monitor.warn("twisted")
         bends = np.column_stack([_bends(found, shape) for shape in (found.whole_points, points)])[order]
-    return _BodyForm(points, features, embedded, bends, found.spectrum.eigenvalues)
+    named = [names[each] for each in order]
+    return _BodyForm(points, features, named, embedded, bends, found.spectrum.eigenvalues)
 
 
 def _bends(found: SurfaceFeatures, shape: FloatArray) -> FloatArray:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .assembly.body import Body
+from .assembly.body import Body, Chosen
 from .assembly.opening import OPENING, known_bodies, opened
 from .fused.found_contacts import Contacts
 from .fused.marks import Marks, marks_on, require_marks
@@ -157,7 +157,12 @@ def computed_open(
         return result
     chosen = settings.feature_points
     if chosen is not None or rest is not None:  # rejected before the search, not after it
-        how: dict[str, Any] = {"together": settings.together, "features": chosen, "rest": rest}
+        how: dict[str, Any] = {
+            "together": settings.together,
+            "features": chosen,
+            "names": settings.feature_names,
+            "rest": rest,
+        }
         known_bodies(points, corners, Monitor(cancelled=cancelled), **how)
     share = _LOOKED_FOR if unlike > 1.0 else _MARKED
     found: Contacts = _found(points, corners, settings, kept, monitor.piece(0.0, share, {}), unlike > 1.0, known)
@@ -209,7 +214,7 @@ def _unlike(
 
     if settings.eigenpairs < ENOUGH:
         settings = replace(settings, eigenpairs=ENOUGH)
-    plain = replace(settings, feature_points=None)
+    plain = settings.detecting()
     own = Monitor(report, monitor.is_cancelled, OPENING, kept)
     own.timings = monitor.timings
     bodies = opened(points, faces, settings, own)
@@ -217,7 +222,7 @@ def _unlike(
     if len(bodies.bodies[largest].parts) > 1:  # parts that touch are apart already
         return 0.0
 
-    def measured(body: Body, chosen: IntArray | None, of_body: Monitor) -> float:
+    def measured(body: Body, chosen: Chosen | None, of_body: Monitor) -> float:
         found = body.features(chosen, settings, of_body)
         eigenvalues = found.spectrum.eigenvalues
         if len(found.features) < _FEWEST:
@@ -233,7 +238,7 @@ def _unlike(
         of_no_human = is_tall(others) and unlike_whole_human(others) > SUSPECT  # such as a giraffe
         return min(human, beside) if of_no_human else human
 
-    return bodies.map(measured, own, DETECTION, bodies.chosen_vertices)[largest]
+    return bodies.map(measured, own, DETECTION, bodies.chosen)[largest]
 
 
 def _parted(
@@ -252,7 +257,7 @@ def _parted(
     both = _with_marks(found, marks)
     mesh = both.parted(cancelled=monitor.is_cancelled) if both.touched.any() else None
     if unlike > 1.0 and mesh is not None:
-        after = _unlike(mesh.vertices, mesh.faces, replace(plain, feature_points=None), kept, monitor, known)
+        after = _unlike(mesh.vertices, mesh.faces, plain.detecting(), kept, monitor, known)
         if both.between and after > _WORSE * unlike:
             both = _with_marks(replace(found, gone=np.zeros_like(found.gone), between=[]), marks)
             mesh = both.parted(cancelled=monitor.is_cancelled) if both.touched.any() else None

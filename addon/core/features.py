@@ -6,14 +6,15 @@ from typing import TYPE_CHECKING
 
 from numpy.typing import ArrayLike
 
-from .assembly.body import Body
+from .assembly.body import Body, Chosen
 from .assembly.gathering import gathered_features
 from .assembly.opening import OPENING, opened
 from .method_api.catalogue import DETECTION, method_named
 from .method_api.settings import Settings
-from .numerics.arrays import FloatArray, IntArray
+from .numerics.arrays import FloatArray
 from .results import FeaturePatches
 from .run.monitor import Cancelled, Monitor, Progress
+from .symmetry.limb_names import limb_names
 
 if TYPE_CHECKING:
     from .method_api.surface_features import WholeFeatures
@@ -61,11 +62,14 @@ def feature_patches(
     monitor = Monitor(progress, cancelled, OPENING)
     bodies = opened(vertices, faces, settings, monitor, rest=rest)
 
-    def work(body: Body, chosen: IntArray | None, own: Monitor) -> tuple[WholeFeatures, FloatArray]:
+    def work(body: Body, chosen: Chosen | None, own: Monitor) -> tuple[WholeFeatures, FloatArray]:
         found = body.features(chosen, settings, own)
         return found.prolonged(own), found.spectrum.eigenvalues
 
-    features, spectra = zip(*bodies.map(work, monitor, DETECTION, bodies.chosen_vertices), strict=True)
+    features, spectra = zip(*bodies.map(work, monitor, DETECTION, bodies.chosen), strict=True)
     found, warnings = gathered_features(bodies, features), monitor.warnings
+    names = found.numbered([limb_names(each.limbs) for each in features])
     eigenvalues = spectra[bodies.largest_body].copy()
-    return FeaturePatches(found.points, found.patches, found.adf, monitor.timings, warnings, found.bodies, eigenvalues)
+    return FeaturePatches(
+        found.points, found.patches, found.adf, monitor.timings, warnings, found.bodies, eigenvalues, names
+    )

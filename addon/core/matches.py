@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -272,9 +271,7 @@ def unfolded_pair(
     two = monitor.piece(UNFOLDED / 2 * share, UNFOLDED * share, OPENING)
     bodies, surfaces = unfolded_bodies(vertices, faces, settings, one, rest)
     with errors_about(message("other_mesh")):
-        others, other_surfaces = unfolded_bodies(
-            other_vertices, other_faces, replace(settings, feature_points=None), two
-        )
+        others, other_surfaces = unfolded_bodies(other_vertices, other_faces, settings.detecting(), two)
     monitor.extend(one.warnings)
     order, other_order = (_by_area(each) for each in (bodies, others))
     if len(order) != len(other_order):

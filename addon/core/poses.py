@@ -24,6 +24,7 @@ from .posing.untangling import untangled
 from .results import PosedLike
 from .run.errors import InvalidMeshError
 from .run.monitor import Cancelled, Monitor, Progress
+from .symmetry.limb_names import limb_names
 from .symmetry.mirror import MirrorMap
 from .symmetry.partners import mirror_partners
 
@@ -131,6 +132,7 @@ def _pose_of(found: MatchedBodies, wanted: FloatArray, monitor: Monitor) -> Pose
         distortion,
         monitor.timings,
         monitor.warnings,
+        feature_names=features.numbered([limb_names(each.limbs) for each in features.bodies]),
     )
 
 

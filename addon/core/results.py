@@ -39,6 +39,8 @@ class FeaturePatches(Summarised):
         The limbs identified among the feature points of each body; a form of this mesh needs them to be a reference.
     eigenvalues : (K,) ndarray of float
         λ_1 ≤ … ≤ λ_K of the Laplacian of the largest body, scaled to unit area.
+    feature_names : list of str
+        What the feature points are: 'head', 'left_hand', … as in `Settings`, or ''.
     """
 
     feature_points: IntArray
@@ -48,6 +50,7 @@ class FeaturePatches(Summarised):
     warnings: list[Message]
     bodies: list[BodyLimbs] = field(default_factory=list)
     eigenvalues: FloatArray = field(default_factory=lambda: np.empty(0))
+    feature_names: list[str] = field(default_factory=list)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -97,6 +100,8 @@ class CanonicalForm(Summarised):
     eigenvalues : (K,) ndarray of float
         λ_1 ≤ … ≤ λ_K of the Laplacian of the largest body, scaled to unit area: a shape descriptor that no pose
         changes.
+    feature_names : list of str
+        As in `FeaturePatches`.
     """
 
     vertices: FloatArray
@@ -116,6 +121,7 @@ class CanonicalForm(Summarised):
     parted: Parted | None = None
     posed: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
     eigenvalues: FloatArray = field(default_factory=lambda: np.empty(0))
+    feature_names: list[str] = field(default_factory=list)
 
 
 class MatchedSeams(NamedTuple):
@@ -211,6 +217,8 @@ class PosedLike(Summarised):
         How far the skin of each fitted bone that has some follows it, 0 to 1; empty where no skeleton was fitted.
     contacts, parted
         As in `CanonicalForm`.
+    feature_names : list of str
+        As in `FeaturePatches`.
     """
 
     vertices: FloatArray
@@ -225,6 +233,7 @@ class PosedLike(Summarised):
     bones: dict[str, float] = field(default_factory=dict)
     contacts: BoolArray = field(default_factory=lambda: np.empty(0, dtype=bool))
     parted: Parted | None = None
+    feature_names: list[str] = field(default_factory=list)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .assembly.gathering import gathered_features, shaped
+from .assembly.gathering import GatheredFeatures, gathered_features, shaped
 from .contacts import computed_open
 from .fused.on_given import pose_on_given
 from .matching.sides import index_of_side, require_side
@@ -27,6 +27,7 @@ from .rigs import Fitted, fitted_skeleton
 from .run.errors import InvalidMeshError, InvalidSettingsError
 from .run.kept_stages import KeptStages
 from .run.monitor import Cancelled, Monitor, Progress
+from .symmetry.limb_names import names_by_bones
 
 _MATCHED = 0.9  # of the work
 _FEW = 3  # vertices of a foot, below which its width is not known
@@ -222,6 +223,17 @@ def stance_by_match(
     return _as_posed_like(fitted, posed, distortion, chosen, monitor)
 
 
+def _names(fitted: Fitted, chosen: Candidate, features: GatheredFeatures) -> list[str]:
+    """Name the feature points of the body that stands, by hand or by the bones that move them; others have no name."""
+    names = chosen.reference.rig.skeleton.names
+    moved_by = chosen.fit.weights[fitted.body.features].argmax(axis=1)
+    own = fitted.body.limbs.named or names_by_bones([names[bone] for bone in moved_by])
+    here = fitted.pair.pairs[0][0]
+    return features.numbered(
+        [own if number == here else [""] * len(body.tips) for number, body in enumerate(features.bodies)]
+    )
+
+
 def _as_posed_like(
     fitted: Fitted, posed: FloatArray, distortion: float, chosen: Candidate, monitor: Monitor
 ) -> PosedLike:
@@ -244,4 +256,5 @@ def _as_posed_like(
         monitor.timings,
         monitor.warnings,
         bones,
+        feature_names=_names(fitted, chosen, features),
     )

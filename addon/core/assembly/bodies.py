@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,27 +13,12 @@ from ..numerics.arrays import FloatArray, IntArray
 from ..run.errors import InvalidMeshError, InvalidSettingsError
 from ..run.messages import Message, message
 from ..run.monitor import Monitor, Plan
-from .body import Body, single
+from .body import Body, Chosen, single
 from .pieces import MOST_PIECES, Pieces, connected_pieces
 
 Result = TypeVar("Result")
 
 _SHOWN = 5  # warnings about bodies that are reported individually
-
-
-class Chosen(NamedTuple):
-    """Those of the vertices chosen by the user that lie on one body.
-
-    Attributes
-    ----------
-    positions : (t,) ndarray of int
-        Their positions in the list that the user gave, ascending.
-    vertices : (t,) ndarray of int
-        The same as vertices of the body's surface; for one on a rider, the vertex that carries it.
-    """
-
-    positions: IntArray
-    vertices: IntArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,11 +103,6 @@ class Bodies:
         return _located(self.bodies, self.pieces.representative, wanted)
 
     @property
-    def chosen_vertices(self) -> list[IntArray | None]:
-        """Feature points chosen by hand, as vertices of each body's surface; None where they are to be detected."""
-        return [None if each is None else each.vertices for each in self.chosen]
-
-    @property
     def apart(self) -> list[Message]:
         """Messages on how a form treats several bodies, pieces without area and vertices without a face."""
         told = list(self.pieces.left_out)
@@ -155,13 +135,14 @@ def bodies_of(
     *,
     together: bool = True,
     features: Sequence[int] | None = None,
+    names: Sequence[str] | None = None,
     one_body: bool = False,
 ) -> Bodies:
     """Find the bodies in a mesh.
 
     `vertices` (n, 3); `faces` (m, 3); `together`: whether pieces that belong together are one body; otherwise every
-    piece is one; `features`: feature points chosen by hand, vertices of the mesh; `one_body`: whether
-    neighbouring pieces are known to be one body.
+    piece is one; `features`: feature points chosen by hand, vertices of the mesh; `names`: of these; `one_body`:
+    whether neighbouring pieces are known to be one body.
 
     Examples
     --------
@@ -180,10 +161,12 @@ def bodies_of(
         raise InvalidMeshError("too_many_pieces", count=len(pieces.pieces), most=MOST_PIECES)
     else:
         found, crowd = list(map(single, pieces.pieces)), 0
-    return Bodies(found, pieces, _chosen_features(found, pieces, features), together, features, crowd)
+    return Bodies(found, pieces, _chosen_features(found, pieces, features, names), together, features, crowd)
 
 
-def _chosen_features(bodies: list[Body], pieces: Pieces, given: Sequence[int] | None) -> list[Chosen | None]:
+def _chosen_features(
+    bodies: list[Body], pieces: Pieces, given: Sequence[int] | None, names: Sequence[str] | None
+) -> list[Chosen | None]:
     """Locate feature points chosen by hand on the bodies."""
     if given is None:
         return [None] * len(bodies)
@@ -199,6 +182,8 @@ def _chosen_features(bodies: list[Body], pieces: Pieces, given: Sequence[int] | 
         raise InvalidSettingsError("feature_off_surface")
     if any(len(np.unique(chosen.vertices)) < len(chosen.vertices) for chosen in located):
         raise InvalidSettingsError("feature_coincident")
+    if names is not None:
+        located = [each._replace(names=tuple(names[position] for position in each.positions)) for each in located]
     return [chosen if len(chosen.positions) else None for chosen in located]
 
 

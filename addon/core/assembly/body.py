@@ -16,6 +16,7 @@ from .pieces import Piece
 if TYPE_CHECKING:
     from ..method_api.surface_features import SurfaceFeatures
     from ..surface.working_surface import WorkingSurface
+    from ..symmetry.limbs import Limbs
     from .contacts import Samples
 
 
@@ -41,6 +42,24 @@ class Rider(NamedTuple):
     samples: Samples
     ground: list[int]
     rigid: bool
+
+
+class Chosen(NamedTuple):
+    """Those of the vertices chosen by the user that lie on one body.
+
+    Attributes
+    ----------
+    positions : (t,) ndarray of int
+        Their positions in the list that the user gave, ascending.
+    vertices : (t,) ndarray of int
+        The same as vertices of the body's surface; for one on a rider, the vertex that carries it.
+    names : tuple of str
+        Their names, "" for none; empty where none was given.
+    """
+
+    positions: IntArray
+    vertices: IntArray
+    names: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,20 +117,22 @@ class Body(Piece):
         rest = None if self.rest is None else of_unit_area(self.rest, faces)[0]
         return joined_surface(points, faces, self.parts, target, fixed=fixed, rest=rest, monitor=monitor or Monitor())
 
-    def features(self, chosen: IntArray | None, settings: Settings, monitor: Monitor) -> SurfaceFeatures:
-        """Find the feature points and patches of the body. `chosen` (k,); `settings`: options of the method.
+    def features(self, chosen: Chosen | None, settings: Settings, monitor: Monitor) -> SurfaceFeatures:
+        """Find the feature points and patches of the body. `chosen`: by hand; `settings`: options of the method.
 
-        With a rest pose, its feature points and their numbers are those of all poses.
+        With a rest pose, its feature points, their numbers and their names are those of all poses.
         """
         from ..method_api.surface_features import detected
 
-        limbs = None
-        if self.rest is not None and chosen is None:
+        limbs: Limbs | None = None
+        points, names = (None, ()) if chosen is None else chosen[1:]
+        if self.rest is not None:
             own = monitor.piece(0.0, 0.0, {})  # whose results are kept apart from those of the pose
-            resting = detected(self.rest, self.faces, None, settings, own, reduced=self.working_surface)
+            resting = detected(self.rest, self.faces, points, settings, own, reduced=self.working_surface, names=names)
             monitor.extend(own.warnings)
-            chosen, limbs = resting.whole_features, resting.limbs
-        return detected(self.points, self.faces, chosen, settings, monitor, reduced=self.working_surface, limbs=limbs)
+            points, limbs = resting.whole_features, resting.limbs
+        reduced = self.working_surface
+        return detected(self.points, self.faces, points, settings, monitor, reduced=reduced, limbs=limbs, names=names)
 
     def with_riders(self, shape: FloatArray, monitor: Monitor) -> list[FloatArray]:
         """Move the riders with the surface. `shape` (p, 3)."""

@@ -39,6 +39,14 @@ class GatheredFeatures(NamedTuple):
     adf: FloatArray
     bodies: list[BodyLimbs]
 
+    def numbered(self, values: Sequence[Sequence[str]]) -> list[str]:
+        """Sort texts of the feature points of each body by their numbers."""
+        found = [""] * len(self.points)
+        for body, own in zip(self.bodies, values, strict=True):
+            for number, value in zip(body.numbers, own, strict=True):
+                found[number] = value
+        return found
+
 
 def gathered(bodies: Bodies, values: Sequence[np.ndarray], others: np.ndarray) -> np.ndarray:
     """Gather values of the bodies on all vertices of the mesh.

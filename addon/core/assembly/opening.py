@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -31,8 +32,10 @@ def opened(
     1
     """
     with monitor.stage("Surface"):
-        features = settings.feature_points
-        bodies = known_bodies(vertices, faces, monitor, together=settings.together, features=features, rest=rest)
+        features, names = settings.feature_points, settings.feature_names
+        bodies = known_bodies(
+            vertices, faces, monitor, together=settings.together, features=features, names=names, rest=rest
+        )
         require_memory(bodies.largest, settings)
     monitor.extend(bodies.pieces.repairs + bodies.apart)
     if bodies.detected_elsewhere:
@@ -47,6 +50,7 @@ def known_bodies(
     *,
     together: bool = True,
     features: Sequence[int] | None = None,
+    names: Sequence[str] | None = None,
     rest: ArrayLike | None = None,
 ) -> Bodies:
     """Find the bodies in a mesh, unless they are known from an earlier run.
@@ -60,9 +64,10 @@ def known_bodies(
     def found() -> Bodies:
         own = np.array(vertices) if monitor.keeps and isinstance(vertices, np.ndarray) else vertices
         corners = np.array(faces) if monitor.keeps and isinstance(faces, np.ndarray) else faces
+        how: dict[str, Any] = {"together": together, "features": features, "names": names}
         if rest is None:
-            return bodies_of(own, corners, monitor, together=together, features=features)
+            return bodies_of(own, corners, monitor, **how)
         resting = np.array(rest) if monitor.keeps else rest
-        return bodies_at_rest(own, corners, resting, monitor, together=together, features=features)
+        return bodies_at_rest(own, corners, resting, monitor, **how)
 
-    return monitor.kept("bodies", [vertices, faces, together, features, rest], found)
+    return monitor.kept("bodies", [vertices, faces, together, features, names, rest], found)

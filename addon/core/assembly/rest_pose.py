@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -27,11 +28,12 @@ def bodies_at_rest(
     *,
     together: bool = True,
     features: Sequence[int] | None = None,
+    names: Sequence[str] | None = None,
 ) -> Bodies:
     """Find the bodies in a mesh in the rest pose of its rig, and put them into its pose.
 
-    `vertices` (n, 3); `faces` (m, 3); `rest` (n, 3): positions in the rest pose; `together`, `features`: as in
-    `bodies_of`. Neighbouring pieces are one body, since one rig moves them.
+    `vertices` (n, 3); `faces` (m, 3); `rest` (n, 3): positions in the rest pose; `together`, `features`,
+    `names`: as in `bodies_of`. Neighbouring pieces are one body, since one rig moves them.
 
     Examples
     --------
@@ -40,13 +42,13 @@ def bodies_at_rest(
     5.0
     """
     places, corners = checked_arrays(vertices, faces)
-    bodies = bodies_of(rest, corners, monitor, together=together, features=features, one_body=True)
+    bodies = bodies_of(rest, corners, monitor, together=together, features=features, names=names, one_body=True)
     if len(places) != len(bodies.vertices):
         raise InvalidMeshError("rest_shape", count=len(places))
     if np.array_equal(places, bodies.vertices):
         return bodies
     if bodies.pieces.dropped:  # hidden at rest, perhaps, and shown in this pose
-        alone = bodies_of(places, corners, monitor, together=together, features=features)
+        alone = bodies_of(places, corners, monitor, together=together, features=features, names=names)
         if alone.pieces.dropped < bodies.pieces.dropped:
             return alone
     flat = _without_area(bodies.pieces, places)
@@ -55,7 +57,8 @@ def bodies_at_rest(
     if flat:  # hidden in this pose: left out, as what has no area in any
         hidden = np.isin(bodies.pieces.representative, np.concatenate([piece.vertices for piece in flat]))
         shown = corners[~hidden[corners].all(axis=1)]
-        rest_of = bodies_at_rest(vertices, shown, rest, monitor, together=together, features=features)
+        how: dict[str, Any] = {"together": together, "features": features, "names": names}
+        rest_of = bodies_at_rest(vertices, shown, rest, monitor, **how)
         dropped, loose = bodies.pieces.dropped + len(flat), bodies.pieces.loose
         return replace(rest_of, pieces=replace(rest_of.pieces, dropped=dropped, loose=loose))
     return _all_posed(bodies, places)

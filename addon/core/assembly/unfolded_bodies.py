@@ -9,10 +9,10 @@ from ..matching.unfolded import Unfolded, unfolded
 from ..mesh.geometry import surface_area
 from ..method_api.catalogue import DETECTION, method_named
 from ..method_api.settings import Settings
-from ..numerics.arrays import FloatArray, IntArray
+from ..numerics.arrays import FloatArray
 from ..run.monitor import Monitor
 from .bodies import Bodies
-from .body import Body
+from .body import Body, Chosen
 from .gathering import gathered
 from .opening import opened
 
@@ -28,12 +28,12 @@ def unfolded_bodies(
     method = method_named(settings.method)
     bodies = opened(vertices, faces, settings, monitor, rest=rest)
 
-    def work(body: Body, chosen: IntArray | None, own: Monitor) -> Unfolded:
+    def work(body: Body, chosen: Chosen | None, own: Monitor) -> Unfolded:
         found = body.features(chosen, settings, own)
         form = method.unfold(found, settings, own).points
         return unfolded(found, form / np.sqrt(surface_area(form, found.whole_faces)), own)
 
-    return bodies, bodies.map(work, monitor, {**DETECTION, **method.stages}, bodies.chosen_vertices)
+    return bodies, bodies.map(work, monitor, {**DETECTION, **method.stages}, bodies.chosen)
 
 
 def unfolded_shape(vertices: ArrayLike, faces: ArrayLike, settings: Settings, monitor: Monitor) -> FloatArray:

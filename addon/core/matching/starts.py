@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..measures.alignment import closest_points_from, half_turns, rigid_fit
 from ..numerics.arrays import FloatArray, IntArray
 from ..run.monitor import Monitor
+from ..symmetry.limb_names import named_images
 from .assignments import feature_assignments
 from .laying import completed
 from .unfolded import Unfolded
 
 _ASSIGNMENTS = 6  # best ones that are tried
 _ITERATIONS = 25  # of closest points
+_FEWEST = 3  # pairs of feature points that tell a motion
 _SAME = np.cos(np.radians(25))  # cosine of the angle below which two motions count as one
 
 
@@ -39,9 +42,9 @@ class Start(NamedTuple):
 def starts(one: Unfolded, other: Unfolded, rows: IntArray, monitor: Monitor) -> list[Start]:
     """Find the possible starts of a match.
 
-    From the likeliest assignments of feature points, from their numbers if both surfaces have equally many, and from
-    the principal axes of the forms, each refined by iterative closest points. Of those from the axes, only motions that
-    no assignment leads to are kept.
+    From the names of feature points if three were given by hand; else from their likeliest assignments, from their
+    numbers if both surfaces have equally many, and from the principal axes of the forms. Each is refined by iterative
+    closest points. Of those from the axes, only motions that no assignment leads to are kept.
 
     `one, other`: the surfaces; `rows` (r,).
 
@@ -61,20 +64,20 @@ def starts(one: Unfolded, other: Unfolded, rows: IntArray, monitor: Monitor) -> 
     ----------
     Besl and McKay, "A Method for Registration of 3-D Shapes", 1992.
     """
-    images = [image for image, _ in feature_assignments(one.limbs, other.limbs, _ASSIGNMENTS)]
-    if len(one.features) == len(other.features):
-        images += _by_number(one)
+    told = named_images(one.limbs, other.limbs)
+    named = [image for image in told if np.count_nonzero(image >= 0) >= _FEWEST]
+    images = named or _agreeing(_likeliest(one, other), told, lambda image: image)
     found: list[Start] = []
     for image in images:
         known = np.flatnonzero(image >= 0)
-        if len(known) < 3 or any((image == each.image).all() for each in found):
+        if len(known) < _FEWEST or any((image == each.image).all() for each in found):
             continue
         monitor.check()
         begin = rigid_fit(one.form[one.features[known]], other.form[other.features[image[known]]])
         found.append(
             Start(image, *closest_points_from(one.form[rows], other.form, *begin, max_iterations=_ITERATIONS)[:2])
         )
-    for rotation, shift in _by_axes(one, other):
+    for rotation, shift in [] if named else _by_axes(one, other):
         monitor.check()
         rotation, shift, _ = closest_points_from(
             one.form[rows], other.form, rotation, shift, max_iterations=_ITERATIONS
@@ -84,7 +87,22 @@ def starts(one: Unfolded, other: Unfolded, rows: IntArray, monitor: Monitor) -> 
         tips = one.form[one.features] @ rotation + shift
         image = completed(np.full(len(tips), -1), tips, other.form[other.features])
         found.append(Start(image, rotation, shift))
-    return found
+    return _agreeing(found, told, lambda start: start.image)
+
+
+def _likeliest(one: Unfolded, other: Unfolded) -> list[IntArray]:
+    """List the likeliest assignments of feature points, and those by number if both surfaces have equally many."""
+    images = [image for image, _ in feature_assignments(one.limbs, other.limbs, _ASSIGNMENTS)]
+    return images + _by_number(one) if len(one.features) == len(other.features) else images
+
+
+def _agreeing(found: list[Any], told: list[IntArray], image_of: Callable[[Any], IntArray]) -> list[Any]:
+    """Keep what maps feature points as their names say, in one of the images `told`, (k,) each; all if nothing does."""
+
+    def agrees(image: IntArray) -> bool:
+        return any(((image == each) | (image < 0))[each >= 0].all() for each in told)
+
+    return [each for each in found if agrees(image_of(each))] or found
 
 
 def _by_number(one: Unfolded) -> list[IntArray]:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ..numerics.arrays import IntArray
+from ..symmetry.limb_names import checked_names
 from .options import Choice, option, require_allowed, vertex_list
 from .registry import OURS, declared_method
 
@@ -39,6 +40,10 @@ class Settings:
         Number of feature points, the most prominent; 0 to select by `prominence`.
     feature_points : sequence of int, optional
         Vertices to use as feature points instead of those detected, in the order of their patches.
+    feature_names : sequence of str, optional
+        What they are, one for each: 'head', 'left_hand', 'right_hand', 'left_foot', 'right_foot', 'tail', or '' for
+        none of these; of an animal the front feet are its hands. Form, match, T-pose and rig take left and right, front
+        and back from them.
     landmark_count : int
         Number of landmarks that lay the surface out, and of rivals below quality 'full'.
     symmetry : {'hold', 'ignore'}
@@ -112,6 +117,11 @@ class Settings:
     feature_points: Sequence[int] | None = option(
         None, "Feature Points", "Vertex indices to use as feature points, separated by commas; empty to detect them"
     )
+    feature_names: Sequence[str] | None = option(
+        None,
+        "Names of the Points",
+        "What the feature points are, separated by commas: head, left_hand, right_hand, left_foot, right_foot, tail",
+    )
     landmark_count: int = option(
         100,
         "Landmarks",
@@ -178,8 +188,14 @@ class Settings:
         require_allowed(self)
         for name in ("part_here", "keep_joined"):
             object.__setattr__(self, name, vertex_list(name, getattr(self, name)))
+        count = 0 if self.feature_points is None else len(self.feature_points)
+        object.__setattr__(self, "feature_names", checked_names(self.feature_names, count))
         if self.method != OURS:
             declared_method(self.method)
+
+    def detecting(self) -> Settings:
+        """Return the same options without feature points chosen by hand."""
+        return replace(self, feature_points=None, feature_names=None)
 
     @property
     def whole(self) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -21,6 +22,7 @@ from ..surface.spectrum import Spectrum, compute_spectrum
 from ..surface.working_surface import Reduced, WorkingSurface, working_surface
 from ..symmetry.chirality import chirality
 from ..symmetry.involutions import MOST_FEATURES
+from ..symmetry.limb_names import with_names
 from ..symmetry.limbs import Limbs, lasting_order, limbs_of
 from ..symmetry.missing_limbs import warn_of_missing_limbs
 from .settings import Settings
@@ -137,12 +139,13 @@ def detected(
     *,
     reduced: Reduced = working_surface,
     limbs: Limbs | None = None,
+    names: Sequence[str] = (),
 ) -> SurfaceFeatures:
     """Reduce a surface to its working vertices, and find its feature points and patches.
 
     `points` (n, 3); `faces` (m, 3); `chosen` (k,); `settings`: options; `reduced`: reduces the surface, as
     `working_surface` does; joins the parts of a body into one surface; `limbs`: head, tail and sides among the chosen
-    points, if they are known from another pose.
+    points, if they are known from another pose; `names`: of the chosen points, if they were given by hand.
 
     Examples
     --------
@@ -187,13 +190,16 @@ def detected(
             found = _in_lasting_order(features, to_features, prominence, adf, surface, monitor)
             if limbs is not None:
                 found = found.like(limbs)
+            found = with_names(found, names)
             if chosen is None and not settings.feature_count:
                 warn_of_missing_limbs(found, monitor, joined=len(surface.bridges) > 0)
         with monitor.stage("Patches"):
             cells = voronoi_cells(found.to_features, found.features, surface.faces)
         return SurfaceFeatures(whole_points, faces, centre, unit, surface, L, M, spectrum, adf, cells, found)
 
-    return monitor.kept("features", [surface, adf, features, prominence, settings.feature_count, limbs], numbered)
+    return monitor.kept(
+        "features", [surface, adf, features, prominence, settings.feature_count, limbs, *names], numbered
+    )
 
 
 def _analysed(

@@ -13,6 +13,7 @@ from ..method_api.surface_features import SurfaceFeatures
 from ..numerics.arrays import FloatArray, IntArray
 from ..run.errors import InvalidSettingsError
 from ..run.monitor import Monitor
+from ..symmetry.limb_names import limb_names
 from ..symmetry.upright import upright_rotation
 from .reference import ReferenceBody
 
@@ -41,7 +42,11 @@ def in_place(
             laying = laid_by_vertices(form, reference.points, areas, found.whole_features, reference.tips)
         else:
             tips = found.whole_features
-            upright = None if settings.orientation == "posed" else _upright(embedded, found, form, areas, settings)[0]
+            upright = (
+                None
+                if settings.orientation == "posed"
+                else _upright(embedded, found, form, areas, settings.orientation)[0]
+            )
             laying = laid_by_limbs(
                 form, reference.points, tips, reference.tips, found.limbs, reference.limbs, upright=upright
             )
@@ -59,7 +64,7 @@ def in_place(
     if settings.orientation == "posed":
         rotation, shift = rigid_fit(form, found.whole_points, areas)
     else:
-        rotation, posed, by_file = _upright(embedded, found, form, areas, settings)
+        rotation, posed, by_file = _upright(embedded, found, form, areas, settings.orientation)
         if by_file:
             monitor.warn("upright_by_file")
         elif rotation[:, 2] @ posed[:, 2] < _UPSIDE_DOWN:
@@ -69,11 +74,22 @@ def in_place(
     return (form @ rotation + shift) * found.unit + found.centre, order
 
 
+def names_in_form(embedded: MethodResult, found: SurfaceFeatures) -> list[str]:
+    """Name the feature points; left and right by toes, too, on the form, where the surface itself hardly tells them.
+
+    `embedded`: the form; `found`: the surface of which it is the form; gives k names, "" for none.
+    """
+    form = embedded.points / np.sqrt(surface_area(embedded.points, found.whole_faces))
+    areas = vertex_areas(found.whole_points, found.whole_faces)
+    rotation, _, _ = _upright(embedded, found, form, areas, "upright")
+    return limb_names(found.limbs, form[found.whole_features] @ rotation[:, 0])
+
+
 def _upright(
-    embedded: MethodResult, found: SurfaceFeatures, form: FloatArray, areas: FloatArray, settings: Settings
+    embedded: MethodResult, found: SurfaceFeatures, form: FloatArray, areas: FloatArray, stance: str
 ) -> tuple[FloatArray, FloatArray, bool]:
     """Find the rotations of a form to upright and to its pose, and whether the file had a say."""
     posed = rigid_fit(form, found.whole_points, areas)[0]
-    own, stance = form[found.surface.kept], settings.orientation
+    own = form[found.surface.kept]
     rotation, by_file = upright_rotation(own, found.mass, found.limbs, embedded.partner, stance=stance, posed=posed)
     return rotation, posed, by_file

@@ -14,6 +14,7 @@ from ..mesh.closest_points import SurfacePoints
 from ..mesh.geometry import vertex_areas, vertex_normals
 from ..numerics.arrays import FloatArray, IntArray
 from ..run.monitor import Monitor
+from ..symmetry.limb_names import side_of
 from .articulated_fit import ALIKE, UNLIKE, Explained, explained, turned_round
 from .evidence import beyond_limits, skin_alike, toes_forward, trunk_axes, unlike_sides
 from .references import Reference
@@ -204,10 +205,11 @@ def _fits(
     """
     quiet = Monitor(cancelled=monitor.is_cancelled)
     fits: list[Candidate] = []
+    rounds = (False,) if any(map(side_of, one.limbs.named)) else (False, True)  # names tell left from right
     for way in ways:
         if enough is None or not fits or min(each.cost for each in fits) > enough:
             found = _matched(one, reference, way, quiet)
-            fits += [_fit(skin, reference, found, turned, stands, quiet) for turned in (False, True)]
+            fits += [_fit(skin, reference, found, turned, stands, quiet) for turned in rounds]
     return fits
 
 

@@ -13,6 +13,7 @@ from ..method_api.settings import Settings
 from ..method_api.surface_features import detected
 from ..numerics.arrays import IntArray
 from ..run.monitor import Monitor
+from ..symmetry.limb_names import names_by_bones
 from .proportions import BUILDS, reshaped, scales_of
 from .reference_rig import ReferenceRig
 
@@ -41,7 +42,8 @@ def adult(rig: ReferenceRig, body: Unfolded, vertices: IntArray) -> Reference:
     `rig`: on all its vertices; `body`: the part that lends the skeleton, unfolded; `vertices` (n',): of that part.
     """
     whole = rig.at(vertices, body.found.whole_faces)
-    return Reference(whole.at(body.found.surface.kept, body.found.surface.faces), body, whole)
+    own = whole.at(body.found.surface.kept, body.found.surface.faces)
+    return Reference(own, _named(own, body), whole)
 
 
 def other_builds(adult: Reference, settings: Settings, monitor: Monitor) -> list[Reference]:
@@ -53,8 +55,16 @@ def other_builds(adult: Reference, settings: Settings, monitor: Monitor) -> list
     for build in BUILDS.values():
         scales = scales_of(adult.rig, build)
         rig = reshaped(adult.rig, scales)
-        found.append(Reference(rig, _unfolded(rig, settings, monitor), reshaped(adult.whole, scales)))
+        found.append(Reference(rig, _named(rig, _unfolded(rig, settings, monitor)), reshaped(adult.whole, scales)))
     return found
+
+
+def _named(rig: ReferenceRig, body: Unfolded) -> Unfolded:
+    """Name the feature points of a human reference by the bones that move them."""
+    if not rig.is_human:
+        return body
+    names = names_by_bones([rig.skeleton.names[bone] for bone in rig.weights[body.features].argmax(axis=1)])
+    return body._replace(limbs=body.limbs._replace(named=tuple(names)))
 
 
 def unfolded_reference(rig: ReferenceRig, settings: Settings, monitor: Monitor) -> Reference:

@@ -103,6 +103,8 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
     "feature_list": "feature_points must be a list of at least one vertex index.",
     "vertex_range": "{name} must lie between 0 and {last}.",
     "feature_twice": "feature_points contains a vertex twice.",
+    "feature_names": "feature_names must give each of feature_points one of {names}, or an empty text.",
+    "feature_name_twice": "feature_names contains a name twice.",
     "feature_off_surface": "feature_points contains vertices that belong to no face with area.",
     "feature_coincident": "feature_points contains two vertices at one position, where borders coincide.",
     "features_detected_elsewhere": "{count} loose parts have none of the given feature points; theirs were detected.",

@@ -31,6 +31,7 @@ class Limbs(NamedTuple):
     margin: float  # by how much the swap with the partners fits better than the next best; 0 without left and right
     features: IntArray  # (k,) vertices of the surface
     to_features: FloatArray  # (n, k) geodesic distances of all vertices from them
+    named: tuple[str, ...] = ()  # names given by hand, one for each, "" for none; empty where none was given
 
     def ends(self, share: float) -> list[IntArray]:
         """List the vertices at the end of each limb: within a share of the way to the next feature point.
@@ -47,8 +48,9 @@ class Limbs(NamedTuple):
         return self._replace(features=features, to_features=to_features)
 
     def like(self, other: Limbs) -> Limbs:
-        """Take head, tail and sides from the same limbs in another pose."""
-        return self._replace(partner=other.partner, side=other.side, along=other.along, margin=other.margin)
+        """Take head, tail, sides and names from the same limbs in another pose."""
+        known = {name: getattr(other, name) for name in ("partner", "side", "along", "margin", "named")}
+        return self._replace(**known)
 
     def sorted_by(self, order: IntArray) -> Limbs:
         """Reorder the feature points.
@@ -74,6 +76,7 @@ class Limbs(NamedTuple):
             self.margin,
             self.features[order],
             self.to_features[:, order],
+            tuple(self.named[each] for each in order) if self.named else (),
         )
 
 
