@@ -12,6 +12,7 @@ from ..core.method_api.options import options_of
 from ..core.method_api.settings import Settings
 from ..core.numerics.arrays import FloatArray
 from ..core.run.errors import CanonicalFormError
+from ..core.symmetry.limb_names import names_in
 from .wanted import RESTS, Wanted
 
 
@@ -81,6 +82,7 @@ def _settings(options: argparse.Namespace) -> Settings:
                 f"--feature-points must be whole numbers; got {options.feature_points}."
             ) from error
     chosen |= {name: _vertices(name, words[name]) for name in ("part_here", "keep_joined")}
+    chosen["feature_names"] = names_in(chosen["feature_names"] or "")
     return Settings(**{**chosen, "feature_points": chosen["feature_points"] or None})
 
 

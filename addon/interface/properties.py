@@ -24,6 +24,7 @@ from ..core import InvalidSettingsError, Settings
 from ..core.distances.kinds import KINDS
 from ..core.method_api.catalogue import methods
 from ..core.method_api.options import Option, options_of
+from ..core.symmetry.limb_names import names_in
 from .rig_properties import RigProperties
 
 _DEFAULT = Settings()
@@ -321,6 +322,7 @@ def settings_of(owner: Any) -> Settings:
                 feature_points=owner.feature_points,
             )
         ) from error
+    options["feature_names"] = names_in(owner.feature_names)
     return Settings(**options)
 
 

@@ -61,8 +61,8 @@ def test_every_format_gives_the_same_form(folder, tmp_path):
         distorted = "edge_distortion_median"
         assert line["measures"][distorted] == pytest.approx(lines[0]["measures"][distorted], rel=1e-2)
         assert set(line) == {
-            "schema", "input", "object", "output", "vertices", "faces", "feature_points", "patch_sizes", "method",
-            "pieces", "memory_estimate", "measures", "timings", "warnings",
+            "schema", "input", "object", "output", "vertices", "faces", "feature_points", "feature_names",
+            "patch_sizes", "method", "pieces", "memory_estimate", "measures", "timings", "warnings",
         }  # fmt: skip
         bpy.ops.wm.open_mainfile(filepath=line["output"])
         obj = bpy.data.objects[line["object"]]

@@ -12,6 +12,7 @@ import numpy as np
 
 from ...core import CanonicalFormError, Settings, TooLargeError
 from ..mesh_items.fingerprints import fingerprint
+from ..objects.body_points import NO_POINTS, BodyPoints
 from ..objects.combining import Combined, combined
 from ..objects.marked_contacts import Marks, read_marks
 from ..objects.mesh_reading import Reading, find_object, names_of, read_object, require_unchanged
@@ -47,7 +48,7 @@ class FormItem:
     ----------
     readings : list of Reading
         The arrays of each object.
-    chosen : list of list of int
+    chosen : list of BodyPoints
         Feature points chosen by hand on each object.
     marks : list of Marks
         Contacts marked by hand on each object.
@@ -70,7 +71,7 @@ class FormItem:
     """
 
     readings: list[Reading]
-    chosen: list[list[int]]
+    chosen: list[BodyPoints]
     marks: list[Marks]
     settings: Settings
     in_between_count: int = 0
@@ -102,13 +103,12 @@ class FormItem:
         CanonicalFormError
             If the request cannot be applied to the object; the message names the remedy.
         """
-        settings, in_betweens = request.settings_for(obj), request.in_between_count(obj)
-        chosen = [] if settings.feature_points is None else list(settings.feature_points)
+        in_betweens = request.in_between_count(obj)
         body = companions_of(obj)
         leads = animated_slider(obj.data) or (len(body) > 1 and body[0] == obj)
         reading = read_object(obj, request.deformed)
         marks = read_marks(obj, len(reading.vertices))
-        return cls([reading], [chosen], [marks], settings, in_betweens, leads)
+        return cls([reading], [request.points_for(obj, reading)], [marks], request.settings, in_betweens, leads)
 
     @classmethod
     def joined(cls, items: Sequence[FormItem], request: Request) -> FormItem:
@@ -129,7 +129,8 @@ class FormItem:
         """
         first = items[0]
         items = sorted(items, key=lambda item: not item.leads)
-        chosen = [item.chosen[0] if request.feature_group or item is first else [] for item in items]
+        of_first = request.settings.feature_points is not None and not request.feature_group
+        chosen = [item.chosen[0] if item is first or not of_first else NO_POINTS for item in items]
         readings = [reading for item in items for reading in item.readings]
         marks = [each for item in items for each in item.marks]
         return cls(readings, chosen, marks, first.settings, max(item.in_between_count for item in items))

@@ -6,13 +6,12 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from ...core import Settings
+from ..objects.body_points import BodyPoints
 from ..objects.combining import Combined
 from ..objects.marked_contacts import Marks, all_marks
 
 
-def settings_on(
-    whole: Combined, settings: Settings, chosen: Sequence[Sequence[int]], marks: Sequence[Marks]
-) -> Settings:
+def settings_on(whole: Combined, settings: Settings, chosen: Sequence[BodyPoints], marks: Sequence[Marks]) -> Settings:
     """Give chosen points and marks of objects their numbers on the combined mesh.
 
     Parameters
@@ -21,7 +20,7 @@ def settings_on(
         The objects as one mesh, with mirror images.
     settings : Settings
         The options; their marks are those of the first object.
-    chosen : sequence of sequence of int
+    chosen : sequence of BodyPoints
         Feature points on each object.
     marks : sequence of Marks
         Marks on each object.
@@ -36,8 +35,9 @@ def settings_on(
     InvalidSettingsError
         If a vertex does not exist on its object.
     """
-    if any(chosen) and len(whole.vertices) > whole.objects[0].half:
-        settings = replace(settings, feature_points=whole.numbers_of(chosen))
+    if any(each.vertices for each in chosen):
+        vertices, names = whole.points_of(chosen)
+        settings = replace(settings, feature_points=vertices, feature_names=names)
     part_here, keep_joined = zip(*all_marks(settings, marks), strict=True)
     return replace(
         settings,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import bpy
@@ -72,7 +73,10 @@ class Reference:
         self._form = whole.put_together(forms) @ turn.T
         points = record.report.feature_points
         own = len(readings) == 1 and not readings[0].mirrors and min(points, default=-1) >= 0  # -1: on another object
-        self._settings = Settings(pieces=record.report.pieces, feature_points=points if own else None)
+        self._settings = Settings(pieces=record.report.pieces)
+        if own:
+            names = record.report.feature_names or None
+            self._settings = replace(self._settings, feature_points=points, feature_names=names)
         self._computed: CanonicalForm | None = None
 
     def computed(self, cancelled: Cancelled | None = None) -> CanonicalForm:
@@ -111,6 +115,7 @@ class Reference:
                 bodies=found.bodies,
                 posed=self._vertices if self._rest is None else self._rest,
                 eigenvalues=found.eigenvalues,
+                feature_names=found.feature_names,
             )
         return self._computed
 

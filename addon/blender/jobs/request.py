@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import KW_ONLY, dataclass, field, replace
+from dataclasses import KW_ONLY, dataclass, field
 from typing import TYPE_CHECKING
 
 import bpy
 
 from ...core import CanonicalFormError, Settings
+from ..objects.body_points import BodyPoints, points_by_hand, points_on
 from ..objects.chosen_features import MOST_FEATURES, members_of
+from ..objects.mesh_reading import Reading
 from ..records.record import read_record, require_record
 from ..results.in_betweens import animated, has_in_betweens
 from ..results.result_writing import SHAPE_KEY, key_name
@@ -69,28 +71,36 @@ class Request:
     live: bool = False
     keep: KeptStages | None = None
 
-    def settings_for(self, obj: bpy.types.Object) -> Settings:
-        """Return the settings for an object, with the feature points of the vertex group, if one is named.
+    def points_for(self, obj: bpy.types.Object, reading: Reading) -> BodyPoints:
+        """Return the feature points of an object: of the vertex group, if one is named, of the settings, or by hand.
 
         Parameters
         ----------
         obj : bpy.types.Object
             The object, in Object Mode.
+        reading : Reading
+            Its arrays.
 
         Returns
         -------
-        Settings
-            The settings; without feature points if the object has no such group.
+        BodyPoints
+            Vertices of the reading; none if the object has no such group, or no points by hand.
 
         Raises
         ------
         CanonicalFormError
-            If the group is too large, or the evaluated mesh is requested.
+            If the group is too large, or modifiers keep no trace of its vertices.
         """
-        if not self.feature_group:
-            return self.settings
-        if self.deformed:
-            raise CanonicalFormError(told("Feature points from a group need the mesh itself. Set Mesh to Base Mesh."))
+        given = self.settings.feature_points
+        if self.feature_group:
+            members = self._members(obj)
+            return points_on(obj, reading, BodyPoints(members, [""] * len(members)))
+        if given is not None:
+            return BodyPoints(list(given), list(self.settings.feature_names or [""] * len(given)))
+        return points_on(obj, reading, points_by_hand(obj.data))
+
+    def _members(self, obj: bpy.types.Object) -> list[int]:
+        """Return the members of the vertex group."""
         group = obj.vertex_groups.get(self.feature_group)
         members = [] if group is None else members_of(obj, group.name)
         if len(members) > MOST_FEATURES:
@@ -103,16 +113,16 @@ class Request:
                     most=MOST_FEATURES,
                 )
             )
-        return replace(self.settings, feature_points=members or None)
+        return members
 
-    def require_points(self, name: str, chosen: Sequence[Sequence[int]]) -> None:
+    def require_points(self, name: str, chosen: Sequence[BodyPoints]) -> None:
         """Require feature points from the vertex group, if the request names one.
 
         Parameters
         ----------
         name : str
             Name of the object, or of the body that it is part of.
-        chosen : sequence of sequence of int
+        chosen : sequence of BodyPoints
             Feature points on each object.
 
         Raises
@@ -120,7 +130,7 @@ class Request:
         CanonicalFormError
             If there are none.
         """
-        if self.feature_group and not any(chosen):
+        if self.feature_group and not any(each.vertices for each in chosen):
             raise CanonicalFormError(
                 told(
                     "{name} has no vertex group {group} with vertices in it. Choose another "

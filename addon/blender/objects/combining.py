@@ -11,11 +11,13 @@ import numpy as np
 from ...core import CanonicalFormError, InvalidSettingsError
 from ...core.mesh.mirroring import Mirrored, mirrored
 from ...core.numerics.arrays import FloatArray, IntArray
+from ...core.symmetry.limb_names import mate_of
 from ..words.wording import told
 from .mesh_reading import Reading
 
 if TYPE_CHECKING:
     from ...core.run.monitor import Cancelled
+    from .body_points import BodyPoints
 
 _FLATTEST = 1e-9  # smallest determinant of a transform, as a share of its largest scale cubed
 
@@ -123,6 +125,38 @@ class Combined(NamedTuple):
             images = images[images >= each.half]
             found += [int(start) + vertex for vertex in (*own, *images.tolist())]
         return found
+
+    def points_of(self, points: Sequence[BodyPoints]) -> tuple[list[int], list[str]]:
+        """Convert feature points of the objects to the combined mesh; images are of the other side.
+
+        Parameters
+        ----------
+        points : sequence of BodyPoints
+            Points on each object.
+
+        Returns
+        -------
+        vertices : list of int
+            As `numbers_of`; a head, or a tail, has no image.
+        names : list of str
+            Their names; "" for none, and for what has its name already.
+        """
+        found = self.numbers_of([each.vertices for each in points])
+        sources = np.concatenate([start + each.source for start, each in zip(self.starts, self.objects, strict=False)])
+        known = {
+            int(start) + vertex: name
+            for start, own in zip(self.starts, points, strict=False)
+            for vertex, name in zip(*own, strict=True)
+        }
+        vertices: list[int] = []
+        names: list[str] = []
+        for vertex, source in zip(found, sources[found].tolist(), strict=True):
+            own = known[source]
+            name = own if vertex == source else mate_of(own)
+            if vertex == source or not own or name != own:
+                vertices.append(vertex)
+                names.append(name if name not in names else "")
+        return vertices, names
 
     def put_together(self, shapes: Sequence[FloatArray]) -> FloatArray:
         """Combine positions of all objects.

@@ -99,6 +99,8 @@ class FormReport:
         Names of the objects of a body of several; stress, pairs and measures then apply to all of them.
     like : LikeReport or None
         The pose that the mesh was put into, if the result is a pose and not a form.
+    feature_names : list of str
+        What the feature points are, "" for no limb with a name; empty in records of earlier versions.
     """
 
     vertices: int
@@ -116,6 +118,7 @@ class FormReport:
     frame: int | None = None
     objects: list[str] = field(default_factory=list)
     like: LikeReport | None = None
+    feature_names: list[str] = field(default_factory=list)
 
     @property
     def has_form(self) -> bool:
@@ -172,6 +175,7 @@ class FormReport:
             patch_sizes=patch_sizes(found.patches, len(found.feature_points)),
             timings=found.timings,
             warnings=[str(each) for each in found.warnings],
+            feature_names=list(getattr(found, "feature_names", ())),  # a stance by bones has no points
         )
         if isinstance(found, FeaturePatches):
             return report
@@ -243,6 +247,9 @@ class FormReport:
             report.measures = named(lambda value: maybe(real, value), data["measures"])
             report.frame = maybe(whole, data.get("frame"))
         report.objects = listed(words, data.get("objects", []))
+        report.feature_names = listed(words, data.get("feature_names", []))
+        if report.feature_names and len(report.feature_names) != len(points):
+            raise ValueError("There is not one name for every feature point.")
         return report
 
     def as_json(self) -> dict[str, Any]:
@@ -273,6 +280,8 @@ class FormReport:
             data["frame"] = self.frame
         if self.objects:
             data["objects"] = self.objects
+        if any(self.feature_names):
+            data["feature_names"] = self.feature_names
         return data | {"timings": self.timings, "warnings": self.warnings}
 
 

@@ -15,6 +15,7 @@ from ...core.rigging.reference_rig import MANNEQUIN_BONES
 from ..mesh_items.active_items import active_items, existing_items, restore_active_items
 from ..mesh_items.fingerprints import group_fingerprints, key_fingerprint
 from ..mesh_items.group_weights import fill_group, in_steps
+from ..objects.body_points import points_by_hand, points_on, with_points
 from ..objects.combining import concatenated, moved, outward, require_thick
 from ..objects.marked_contacts import read_marks, with_marks
 from ..objects.mesh_reading import Reading, find_object, read_object, require_unchanged
@@ -120,7 +121,9 @@ class RigTask:
             [(moved(each.vertices, each.placement), outward(each.faces, each.placement)) for each in self._readings]
         )
         marks = [read_marks(obj, len(each.vertices)) for obj, each in zip(objects, self._readings, strict=True)]
-        self._settings = with_marks(settings, marks, self._starts.tolist())
+        points = [points_on(*each, points_by_hand(each[0].data)) for each in zip(objects, self._readings, strict=True)]
+        starts = self._starts.tolist()
+        self._settings = with_points(with_marks(settings, marks, starts), points, starts)
         self._corrected: FloatArray | None = None
         self.warnings = [] if source is None else list(source.warnings)
         self.warnings += [sentence for obj in objects for sentence in _doubts(obj, pose)]

@@ -15,6 +15,7 @@ from ..mesh_items.active_items import active_items, existing_items, restore_acti
 from ..mesh_items.fingerprints import colour_fingerprint, key_fingerprint, uv_fingerprint
 from ..mesh_items.group_weights import fill_group
 from ..mesh_items.key_points import key_points
+from ..objects.body_points import points_by_hand
 from ..objects.marked_contacts import read_marks
 from ..objects.mesh_reading import find_object, read_object, require_unchanged
 from ..objects.object_states import object_mode
@@ -73,6 +74,8 @@ class TransferItem:
         Its arrays.
     marks : Marks
         Where it is to be parted.
+    points : BodyPoints
+        Feature points fixed by hand.
     carried : Carried or None
         The transferred data, once it is computed.
     warnings : list of str
@@ -91,7 +94,7 @@ class TransferItem:
             self.reading = read_object(obj)
             if self.reading.mirrors:
                 raise CanonicalFormError(told("{name} has a Mirror modifier. Apply it first.", name=obj.name))
-            self.marks = read_marks(obj, len(self.reading.vertices))
+            self.marks, self.points = read_marks(obj, len(self.reading.vertices)), points_by_hand(obj.data)
             mesh = obj.data
             vertex_of = np.empty(len(mesh.loops), dtype=np.int32)
             mesh.loops.foreach_get("vertex_index", vertex_of)

@@ -13,6 +13,7 @@ import numpy as np
 from ...core import CanonicalFormError, InvalidMeshError, TooLargeError
 from ...core.matching.seam_sides import SeamSides
 from ...core.numerics.arrays import FloatArray, IntArray
+from ..objects.body_points import with_points
 from ..objects.combining import concatenated, moved, outward, require_thick, touching
 from ..objects.marked_contacts import with_marks
 from ..records.record import read_record
@@ -155,6 +156,7 @@ class TransferTask:
         name = items[0].reading.name
         try:
             settings = with_marks(self._settings, [item.marks for item in items], starts.tolist())
+            settings = with_points(settings, [item.points for item in items], starts.tolist())
             found = self._brought_together(placed, faces, settings, progress, cancelled)
         except MemoryError as error:
             raise TooLargeError(

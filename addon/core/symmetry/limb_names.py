@@ -46,6 +46,17 @@ def checked_names(names: object, count: int) -> tuple[str, ...] | None:
     return given if known else None
 
 
+def names_in(text: str) -> list[str] | None:
+    """Split names that are separated by commas; None if there are none.
+
+    Examples
+    --------
+    >>> names_in("head, ,left_hand"), names_in("")
+    (['head', '', 'left_hand'], None)
+    """
+    return [each.strip() for each in text.split(",")] if text.strip() else None
+
+
 def side_of(name: str) -> int:
     """Return 1 for a limb on the left, -1 for one on the right, 0 for another.
 
@@ -55,6 +66,17 @@ def side_of(name: str) -> int:
     [1, -1, 0]
     """
     return _SIDES.get(name.partition("_")[0], 0)
+
+
+def mate_of(name: str) -> str:
+    """Return the name of the same limb on the other side; a head stays one.
+
+    Examples
+    --------
+    >>> mate_of("left_hand"), mate_of("tail"), mate_of("")
+    ('right_hand', 'tail', '')
+    """
+    return _MATES.get(name, name)
 
 
 def limb_names(limbs: Limbs, leftward: FloatArray | None = None) -> list[str]:
