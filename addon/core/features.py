@@ -14,7 +14,7 @@ from .method_api.settings import Settings
 from .numerics.arrays import FloatArray
 from .results import FeaturePatches
 from .run.monitor import Cancelled, Monitor, Progress
-from .symmetry.limb_names import limb_names
+from .symmetry.limb_names import limb_names, side_of
 
 if TYPE_CHECKING:
     from .method_api.surface_features import WholeFeatures
@@ -26,6 +26,7 @@ def feature_patches(
     settings: Settings | None = None,
     *,
     rest: ArrayLike | None = None,
+    named: bool = False,
     progress: Progress | None = None,
     cancelled: Cancelled | None = None,
 ) -> FeaturePatches:
@@ -35,6 +36,9 @@ def feature_patches(
     ----------
     vertices, faces, settings, rest, progress, cancelled
         As in `canonical_form`.
+    named : bool
+        Whether bodies whose surface hardly tells left from right, as that of a person, are unfolded to name their
+        limbs; that takes as long as a form.
 
     Returns
     -------
@@ -57,19 +61,32 @@ def feature_patches(
     ----------
     The paper, sections 3.1 and 3.2.
     """
+    from .placing.orientation import names_in_form
+
     settings = settings or Settings()
-    settings = method_named(settings.method).settings(settings)
+    method = method_named(settings.method)
+    settings = method.settings(settings)
     monitor = Monitor(progress, cancelled, OPENING)
     bodies = opened(vertices, faces, settings, monitor, rest=rest)
 
-    def work(body: Body, chosen: Chosen | None, own: Monitor) -> tuple[WholeFeatures, FloatArray]:
+    def work(body: Body, chosen: Chosen | None, own: Monitor) -> tuple[WholeFeatures, list[str], FloatArray]:
         found = body.features(chosen, settings, own)
-        return found.prolonged(own), found.spectrum.eigenvalues
+        names = limb_names(found.limbs)
+        if named and any(map(side_of, names)) and not found.limbs.tell_sides:
+            names = names_in_form(method.unfold(found, settings, own), found)
+        return found.prolonged(own), names, found.spectrum.eigenvalues
 
-    features, spectra = zip(*bodies.map(work, monitor, DETECTION, bodies.chosen), strict=True)
+    plan = {**DETECTION, **method.stages} if named else DETECTION
+    features, names, spectra = zip(*bodies.map(work, monitor, plan, bodies.chosen), strict=True)
     found, warnings = gathered_features(bodies, features), monitor.warnings
-    names = found.numbered([limb_names(each.limbs) for each in features])
     eigenvalues = spectra[bodies.largest_body].copy()
     return FeaturePatches(
-        found.points, found.patches, found.adf, monitor.timings, warnings, found.bodies, eigenvalues, names
+        found.points,
+        found.patches,
+        found.adf,
+        monitor.timings,
+        warnings,
+        found.bodies,
+        eigenvalues,
+        found.numbered(names),
     )

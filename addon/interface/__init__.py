@@ -8,6 +8,7 @@ import bpy
 
 from . import (
     catalogues,
+    choices,
     commands,
     contact_operators,
     job_operator,
@@ -17,6 +18,7 @@ from . import (
     operators,
     overlay,
     panels,
+    point_operators,
     pose_operators,
     preferences,
     properties,
@@ -29,6 +31,7 @@ _PARTS = (
     catalogues,
     preferences,
     properties,
+    choices,
     viewport,
     job_operator,
     operators,
@@ -38,6 +41,7 @@ _PARTS = (
     rig_operators,
     tool_operators,
     contact_operators,
+    point_operators,
     panels,
     menus,
     overlay,

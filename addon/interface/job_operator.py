@@ -15,6 +15,7 @@ from ..core import CancelledError, CanonicalFormError, KeptStages
 
 _TICK = 0.1  # seconds between two timer events
 _REDRAW = 0.25  # seconds between two redraws of the progress, as a redraw of the sidebar also redraws the view
+_BAR = 8  # width of the bar in the status bar, in buttons
 _CANCEL_TIMEOUT = 0.4  # seconds to wait for a cancelled job before it is abandoned
 _KEPT_VERTICES = 1_000_000  # largest total size of objects with stages kept for the next run: 0.3 to 0.7 kB per vertex
 _HOLDING_MESH = (
@@ -36,10 +37,30 @@ class OBJECT_OT_canonical_form_cancel(bpy.types.Operator):
     bl_options = {"INTERNAL"}
 
     job: ClassVar[Job | None] = None  # the running computation; only one at a time
+    wish: ClassVar[str] = ""  # what was asked for: the row of the panel that shows its progress
+    began: ClassVar[float] = 0.0
     timer: ClassVar[bpy.types.Timer | None] = None
     kept: ClassVar[tuple[list[str], KeptStages] | None] = (
         None  # of the objects that the last run worked on, with their names
     )
+
+    @classmethod
+    def seconds_left(cls, now: float) -> float:
+        """Estimate how long the job takes still, by how far it is.
+
+        Parameters
+        ----------
+        now : float
+            The time, of `perf_counter`.
+
+        Returns
+        -------
+        float
+            Seconds; 0 without a job.
+        """
+        if cls.job is None or not cls.job.fraction:
+            return 0.0
+        return (now - cls.began) * (1 - cls.job.fraction) / cls.job.fraction
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -61,6 +82,16 @@ class JobOperator:
     A subclass creates the task (`task`: an object with ``compute(progress, cancelled)``, which accesses only arrays,
     and ``write()``) and reports its result to the user (`written`).
     """
+
+    def wish(self) -> str:
+        """Name what is asked for, by which the panel finds the row that shows the progress.
+
+        Returns
+        -------
+        str
+            A word of its own; empty for what has no row.
+        """
+        return ""
 
     def task(self, context: bpy.types.Context) -> Any:
         """Create the task.
@@ -151,6 +182,7 @@ class JobOperator:
             return self._failed(error)
         self._job, self._stopped_at = Job(self._task.compute), 0.0
         OBJECT_OT_canonical_form_cancel.job = self._job
+        OBJECT_OT_canonical_form_cancel.wish, OBJECT_OT_canonical_form_cancel.began = self.wish(), perf_counter()
         OBJECT_OT_canonical_form_cancel.timer = context.window_manager.event_timer_add(_TICK, window=context.window)
         context.window_manager.modal_handler_add(self)
         show_progress(context, self._job)
@@ -201,10 +233,20 @@ def show_progress(context: bpy.types.Context, job: Job) -> None:
         return
     job.shown_at = perf_counter()
     if context.workspace is not None:
-        context.workspace.status_text_set(
-            told("Canonical Form: {done:.0%} {stage}   (Esc to cancel)", done=job.fraction, stage=told_stage(job.stage))
-        )
+        context.workspace.status_text_set(_draw_status)
     redraw_sidebars(context)
+
+
+def _draw_status(header: bpy.types.Header, _context: bpy.types.Context) -> None:
+    """Draw the progress into the status bar."""
+    job = OBJECT_OT_canonical_form_cancel.job
+    if job is not None:
+        row = header.layout.row()
+        row.label(text=told("Canonical Form: {stage}", stage=told_stage(job.stage)))
+        bar = row.row()
+        bar.ui_units_x = _BAR
+        bar.progress(factor=job.fraction, text=f"{job.fraction:.0%}", type="BAR")
+        row.label(text=told("Esc: Cancel"), icon="EVENT_ESC")
 
 
 def end_job(context: bpy.types.Context) -> None:
@@ -219,6 +261,7 @@ def end_job(context: bpy.types.Context) -> None:
     if cancel.timer is not None:
         context.window_manager.event_timer_remove(cancel.timer)
     cancel.job = cancel.timer = None
+    cancel.wish = ""
     if context.workspace is not None:
         context.workspace.status_text_set(None)
     redraw_sidebars(context)

@@ -10,15 +10,17 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import bpy
 
 from ..blender.jobs.job import Job
-from ..blender.jobs.meant_objects import meant_object
+from ..blender.jobs.meant_objects import meant_meshes, meant_object
+from ..blender.objects.body_points import body_points
 from ..blender.objects.mesh_reading import refusal
 from ..blender.records.record import RECORD_PROPERTY, read_record
 from ..blender.words.advice import explained
 from ..blender.words.wording import CONTEXT, listed, told
 from ..core import CanonicalFormError
+from .choices import choices_of, hand_over
 from .job_operator import OBJECT_OT_canonical_form_cancel, kept_stages, redraw_sidebars, user_is_busy
-from .operators import allowed, chosen_objects, request_of
-from .properties import hand_over, list_patches
+from .operators import allowed, chosen_objects, request_of, takes_shown
+from .properties import list_patches
 from .viewport import show_colours
 
 if TYPE_CHECKING:
@@ -145,8 +147,10 @@ class LiveUpdate:
 
         self._began = perf_counter()
         objects, _ = chosen_objects(context)
-        value = context.scene.canonical_form.value  # of new keys
-        request = request_of(SimpleNamespace(**choices, value=value), kept=kept_stages(objects), live=True)
+        made = choices_of(context)
+        value = 1.0 if made is None else made.value  # of new keys
+        asked = SimpleNamespace(**choices, value=value)
+        request = request_of(asked, objects, kept=kept_stages(objects), live=True)
         self._records = {obj.name: obj.data.get(RECORD_PROPERTY) for obj in objects}
         self._task = FormTask(objects, request)
         resized = self._task.resized
@@ -219,7 +223,8 @@ class OBJECT_OT_canonical_form_live(bpy.types.Operator):
                 {"ERROR"}, told("Live update needs a window. In a script, call the operator Canonical Form again.")
             )
             return {"CANCELLED"}
-        if context.scene.canonical_form.result == "OBJECT":
+        choices = choices_of(context)
+        if choices is not None and choices.result == "OBJECT":
             self.report({"ERROR"}, told("Live update changes a shape key. Set Result to Shape Key."))
             return {"CANCELLED"}
         kind.end()
@@ -240,12 +245,18 @@ class OBJECT_OT_canonical_form_live(bpy.types.Operator):
 
 def _choices(context: bpy.types.Context) -> dict[str, Any]:
     """Return the options in the panel that a form depends on."""
+    made = choices_of(context)
+    if made is None:
+        return {}
     chosen = SimpleNamespace()
-    hand_over(context.scene.canonical_form, chosen)  # type: ignore[arg-type]
+    hand_over(made, chosen)
     choices = vars(chosen)
     del choices["value"]  # the slider belongs to the user
     choices["result"] = "KEY"
-    if chosen.mesh == "SHOWN":
+    meshes = meant_meshes(context)
+    points, by_hand = body_points(meshes)
+    choices["points"] = points if by_hand else None  # dots that the user moves
+    if takes_shown(chosen.mesh, meshes):
         choices["frame"] = context.scene.frame_current
     return choices
 

@@ -8,6 +8,7 @@ from ..blender.jobs.likeness import MANNEQUINS
 from ..blender.jobs.meant_objects import meant_object
 from ..blender.results.limb_states import limbs_of
 from ..blender.words.wording import CONTEXT, told
+from .choices import choices_of, hand_over, hand_over_rig, hand_over_transfer
 from .contact_operators import OBJECT_OT_canonical_form_mark
 from .limb_operators import (
     OBJECT_OT_canonical_form_in_betweens,
@@ -16,20 +17,20 @@ from .limb_operators import (
     OBJECT_OT_canonical_form_select_patch,
 )
 from .live_update import OBJECT_OT_canonical_form_live
+from .main_panel import draw_pose_button
 from .operators import OBJECT_OT_canonical_form, OBJECT_OT_canonical_form_clear
+from .point_operators import OBJECT_OT_canonical_form_fix_point, OBJECT_OT_canonical_form_points
 from .pose_operators import (
     OBJECT_OT_canonical_form_match_colours,
-    OBJECT_OT_canonical_form_pose_like,
     OBJECT_OT_canonical_form_transfer,
 )
-from .pose_panel import draw_other_side, shown_likeness
-from .properties import hand_over, hand_over_transfer
+from .result_panel import draw_other_side
 from .rig_operators import (
     OBJECT_OT_canonical_form_rig,
     OBJECT_OT_canonical_form_rig_clear,
     OBJECT_OT_canonical_form_rig_keep,
-    hand_over_rig,
 )
+from .sidebar import record_of
 from .tool_operators import OBJECT_OT_canonical_form_choose, OBJECT_OT_canonical_form_distance
 
 
@@ -41,22 +42,26 @@ class VIEW3D_MT_canonical_form(bpy.types.Menu):
 
     def draw(self, context: bpy.types.Context) -> None:
         """Draw the actions, in the order of the panel."""
-        layout, chosen = self.layout, context.scene.canonical_form
-        steps = {"FORM": told("Compute"), "FEATURES": told("Detect Only"), "PATCHES": told("Patches Only")}
+        layout, chosen, record = self.layout, choices_of(context), record_of(context)
+        if chosen is None:
+            layout.label(text=told("Select a mesh, or the armature that moves it."))
+            return
+        for pose, text in (*MANNEQUINS.items(), ("OBJECT", "Pose Like")):
+            draw_pose_button(layout, chosen, pose, told(text))
+        draw_other_side(layout, chosen, None if record is None else record.report.like)
+        hand_over_rig(chosen, layout.operator(OBJECT_OT_canonical_form_rig.bl_idname))
+        hand_over_transfer(chosen, layout.operator(OBJECT_OT_canonical_form_transfer.bl_idname))
+        source = "" if chosen.like is None else chosen.like.name
+        layout.operator(OBJECT_OT_canonical_form_match_colours.bl_idname).like = source
+        layout.separator()
+        steps = {"FORM": told("Straighten"), "FEATURES": told("Find the Limbs"), "PATCHES": told("Patches Only")}
         for step, text in steps.items():
             button = layout.operator(OBJECT_OT_canonical_form.bl_idname, text=text)
             hand_over(chosen, button)
             button.step = step
         layout.operator(OBJECT_OT_canonical_form_live.bl_idname)
-        layout.separator()
-        for pose, text in (("OBJECT", told("Pose Like")), *MANNEQUINS.items()):
-            button = layout.operator(OBJECT_OT_canonical_form_pose_like.bl_idname, text=text)
-            hand_over(chosen, button)
-            button.pose, button.like = pose, chosen.like if pose == "OBJECT" else ""
-        draw_other_side(layout, chosen, shown_likeness(context))
-        hand_over_transfer(chosen, layout.operator(OBJECT_OT_canonical_form_transfer.bl_idname))
-        layout.operator(OBJECT_OT_canonical_form_match_colours.bl_idname).like = chosen.like
-        hand_over_rig(chosen, layout.operator(OBJECT_OT_canonical_form_rig.bl_idname))
+        layout.operator_menu_enum(OBJECT_OT_canonical_form_fix_point.bl_idname, "limb")
+        layout.operator(OBJECT_OT_canonical_form_points.bl_idname, text=told("Swap L/R")).how = "SWAP"
         layout.separator()
         layout.operator(OBJECT_OT_canonical_form_in_betweens.bl_idname).count = chosen.in_betweens
         layout.operator(OBJECT_OT_canonical_form_remove_in_betweens.bl_idname)

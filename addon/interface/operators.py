@@ -9,6 +9,7 @@ from bpy.props import EnumProperty
 
 from ..blender.jobs.meant_objects import meant_object, meant_objects
 from ..blender.objects.mesh_reading import refusal
+from ..blender.objects.movers import is_any_moved
 from ..blender.records.record import read_record
 from ..blender.results.new_objects import make_active
 from ..blender.words.advice import explained
@@ -59,12 +60,16 @@ class OBJECT_OT_canonical_form(JobOperator, MethodProperties, RequestProperties,
         """Disable the button, with a reason, if the active object cannot be used."""
         return allowed(cls, cls.busy() or refusal(meant_object(context)))
 
+    def wish(self) -> str:
+        """Name the step."""
+        return self.step
+
     def task(self, context: bpy.types.Context) -> "FormTask":
         """Read the active and the other selected meshes."""
         from ..blender.jobs.form_task import FormTask
 
         objects, self._refused = chosen_objects(context)
-        return FormTask(objects, request_of(self, self.step, kept=kept_stages(objects)))
+        return FormTask(objects, request_of(self, objects, self.step, kept=kept_stages(objects)))
 
     def written(self, context: bpy.types.Context, task: "FormTask", outcome: list[str], interactive: bool) -> None:
         """Report the warnings, then summarise the results in one line."""
@@ -110,13 +115,22 @@ class OBJECT_OT_canonical_form_clear(bpy.types.Operator):
         return {"FINISHED"}
 
 
-def request_of(owner: Any, step: str = "FORM", *, kept: "KeptStages | None" = None, live: bool = False) -> "Request":
+def request_of(
+    owner: Any,
+    objects: list[bpy.types.Object],
+    step: str = "FORM",
+    *,
+    kept: "KeptStages | None" = None,
+    live: bool = False,
+) -> "Request":
     """Convert properties to a request.
 
     Parameters
     ----------
     owner : MethodProperties and RequestProperties
         An operator, or an object filled by `hand_over`.
+    objects : list of bpy.types.Object
+        What it is about.
     step : str
         The last step of the run.
     kept : KeptStages, optional
@@ -142,13 +156,31 @@ def request_of(owner: Any, step: str = "FORM", *, kept: "KeptStages | None" = No
         value=owner.value,
         step=step,
         feature_group=owner.feature_group,
-        deformed=owner.mesh == "SHOWN",
+        deformed=takes_shown(owner.mesh, objects),
         new_object=owner.result == "OBJECT",
         objects=owner.objects,
         reference=Reference(owner.reference).computed if owner.reference and step == "FORM" else None,
         live=live,
         keep=kept,
     )
+
+
+def takes_shown(mesh: str, objects: list[bpy.types.Object]) -> bool:
+    """Return whether meshes are taken as they are shown.
+
+    Parameters
+    ----------
+    mesh : {'AUTO', 'BASE', 'SHOWN'}
+        What was asked for.
+    objects : list of bpy.types.Object
+        The meshes.
+
+    Returns
+    -------
+    bool
+        True if they are asked for as shown, or something moves one of them.
+    """
+    return mesh == "SHOWN" or (mesh == "AUTO" and is_any_moved(objects))
 
 
 def chosen_objects(context: bpy.types.Context) -> tuple[list[bpy.types.Object], list[str]]:

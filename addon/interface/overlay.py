@@ -1,4 +1,4 @@
-"""Feature points as labelled dots in the 3D View."""
+"""The ends of the limbs as labelled dots in the 3D View."""
 
 from __future__ import annotations
 
@@ -8,13 +8,16 @@ from typing import Any, ClassVar
 
 import bpy
 
-from ..blender.jobs.meant_objects import meant_object
+from ..blender.jobs.meant_objects import meant_meshes
+from ..blender.objects.body_points import BodyPoints, body_points
 from ..blender.records.form_key import form_key
-from ..blender.records.record import Record, read_record
-from ..blender.results.companions import companions_of
+from ..blender.records.record import read_record
+from ..blender.words.limb_words import told_limb
+from .choices import choices_of
 
 _DOT = 5.0  # radius in pixels
 _TEXT = 13.0
+_PLAIN, _BY_HAND = (1.0, 1.0, 1.0), (1.0, 0.35, 0.0)  # linear colours of dots without a patch
 _CIRCLE = [(cos(2 * pi * turn / 16), sin(2 * pi * turn / 16)) for turn in range(16)]
 
 
@@ -24,13 +27,15 @@ class VIEW3D_GGT_canonical_form:
     handle: ClassVar[Any] = None
 
 
-def feature_labels(obj: bpy.types.Object | None, graph: bpy.types.Depsgraph) -> list[tuple[Any, tuple, str]]:
-    """Return the labels for the feature points of an object and its companions, placed on the evaluated meshes.
+def feature_labels(
+    objects: Sequence[bpy.types.Object], graph: bpy.types.Depsgraph
+) -> list[tuple[Any, tuple[float, ...], str]]:
+    """Return the labels for the feature points of a body, placed on the evaluated meshes.
 
     Parameters
     ----------
-    obj : bpy.types.Object or None
-        The object.
+    objects : sequence of bpy.types.Object
+        Its mesh objects.
     graph : bpy.types.Depsgraph
         The evaluated dependency graph.
 
@@ -39,29 +44,35 @@ def feature_labels(obj: bpy.types.Object | None, graph: bpy.types.Depsgraph) -> 
     list of (mathutils.Vector, tuple of float, str)
         World position, sRGB colour and label of each.
     """
-    if obj is None or obj.type != "MESH":
-        return []
-    return [label for each in companions_of(obj) for label in _labels_on(each, graph)]
-
-
-def _labels_on(obj: bpy.types.Object, graph: bpy.types.Depsgraph) -> list[tuple[Any, tuple, str]]:
-    """Return the labels for the feature points on one object."""
-    record = read_record(obj.data)
-    if record is None or not obj.visible_get():
-        return []
-    points = record.report.feature_points
-    places = _places(obj, graph, record)
-    palette = record.palette or [[1.0, 1.0, 1.0]] * len(points)
+    points, by_hand = body_points(objects)
     return [
-        (obj.matrix_world @ places[point], (*_srgb(colour), 1.0), str(number))
-        for number, (point, colour) in enumerate(zip(points, palette, strict=True), start=1)
-        if point in places
+        label
+        for obj, own in zip(objects, points, strict=True)
+        if obj.visible_get()
+        for label in _labels_on(obj, graph, own, by_hand)
     ]
 
 
-def _places(obj: bpy.types.Object, graph: bpy.types.Depsgraph, record: Record) -> dict[int, Any]:
-    """Return the positions at which the object shows its feature points."""
-    wanted = [point for point in record.report.feature_points if 0 <= point < record.report.vertices]
+def _labels_on(
+    obj: bpy.types.Object, graph: bpy.types.Depsgraph, points: BodyPoints, by_hand: bool
+) -> list[tuple[Any, tuple[float, ...], str]]:
+    """Return the labels for the feature points on one object, in the colours of their patches if there are some."""
+    record = read_record(obj.data)
+    numbers = [] if record is None else record.report.feature_points
+    palette = [] if record is None else record.palette
+    places = _places(obj, graph, points.vertices)
+    labels = []
+    for vertex, name in zip(*points, strict=True):
+        number = numbers.index(vertex) if vertex in numbers else -1
+        colour = palette[number] if 0 <= number < len(palette) else _BY_HAND if by_hand else _PLAIN
+        text = told_limb(name) if name or number < 0 else str(number + 1)
+        if vertex in places:
+            labels.append((obj.matrix_world @ places[vertex], (*_srgb(colour), 1.0), text))
+    return labels
+
+
+def _places(obj: bpy.types.Object, graph: bpy.types.Depsgraph, wanted: Sequence[int]) -> dict[int, Any]:
+    """Return the positions at which the object shows some of its vertices."""
     if obj.mode == "EDIT":
         import bmesh
 
@@ -70,10 +81,10 @@ def _places(obj: bpy.types.Object, graph: bpy.types.Depsgraph, record: Record) -
         return {point: edited[point].co for point in wanted if point < len(edited)}
     shown = obj.evaluated_get(graph).data.vertices
     key = form_key(obj.data)
-    if len(shown) == record.report.vertices:
+    if len(shown) == len(obj.data.vertices):
         return {point: shown[point].co for point in wanted}
     if key is None or key.mute:  # modifiers change the number of vertices
-        return {point: obj.data.vertices[point].co for point in wanted if point < len(obj.data.vertices)}
+        return {point: obj.data.vertices[point].co for point in wanted}
     rest = key.relative_key.data
     return {point: rest[point].co.lerp(key.data[point].co, key.value) for point in wanted if point < len(rest)}
 
@@ -91,11 +102,12 @@ def _draw() -> None:
 
     context = bpy.context
     space = context.space_data
-    if not context.scene.canonical_form.show_points or not space.overlay.show_overlays:
+    choices, meshes = choices_of(context), meant_meshes(context)
+    if choices is None or not choices.show_points or not space.overlay.show_overlays:
         return
     scale = context.preferences.system.ui_scale
     shader = gpu.shader.from_builtin("UNIFORM_COLOR")
-    for place, colour, label in feature_labels(meant_object(context), context.evaluated_depsgraph_get()):
+    for place, colour, label in feature_labels(meshes, context.evaluated_depsgraph_get()):
         at = location_3d_to_region_2d(context.region, context.region_data, place)
         if at is None:
             continue

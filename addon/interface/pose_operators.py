@@ -13,7 +13,7 @@ from ..blender.objects.mesh_reading import refusal
 from ..blender.words.wording import CONTEXT, told
 from ..core import CanonicalFormError
 from .job_operator import JobOperator, kept_stages
-from .operators import allowed, chosen_objects, tell_results
+from .operators import allowed, chosen_objects, takes_shown, tell_results
 from .properties import TRANSFER_ITEMS, MethodProperties, RequestProperties, settings_of
 from .viewport import show_colours
 
@@ -75,6 +75,10 @@ class OBJECT_OT_canonical_form_pose_like(JobOperator, MethodProperties, RequestP
         """Disable the button, with a reason, if the active object cannot be used."""
         return allowed(cls, cls.busy() or refusal(meant_object(context)))
 
+    def wish(self) -> str:
+        """Name the pose."""
+        return self.pose
+
     def task(self, context: bpy.types.Context) -> "FormTask":
         """Read the reference, then the active and the other selected meshes."""
         from ..blender.jobs.form_task import FormTask
@@ -95,7 +99,7 @@ class OBJECT_OT_canonical_form_pose_like(JobOperator, MethodProperties, RequestP
             settings=settings_of(self),
             value=self.value,
             feature_group=self.feature_group,
-            deformed=self.mesh == "SHOWN",
+            deformed=takes_shown(self.mesh, objects),
             new_object=self.result == "OBJECT",
             objects=self.objects,
             likeness=likeness,
@@ -148,6 +152,10 @@ class OBJECT_OT_canonical_form_transfer(JobOperator, MethodProperties, bpy.types
     def poll(cls, context: bpy.types.Context) -> bool:
         """Disable the button, with a reason, if the active object cannot be used."""
         return allowed(cls, cls.busy() or refusal(meant_object(context)))
+
+    def wish(self) -> str:
+        """Name the wish."""
+        return "TRANSFER"
 
     def task(self, context: bpy.types.Context) -> "TransferTask":
         """Read the reference, then the active and the other selected meshes."""

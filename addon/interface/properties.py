@@ -1,4 +1,4 @@
-"""The options of the method as Blender properties, shared by the operators and the panel."""
+"""The options of the method and of a run as Blender properties, shared by the operators and the panel."""
 
 # no `from __future__ import annotations`: Blender reads the annotations below as properties
 
@@ -12,11 +12,9 @@ from bpy.props import (
     FloatProperty,
     FloatVectorProperty,
     IntProperty,
-    PointerProperty,
     StringProperty,
 )
 
-from ..blender.objects.chosen_features import CHOSEN_GROUP
 from ..blender.records.record import read_record
 from ..blender.results.result_writing import recolour_patch
 from ..blender.words.wording import CONTEXT, told
@@ -25,7 +23,6 @@ from ..core.distances.kinds import KINDS
 from ..core.method_api.catalogue import methods
 from ..core.method_api.options import Option, options_of
 from ..core.symmetry.limb_names import names_in
-from .rig_properties import RigProperties
 
 _DEFAULT = Settings()
 DISTANCES = [(name, kind.label, kind.help) for name, kind in KINDS.items()]
@@ -123,6 +120,7 @@ class RequestProperties:
         translation_context=CONTEXT,
         description="Mesh that the form is computed from",
         items=(
+            ("AUTO", "By Itself", "As shown where a rig, shape keys or modifiers move the mesh, else the base mesh"),
             ("BASE", "Base Mesh", "The mesh itself: its Basis, without modifiers"),
             ("SHOWN", "As Shown", "The mesh as modifiers, armature and shape keys show it at the current frame"),
         ),
@@ -177,63 +175,6 @@ class TransferProperties:
         )
         for kind, name, about in TRANSFER_ITEMS
     }
-
-
-class CanonicalFormProperties(
-    MethodProperties, RequestProperties, TransferProperties, RigProperties, bpy.types.PropertyGroup
-):
-    """The choices made in the panel, kept with the scene."""
-
-    feature_source: EnumProperty(  # type: ignore[valid-type]
-        name="Feature Points From",
-        translation_context=CONTEXT,
-        description="Where the feature points come from",
-        items=(
-            ("DETECTED", "Detected", "Where the surface ends: hands, feet, head"),
-            ("GROUP", "Vertex Group", "From a vertex group, one vertex per limb"),
-        ),
-        default="DETECTED",
-    )
-    anyway: BoolProperty(  # type: ignore[valid-type]
-        name="Write Anyway",
-        translation_context=CONTEXT,
-        description="Keep a T-Pose, an A-Pose, a rig or data of another body that are unlikely to be right, too",
-        default=False,
-    )
-    like: StringProperty(  # type: ignore[valid-type]
-        name="Like",
-        translation_context=CONTEXT,
-        description="Object with a similar body in the target pose; its mesh may differ",
-    )
-    show_points: BoolProperty(  # type: ignore[valid-type]
-        name="Labels in the View",
-        translation_context=CONTEXT,
-        description="Draw the feature points of the active object with their numbers in the 3D View",
-        default=True,
-    )
-    in_betweens: IntProperty(  # type: ignore[valid-type]
-        name="Keys",
-        translation_context=CONTEXT,
-        description="Number of shape keys between the pose and the form",
-        default=5,
-        min=1,
-        max=31,
-    )
-    distance: EnumProperty(  # type: ignore[valid-type]
-        name="Distance",
-        translation_context=CONTEXT,
-        description="Which distance is measured",
-        items=DISTANCES,
-        default="heat",
-    )
-    isolines: IntProperty(  # type: ignore[valid-type]
-        name="Isolines",
-        translation_context=CONTEXT,
-        description="Number of lines of equal distance; 0 for none",
-        default=0,
-        min=0,
-        soft_max=40,
-    )
 
 
 class CanonicalFormPatch(bpy.types.PropertyGroup):
@@ -326,50 +267,13 @@ def settings_of(owner: Any) -> Settings:
     return Settings(**options)
 
 
-def hand_over(chosen: CanonicalFormProperties, operator: bpy.types.OperatorProperties) -> None:
-    """Copy the options of the panel to the operator of a button.
-
-    Parameters
-    ----------
-    chosen : CanonicalFormProperties
-        The scene's options.
-    operator : bpy.types.OperatorProperties
-        Properties of the button's operator.
-    """
-    for name in (*METHOD_NAMES, *REQUEST_NAMES):
-        setattr(operator, name, chosen_value(chosen, name))
-    if chosen.feature_source == "DETECTED":
-        operator.feature_group = ""
-    else:
-        operator.feature_points = ""
-        operator.feature_group = chosen.feature_group or CHOSEN_GROUP
-
-
-def hand_over_transfer(chosen: CanonicalFormProperties, operator: bpy.types.OperatorProperties) -> None:
-    """Copy the options of the panel to the operator of a button that transfers data.
-
-    Parameters
-    ----------
-    chosen : CanonicalFormProperties
-        The scene's options.
-    operator : bpy.types.OperatorProperties
-        Properties of the button's operator.
-    """
-    for name in METHOD_NAMES:
-        setattr(operator, name, chosen_value(chosen, name))
-    operator.like = chosen.like
-    operator.anyway = chosen.anyway
-    operator.kinds = {kind for kind, *_ in TRANSFER_ITEMS if getattr(chosen, transfer_flag(kind))}
-
-
-CLASSES = (CanonicalFormProperties, CanonicalFormPatch)
+CLASSES = (CanonicalFormPatch,)
 
 
 def register() -> None:
-    """Register the properties and add them to the scene and the mesh."""
+    """Register the properties and add those of the list of patches to the mesh."""
     for each in CLASSES:
         bpy.utils.register_class(each)
-    bpy.types.Scene.canonical_form = PointerProperty(type=CanonicalFormProperties)
     bpy.types.Mesh.canonical_form_patches = CollectionProperty(type=CanonicalFormPatch)
     bpy.types.Mesh.canonical_form_patch = IntProperty(
         name="Patch", translation_context=CONTEXT, description="Active row of the list of patches"
@@ -377,9 +281,8 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Remove the properties from the scene and the mesh, and unregister them."""
+    """Remove them from the mesh, and unregister them."""
     del bpy.types.Mesh.canonical_form_patch
     del bpy.types.Mesh.canonical_form_patches
-    del bpy.types.Scene.canonical_form
     for each in reversed(CLASSES):
         bpy.utils.unregister_class(each)

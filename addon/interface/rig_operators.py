@@ -15,7 +15,7 @@ from ..blender.words.wording import CONTEXT, listed, told
 from ..core import CanonicalFormError
 from .job_operator import JobOperator, kept_stages
 from .operators import allowed, chosen_objects
-from .properties import METHOD_NAMES, MethodProperties, chosen_value, settings_of
+from .properties import MethodProperties, settings_of
 from .rig_properties import RigOptions
 
 if TYPE_CHECKING:
@@ -48,6 +48,10 @@ class OBJECT_OT_canonical_form_rig(JobOperator, MethodProperties, RigOptions, bp
     def poll(cls, context: bpy.types.Context) -> bool:
         """Disable the button, with a reason, if the active object cannot be used."""
         return allowed(cls, cls.busy() or refusal(meant_object(context)))
+
+    def wish(self) -> str:
+        """Name the wish."""
+        return "RIG"
 
     def task(self, context: bpy.types.Context) -> "RigTask":
         """Read the reference, then the active and the other selected meshes."""
@@ -152,23 +156,6 @@ class OBJECT_OT_canonical_form_rig_keep(bpy.types.Operator):
             self.report({"ERROR"}, explained(error))
             return {"CANCELLED"}
         return {"FINISHED"}
-
-
-def hand_over_rig(chosen: bpy.types.PropertyGroup, button: bpy.types.OperatorProperties) -> None:
-    """Copy the options of the panel to the operator of a button.
-
-    Parameters
-    ----------
-    chosen : bpy.types.PropertyGroup
-        The scene's options.
-    button : bpy.types.OperatorProperties
-        Properties of the button's operator.
-    """
-    for name in METHOD_NAMES:
-        setattr(button, name, chosen_value(chosen, name))
-    button.like, button.rest, button.equal = chosen.rig_like, chosen_value(chosen, "rig_rest"), chosen.rig_equal
-    button.names = chosen_value(chosen, "rig_names")
-    button.rigify, button.anyway = chosen.rig_rigify, chosen.anyway
 
 
 CLASSES = (OBJECT_OT_canonical_form_rig, OBJECT_OT_canonical_form_rig_keep, OBJECT_OT_canonical_form_rig_clear)

@@ -1,55 +1,98 @@
-"""The panel that gives a body an armature."""
+"""The panel that says how a rig is made, what came of it, and what is transferred from another body."""
 
 import bpy
 
-from ..blender.jobs.meant_objects import meant_object, meant_objects
+from ..blender.jobs.meant_objects import meant_object
 from ..blender.records.rig_record import RigRecord, read_rig
+from ..blender.results.match_colours import source_colours
 from ..blender.words.wording import CONTEXT, told
-from .pose_panel import least_sure, match_estimate, next_side
+from .choices import CanonicalFormChoices, choices_of, hand_over_rig, hand_over_transfer
+from .pose_operators import OBJECT_OT_canonical_form_match_colours, OBJECT_OT_canonical_form_transfer
+from .properties import TRANSFER_ITEMS, transfer_flag
+from .result_panel import least_sure, next_side
 from .rig_operators import (
     OBJECT_OT_canonical_form_rig,
     OBJECT_OT_canonical_form_rig_clear,
     OBJECT_OT_canonical_form_rig_keep,
-    hand_over_rig,
 )
-from .sidebar import Tab
+from .sidebar import Tab, draw_progress, draw_sentence, record_of
 
 
 class VIEW3D_PT_canonical_form_rig(Tab, bpy.types.Panel):
-    """An armature for a body in any pose."""
+    """An armature for a body in any pose, and data of another body."""
 
-    bl_label = "Rig"
+    bl_label = "Rig and Transfer"
     bl_translation_context = CONTEXT
     bl_parent_id = "VIEW3D_PT_canonical_form"
     bl_options = {"DEFAULT_CLOSED"}
 
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Show the panel if there is something to rig."""
+        return choices_of(context) is not None
+
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw the choices, the button, and what the last run says."""
-        layout, chosen = self.layout, context.scene.canonical_form
+        """Draw what the last run made, and the choices."""
+        layout, choices = self.layout, choices_of(context)
+        if choices is None:
+            return
         layout.use_property_split = True
         layout.use_property_decorate = False
-        layout.prop_search(chosen, "rig_like", bpy.data, "objects", text=told("Bones From"))
-        layout.prop(chosen, "rig_rest", text=told("Rest"))
-        layout.prop(chosen, "rig_equal")
-        names = layout.row()
-        names.enabled = not chosen.rig_like  # bones of others have names
-        names.prop(chosen, "rig_names", text=told("Names"))
-        layout.prop(chosen, "rig_rigify")
-        layout.prop(chosen, "anyway")
-        hand_over_rig(chosen, layout.operator(OBJECT_OT_canonical_form_rig.bl_idname, icon="ARMATURE_DATA"))
         record = shown_rig(context)
         if record is not None:
-            draw_other_rig(layout, chosen, record)
-            for line in least_sure(record.confidence):
-                layout.label(text=line, icon="ERROR")
-            if record.rest is not None:
-                layout.operator(OBJECT_OT_canonical_form_rig_keep.bl_idname)
-            layout.operator(OBJECT_OT_canonical_form_rig_clear.bl_idname, icon="X")
-        objects = [obj for obj in meant_objects(context) if obj is not None and obj.type == "MESH"]
-        if objects:
-            memory, seconds = match_estimate(chosen, objects, None)
-            text = told("A rig: about {memory:.1f} GB, {seconds:,.0f} s", memory=memory, seconds=seconds)
-            layout.label(text=text, icon="MEMORY")
+            _draw_made(layout, context, choices, record)
+        layout.prop(choices, "rig_like", text=told("Bones From"))
+        layout.prop(choices, "rig_rest", text=told("Rest"))
+        names = layout.row()
+        names.enabled = choices.rig_like is None  # bones of others have names
+        names.prop(choices, "rig_names", text=told("Names"))
+        layout.prop(choices, "rig_equal")
+        layout.prop(choices, "rig_rigify")
+        _draw_transfer(layout, context, choices)
+
+
+def _draw_made(
+    layout: bpy.types.UILayout, context: bpy.types.Context, choices: CanonicalFormChoices, record: RigRecord
+) -> None:
+    """Draw what the last rig is like, and what can be done with it."""
+    column = layout.column(align=True)
+    doubts = least_sure(record.confidence)
+    for line in doubts:
+        draw_sentence(column, context, line, "ERROR")
+    if not doubts:
+        column.label(text=told("Nothing looks wrong"), icon="CHECKMARK")
+    draw_other_rig(layout, choices, record)
+    row = layout.row(align=True)
+    if record.rest is not None:
+        row.operator(OBJECT_OT_canonical_form_rig_keep.bl_idname)
+    row.operator(OBJECT_OT_canonical_form_rig_clear.bl_idname, icon="X")
+
+
+def _draw_transfer(layout: bpy.types.UILayout, context: bpy.types.Context, choices: CanonicalFormChoices) -> None:
+    """Draw what is taken over from another body."""
+    header, box = layout.panel("canonical_form_transfer", default_closed=False)
+    header.label(text=told("Transfer from Another Body"))
+    if box is None:
+        return
+    box.prop(choices, "like", text=told("From"))
+    grid = box.grid_flow(columns=3, even_columns=True, align=True)
+    grid.use_property_split = False
+    grid.enabled = choices.like is not None
+    for kind, *_ in TRANSFER_ITEMS:
+        grid.prop(choices, transfer_flag(kind))
+    column = box.column()
+    column.enabled = choices.like is not None
+    if not draw_progress(column, ("TRANSFER",)):
+        hand_over_transfer(choices, column.operator(OBJECT_OT_canonical_form_transfer.bl_idname))
+    record = record_of(context)
+    like = None if record is None else record.report.like
+    source = None if like is None or like.pose != "OBJECT" else bpy.data.objects.get(like.name)
+    if source is not None and source.type == "MESH":
+        if source_colours(source.data) is not None:
+            text = told("Remove Colours from {name}", name=source.name)
+        else:
+            text = told("Show Colours on {name}", name=source.name)
+        box.operator(OBJECT_OT_canonical_form_match_colours.bl_idname, text=text).like = source.name
 
 
 def shown_rig(context: bpy.types.Context) -> RigRecord | None:
@@ -69,21 +112,24 @@ def shown_rig(context: bpy.types.Context) -> RigRecord | None:
     return read_rig(obj.data) if obj is not None and obj.type == "MESH" else None
 
 
-def draw_other_rig(layout: bpy.types.UILayout, chosen: bpy.types.PropertyGroup, record: RigRecord) -> None:
+def draw_other_rig(layout: bpy.types.UILayout, choices: CanonicalFormChoices, record: RigRecord) -> None:
     """Draw the button that rigs the body facing another way, if there are several.
 
     Parameters
     ----------
     layout : bpy.types.UILayout
         Where.
-    chosen : bpy.types.PropertyGroup
-        The choices made in the panel.
+    choices : CanonicalFormChoices
+        The choices for what is meant.
     record : RigRecord
         The rig.
     """
     if len(record.sides) < 2:
         return
     text, side = next_side(record.side, len(record.sides), stands=not record.source)
-    button = layout.operator(OBJECT_OT_canonical_form_rig.bl_idname, text=text)
-    hand_over_rig(chosen, button)
+    button = layout.operator(OBJECT_OT_canonical_form_rig.bl_idname, text=text, icon="FILE_REFRESH")
+    hand_over_rig(choices, button)
     button.side = side
+
+
+CLASSES = (VIEW3D_PT_canonical_form_rig,)

@@ -1,9 +1,19 @@
-"""Shared by all panels of the sidebar: their tab, and the result that they show."""
+"""Shared by all panels of the sidebar: their tab, what they show, sentences over lines, and progress."""
+
+import textwrap
+from collections.abc import Collection
+from time import perf_counter
 
 import bpy
 
 from ..blender.jobs.meant_objects import meant_object
 from ..blender.records.record import Record, read_record
+from ..blender.words.wording import told, told_stage
+from .job_operator import OBJECT_OT_canonical_form_cancel
+
+_USUAL, _SHORTEST = 42, 20  # characters in a line of the sidebar
+_CHARACTER, _MARGIN = 6.4, 55  # width of a character, and of everything next to a line, in pixels
+_TOLD, _FIRST = 5.0, 0.05  # seconds left that are worth telling, and share of the work that tells them
 
 
 class Tab:
@@ -29,3 +39,85 @@ def record_of(context: bpy.types.Context) -> Record | None:
     """
     obj = meant_object(context)
     return read_record(obj.data) if obj is not None and obj.type == "MESH" else None
+
+
+def draw_sentence(layout: bpy.types.UILayout, context: bpy.types.Context, sentence: str, icon: str = "NONE") -> None:
+    """Draw a sentence over as many lines as it needs.
+
+    Parameters
+    ----------
+    layout : bpy.types.UILayout
+        Where; lines of an aligned column lie closer together.
+    context : bpy.types.Context
+        Whose region is as wide as it is.
+    sentence : str
+        The sentence, in the user's language.
+    icon : str
+        The icon of the first line.
+    """
+    for number, line in enumerate(textwrap.wrap(sentence, line_length(context))):
+        layout.label(text=line, icon="BLANK1" if number and icon != "NONE" else icon)
+
+
+def line_length(context: bpy.types.Context) -> int:
+    """Estimate the number of characters that fit into a line of the region.
+
+    Parameters
+    ----------
+    context : bpy.types.Context
+        Any context.
+
+    Returns
+    -------
+    int
+        That number.
+    """
+    if context.region is None:  # in background mode
+        return _USUAL
+    width = context.region.width / context.preferences.system.ui_scale
+    return max(_SHORTEST, int((width - _MARGIN) / _CHARACTER))
+
+
+def draw_progress(layout: bpy.types.UILayout, wishes: Collection[str]) -> bool:
+    """Draw the progress of a job in place of the row that started it.
+
+    Parameters
+    ----------
+    layout : bpy.types.UILayout
+        Where the row would be.
+    wishes : collection of str
+        What the row starts, as operators call it; empty for any other.
+
+    Returns
+    -------
+    bool
+        True if the job is of that row; the row itself must be drawn otherwise.
+    """
+    cancel = OBJECT_OT_canonical_form_cancel
+    if cancel.job is None or cancel.wish not in wishes:
+        return False
+    row = layout.row(align=True)
+    row.progress(factor=cancel.job.fraction, text=progress_text(cancel.job.fraction, cancel.job.stage), type="BAR")
+    row.operator(cancel.bl_idname, text="", icon="X")
+    return True
+
+
+def progress_text(fraction: float, stage: str) -> str:
+    """Say how far a job is, and how long it takes still.
+
+    Parameters
+    ----------
+    fraction : float
+        Share of the work that is done.
+    stage : str
+        What is being done.
+
+    Returns
+    -------
+    str
+        In the user's language.
+    """
+    left = OBJECT_OT_canonical_form_cancel.seconds_left(perf_counter()) if fraction > _FIRST else 0.0
+    if left < _TOLD:
+        return f"{fraction:.0%}  {told_stage(stage)}"
+    return told("{done:.0%}  {seconds:.0f} s left", done=fraction, seconds=left)

@@ -13,6 +13,7 @@ from ..blender.objects.mesh_reading import refusal
 from ..blender.words.advice import explained
 from ..blender.words.wording import CONTEXT, told
 from ..core import CanonicalFormError
+from .choices import choices_of
 from .job_operator import JobOperator
 from .operators import allowed, chosen_objects
 from .properties import DISTANCES
@@ -69,8 +70,9 @@ class OBJECT_OT_canonical_form_choose(bpy.types.Operator):
         except CanonicalFormError as error:
             self.report({"ERROR"}, explained(error))
             return {"CANCELLED"}
-        context.scene.canonical_form.feature_source = "GROUP"
-        context.scene.canonical_form.feature_group = name
+        choices = choices_of(context)
+        if choices is not None:
+            choices.feature_source, choices.feature_group = "GROUP", name
         if count == 1:
             sentence = told("1 feature point is in the vertex group {name}. Press Compute to use it.", name=name)
         else:
@@ -103,12 +105,16 @@ class OBJECT_OT_canonical_form_distance(JobOperator, bpy.types.Operator):
         """Disable the button, with a reason, if the active object cannot be used."""
         return allowed(cls, cls.busy() or refusal(meant_object(context)))
 
+    def wish(self) -> str:
+        """Name the wish."""
+        return "DISTANCE"
+
     def task(self, context: bpy.types.Context) -> "DistanceTask":
         """Read the mesh with its selection, and the other meshes of the run."""
         from ..blender.jobs.distance_task import DistanceTask
 
-        memory_limit = context.scene.canonical_form.memory_limit
-        objects = chosen_objects(context)[0]
+        choices, objects = choices_of(context), chosen_objects(context)[0]
+        memory_limit = 0.0 if choices is None else choices.memory_limit
         return DistanceTask(objects, self.kind, self.isolines, memory_limit=memory_limit)
 
     def written(self, context: bpy.types.Context, task: "DistanceTask", outcome: str, interactive: bool) -> None:

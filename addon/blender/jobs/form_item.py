@@ -191,9 +191,8 @@ class FormItem:
             elif request.step == "FORM":
                 found = self._form(whole, settings, request, progress, cancelled)
             else:
-                found = feature_patches(
-                    whole.vertices, whole.faces, settings, rest=whole.rest, progress=progress, cancelled=cancelled
-                )
+                how: dict[str, Any] = {"rest": whole.rest, "progress": progress, "cancelled": cancelled}
+                found = feature_patches(whole.vertices, whole.faces, settings, named=True, **how)
             shapes = self._shapes_between(whole, found, request.keep, cancelled)
             if request.hausdorff and progress is not None:
                 progress(1.0, "Hausdorff distance")  # which takes longer than the form

@@ -5,6 +5,7 @@ from __future__ import annotations
 import bpy
 
 from ...core import CanonicalFormError
+from ..objects.movers import armature_of
 from ..results.companions import with_companions
 from ..words.wording import told
 
@@ -67,7 +68,7 @@ def meant_objects(context: bpy.types.Context) -> list[bpy.types.Object]:
     list of bpy.types.Object
         The active mesh, then, in Object Mode, the other selected meshes and the companions of all of these. If the
         active object is not a mesh: the selected meshes; if none is selected, the visible meshes that the active
-        armature deforms. Only the active object if none of these is a mesh.
+        armature deforms, or that hang on the active object. Only the active object if none of these is a mesh.
     """
     active = context.object
     if active is None or active.type != "MESH":
@@ -76,29 +77,29 @@ def meant_objects(context: bpy.types.Context) -> list[bpy.types.Object]:
     return with_companions([active, *(obj for obj in others if obj.type == "MESH" and obj != active)])
 
 
-def armature_of(obj: bpy.types.Object) -> bpy.types.Object | None:
-    """Return the armature that deforms an object.
+def meant_meshes(context: bpy.types.Context) -> list[bpy.types.Object]:
+    """Return the meshes that a run applies to, none where nothing can be computed.
 
     Parameters
     ----------
-    obj : bpy.types.Object
-        The object.
+    context : bpy.types.Context
+        Any context.
 
     Returns
     -------
-    bpy.types.Object or None
-        The armature of its first enabled Armature modifier that has one.
+    list of bpy.types.Object
+        Those of `meant_objects` that are meshes.
     """
-    for modifier in obj.modifiers:
-        if modifier.type == "ARMATURE" and modifier.show_viewport and modifier.object is not None:
-            return modifier.object
-    return None
+    return [obj for obj in meant_objects(context) if obj is not None and obj.type == "MESH"]
 
 
 def _others(context: bpy.types.Context) -> list[bpy.types.Object]:
-    """Return the selected meshes, or those of the active armature, the one with most vertices first."""
+    """Return the selected meshes, or those of the active armature or below what is active, the largest first."""
     active = context.object
     found = [obj for obj in context.selected_objects if obj.type == "MESH"]
-    if not found and active is not None and active.type == "ARMATURE":
-        found = [obj for obj in context.visible_objects if obj.type == "MESH" and armature_of(obj) == active]
+    meshes = [] if found or active is None else [obj for obj in context.visible_objects if obj.type == "MESH"]
+    if active is not None and active.type == "ARMATURE":
+        found += [obj for obj in meshes if armature_of(obj) == active]
+    elif active is not None and meshes:
+        found += [obj for obj in active.children_recursive if obj in meshes]  # an importer's root
     return sorted(found, key=lambda obj: (-len(obj.data.vertices), obj.name))

@@ -102,6 +102,22 @@ def reference_meshes(obj: bpy.types.Object | None, targets: Sequence[bpy.types.O
     return meshes
 
 
+def may_be_reference(obj: bpy.types.Object) -> bool:
+    """Return whether an object can show the pose that is wanted.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        The object.
+
+    Returns
+    -------
+    bool
+        True for meshes with faces, and for armatures that move some.
+    """
+    return bool(moved_by(obj)) if obj.type == "ARMATURE" else _reference_refusal(obj) is None
+
+
 def _reference_refusal(obj: bpy.types.Object | None) -> str | None:
     """Return why the pose of an object cannot be applied to others.
 

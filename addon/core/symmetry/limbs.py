@@ -33,6 +33,13 @@ class Limbs(NamedTuple):
     to_features: FloatArray  # (n, k) geodesic distances of all vertices from them
     named: tuple[str, ...] = ()  # names given by hand, one for each, "" for none; empty where none was given
 
+    @property
+    def tell_sides(self) -> bool:
+        """Whether the distances on the surface tell left from right: those of a body on all fours do."""
+        if any(self.named):
+            return True
+        return abs(sided(self.handedness, self.side, self.along)) >= TOLD_WEAKLY
+
     def ends(self, share: float) -> list[IntArray]:
         """List the vertices at the end of each limb: within a share of the way to the next feature point.
 

@@ -7,8 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..numerics.arrays import FloatArray, IntArray
-from .chirality import sided
-from .limbs import TOLD_WEAKLY, Limbs
+from .limbs import Limbs
 from .mirror import mirror_plane
 
 _UNDERNEATH = 0.12  # least mean offset of the limbs' ends towards the front, in sqrt(area), of a body on all fours
@@ -71,7 +70,7 @@ def upright_rotation(
         by_file = True
         if headward @ up < 0:
             left, headward, ahead = -left, -headward, -ahead
-    weak = bool(paired.any()) and abs(sided(limbs.handedness, limbs.side, limbs.along)) < TOLD_WEAKLY
+    weak = bool(paired.any()) and not limbs.tell_sides
     if weak:
         toes = _toes(centred, limbs, headward, front)
         if abs(toes) < _POINT and posed is not None and headward @ up > _STANDS and abs(front @ posed[:, 1]) > _STANDS:

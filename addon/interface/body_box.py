@@ -1,0 +1,73 @@
+"""The ends of the limbs in the panel: what was found, what is missing, and buttons that fix it by hand."""
+
+import bpy
+
+from ..blender.jobs.meant_objects import meant_meshes
+from ..blender.objects.body_points import body_points
+from ..blender.words.limb_words import LIMBS, told_limb
+from ..blender.words.wording import told
+from .choices import CanonicalFormChoices, hand_over
+from .operators import OBJECT_OT_canonical_form
+from .point_operators import OBJECT_OT_canonical_form_fix_point, OBJECT_OT_canonical_form_points
+from .sidebar import draw_progress
+
+_ROWS = (("head",), ("left_hand", "right_hand"), ("left_foot", "right_foot"))
+_MOST = 4  # points without a name that have a row
+_FOUND, _BY_HAND, _MISSING = "CHECKMARK", "PINNED", "X"
+
+
+def draw_body(layout: bpy.types.UILayout, context: bpy.types.Context, choices: CanonicalFormChoices) -> None:
+    """Draw the limbs with their states, and the buttons that change them.
+
+    Parameters
+    ----------
+    layout : bpy.types.UILayout
+        Where.
+    context : bpy.types.Context
+        Any context.
+    choices : CanonicalFormChoices
+        The choices for what is meant.
+    """
+    header, box = layout.panel("canonical_form_body", default_closed=False)
+    header.label(text=told("Body"))
+    if box is None:
+        return
+    points, by_hand = body_points(meant_meshes(context))
+    known = {name for each in points for name in each.names if name}
+    nothing = not any(each.vertices for each in points)
+    column = box.column(align=True)
+    if nothing and not draw_progress(column, ("FEATURES",)):
+        button = column.operator(OBJECT_OT_canonical_form.bl_idname, text=told("Find the Limbs"), icon="VIEWZOOM")
+        hand_over(choices, button)
+        button.step = "FEATURES"
+    for names in (*_ROWS, *((("tail",),) if "tail" in known else ())):
+        row = column.row(align=True)
+        for name in names:
+            icon = _MISSING if name not in known else _BY_HAND if by_hand else _FOUND
+            button = row.operator(
+                OBJECT_OT_canonical_form_fix_point.bl_idname,
+                text=told_limb(name),
+                icon="RADIOBUT_OFF" if nothing else icon,
+            )
+            button.limb = name
+    others = [
+        (obj, vertex)
+        for obj, each in zip(meant_meshes(context), points, strict=True)
+        for vertex, name in zip(each.vertices, each.names, strict=True)
+        if name not in LIMBS
+    ]
+    for number, (obj, vertex) in enumerate(others[:_MOST], start=1):
+        row = column.row(align=True)
+        row.label(text=told("Other {number}", number=number), icon=_BY_HAND if by_hand else _FOUND)
+        button = row.operator(OBJECT_OT_canonical_form_points.bl_idname, text="", icon="X")
+        button.how, button.owner, button.vertex = "REMOVE", obj.name, vertex
+    if len(others) > _MOST:
+        column.label(text=told("{count} more", count=len(others) - _MOST))
+    row = column.row(align=True)
+    row.operator(OBJECT_OT_canonical_form_fix_point.bl_idname, text=told("Add"), icon="ADD").limb = "other"
+    part = row.row(align=True)
+    part.enabled = not nothing
+    part.operator(OBJECT_OT_canonical_form_points.bl_idname, text=told("Swap L/R"), icon="ARROW_LEFTRIGHT").how = "SWAP"
+    part = row.row(align=True)
+    part.enabled = by_hand
+    part.operator(OBJECT_OT_canonical_form_points.bl_idname, text=told("Undo All"), icon="LOOP_BACK").how = "FORGET"

@@ -1,0 +1,216 @@
+"""Operators that fix the ends of limbs by hand, with a click on what is shown."""
+
+# no `from __future__ import annotations`: Blender reads the annotations below as properties
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
+
+from ..blender.jobs.meant_objects import meant_meshes, meant_object
+from ..blender.objects.body_points import fix_point, forget_points, remove_point, swap_sides
+from ..blender.objects.mesh_reading import refusal
+from ..blender.objects.picking import Picked, mirrored_vertex, picked
+from ..blender.words.advice import explained
+from ..blender.words.limb_words import LIMBS, OTHER, told_limb
+from ..blender.words.wording import CONTEXT, told
+from ..core import CanonicalFormError
+from ..core.symmetry.limb_names import mate_of
+from .job_operator import JobOperator, redraw_sidebars
+from .operators import allowed
+
+LIMB_ITEMS = [(name, label, f"The end of the limb: {label}") for name, label in {**LIMBS, "other": OTHER}.items()]
+_DESCRIPTIONS = {
+    "SWAP": "Call what is left right, and what is right left",
+    "FORGET": "Let the ends of the limbs be found again, without what was fixed by hand",
+    "REMOVE": "This is no limb: take its point off the body",
+}
+
+
+class OBJECT_OT_canonical_form_fix_point(bpy.types.Operator):
+    """Click here, then on the body where this limb ends. Hold Shift to set the other side, too. Form, T-pose and rig use it"""  # noqa: D400, E501 (Blender's tooltip)
+
+    bl_idname = "object.canonical_form_fix_point"
+    bl_label = "Fix Limb"
+    bl_translation_context = CONTEXT
+    bl_options = {"UNDO"}
+
+    limb: EnumProperty(name="Limb", translation_context=CONTEXT, description="Which limb ends there", items=LIMB_ITEMS)  # type: ignore[valid-type]
+    owner: StringProperty(name="Object", translation_context=CONTEXT, description="Object that has the vertex")  # type: ignore[valid-type]
+    vertex: IntProperty(  # type: ignore[valid-type]
+        name="Vertex",
+        translation_context=CONTEXT,
+        description="Vertex where the limb ends; -1 to click on it",
+        default=-1,
+        min=-1,
+    )
+    mirror: BoolProperty(name="Other Side, Too", translation_context=CONTEXT, description="Set its mirror image, too")  # type: ignore[valid-type]
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Disable the button, with a reason, if the active object cannot be used."""
+        return allowed(cls, JobOperator.busy() or refusal(meant_object(context)))
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Wait for a click on the body."""
+        if self.vertex >= 0 or context.window is None:
+            return self.execute(context)
+        context.window.cursor_modal_set("EYEDROPPER")
+        said = told("Click where this limb ends: {limb}. Shift: both sides. Esc: cancel", limb=self._told)
+        if context.workspace is not None:
+            context.workspace.status_text_set(said)
+        if context.area is not None and context.area.type == "VIEW_3D":
+            context.area.header_text_set(said)
+        context.window_manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Take the vertex under a click; everything but clicks and Esc goes through, so that the view can be turned."""
+        if event.type in ("ESC", "RIGHTMOUSE") and event.value == "PRESS":
+            self.cancel(context)
+            return {"CANCELLED"}
+        if event.type != "LEFTMOUSE" or event.value not in ("PRESS", "CLICK"):
+            return {"PASS_THROUGH"}
+        if not _is_over_view(context, event):
+            return {"PASS_THROUGH"}
+        found = _under_mouse(context, event)
+        if found is None:
+            self.report({"INFO"}, told("That is not on the body. Click on it, or press Esc."))
+            return {"RUNNING_MODAL"}
+        self.cancel(context)
+        self.owner, self.vertex, self.mirror = found.obj.name, found.vertex, event.shift
+        return self.execute(context)
+
+    def cancel(self, context: bpy.types.Context) -> None:
+        """Give the mouse and the texts back."""
+        context.window.cursor_modal_restore()
+        if context.workspace is not None:
+            context.workspace.status_text_set(None)
+        for area in context.window.screen.areas:
+            if area.type == "VIEW_3D":
+                area.header_text_set(None)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Set the point, and where it is wished that of the other side."""
+        objects = meant_meshes(context)
+        obj = bpy.data.objects.get(self.owner) if self.owner else meant_object(context)
+        if obj is None or obj not in objects or not 0 <= self.vertex < len(obj.data.vertices):
+            self.report({"ERROR"}, told("There is no such vertex on the body."))
+            return {"CANCELLED"}
+        name = "" if self.limb == "other" else self.limb
+        try:
+            fix_point(objects, obj, self.vertex, name)
+            if self.mirror and mate_of(name) != name:
+                there = mirrored_vertex(objects, Picked(obj, self.vertex))
+                if there is None:
+                    self.report({"WARNING"}, told("The body is not symmetric there: only this side was set."))
+                else:
+                    fix_point(objects, *there, mate_of(name))
+        except CanonicalFormError as error:
+            self.report({"ERROR"}, explained(error))
+            return {"CANCELLED"}
+        self.vertex = -1  # the next press waits for a click
+        _redraw(context)
+        return {"FINISHED"}
+
+    @property
+    def _told(self) -> str:
+        return told_limb("" if self.limb == "other" else self.limb)
+
+
+class OBJECT_OT_canonical_form_points(bpy.types.Operator):
+    """Change the ends of the limbs that were fixed by hand"""  # noqa: D400 (Blender's tooltip)
+
+    bl_idname = "object.canonical_form_points"
+    bl_label = "Change Limbs"
+    bl_translation_context = CONTEXT
+    bl_options = {"REGISTER", "UNDO"}
+
+    how: EnumProperty(  # type: ignore[valid-type]
+        name="How",
+        translation_context=CONTEXT,
+        items=(
+            ("SWAP", "Swap Left and Right", _DESCRIPTIONS["SWAP"]),
+            ("FORGET", "Find by Itself", _DESCRIPTIONS["FORGET"]),
+            ("REMOVE", "Remove", _DESCRIPTIONS["REMOVE"]),
+        ),
+    )
+    owner: StringProperty(name="Object", translation_context=CONTEXT, description="Object that has the vertex")  # type: ignore[valid-type]
+    vertex: IntProperty(name="Vertex", translation_context=CONTEXT, description="Vertex of the point", default=-1)  # type: ignore[valid-type]
+
+    @classmethod
+    def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
+        """Return the tooltip of the button."""
+        return told(_DESCRIPTIONS[properties.how])
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Disable the button, with a reason, if the active object cannot be used."""
+        return allowed(cls, JobOperator.busy() or refusal(meant_object(context)))
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Change the points."""
+        objects = meant_meshes(context)
+        try:
+            if self.how == "SWAP":
+                swap_sides(objects)
+            elif self.how == "FORGET":
+                forget_points(objects)
+            else:
+                obj = bpy.data.objects.get(self.owner)
+                if obj not in objects:
+                    self.report({"ERROR"}, told("There is no such vertex on the body."))
+                    return {"CANCELLED"}
+                remove_point(objects, obj, self.vertex)
+        except CanonicalFormError as error:
+            self.report({"ERROR"}, explained(error))
+            return {"CANCELLED"}
+        _redraw(context)
+        return {"FINISHED"}
+
+
+def _is_over_view(context: bpy.types.Context, event: bpy.types.Event) -> bool:
+    """Return whether the mouse is over the view itself, and not over what lies on it."""
+    return _view_under(context, event) is not None
+
+
+def _view_under(
+    context: bpy.types.Context, event: bpy.types.Event
+) -> tuple[bpy.types.Region, bpy.types.RegionView3D] | None:
+    """Find the view under the mouse."""
+    for area in context.window.screen.areas:
+        if area.type != "VIEW_3D":
+            continue
+        over = [
+            region
+            for region in area.regions
+            if 0 <= event.mouse_x - region.x < region.width and 0 <= event.mouse_y - region.y < region.height
+        ]
+        if [region.type for region in over] == ["WINDOW"]:
+            return over[0], area.spaces.active.region_3d
+    return None
+
+
+def _under_mouse(context: bpy.types.Context, event: bpy.types.Event) -> Picked | None:
+    """Find the vertex of the body under the mouse."""
+    from bpy_extras.view3d_utils import region_2d_to_origin_3d, region_2d_to_vector_3d
+
+    view = _view_under(context, event)
+    if view is None:
+        return None
+    region, view_3d = view
+    at = (event.mouse_x - region.x, event.mouse_y - region.y)
+    origin = region_2d_to_origin_3d(region, view_3d, at)
+    return picked(context, meant_meshes(context), origin, region_2d_to_vector_3d(region, view_3d, at))
+
+
+def _redraw(context: bpy.types.Context) -> None:
+    """Show the dots where they are now."""
+    redraw_sidebars(context)
+    for window in context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                area.tag_redraw()
+
+
+CLASSES = (OBJECT_OT_canonical_form_fix_point, OBJECT_OT_canonical_form_points)
+
+register, unregister = bpy.utils.register_classes_factory(CLASSES)
