@@ -52,9 +52,9 @@ class CanonicalFormChoices(
     """The choices made in the panel for an object."""
 
     mesh: EnumProperty(  # type: ignore[valid-type]
-        name="Pose",
+        name="Mesh",
         translation_context=CONTEXT,
-        description="Which shape of the mesh is used",
+        description="Mesh that the form is computed from",
         items=(
             ("AUTO", "By Itself", "As shown where a rig, shape keys or modifiers move the mesh, else the base mesh"),
             ("BASE", "Base Mesh", "The mesh itself: its Basis, without modifiers"),

@@ -292,11 +292,7 @@ def _told_result(report: "FormReport", seconds: float) -> str:
             return told("{key}: by the bones of its rig, {seconds:.1f} s.", key=report.like.key, seconds=report.seconds)
         return told("{key}: {confidence:.0%} match confidence, {seconds:.1f} s.", key=report.like.key,
                     confidence=report.like.confidence, seconds=report.seconds)  # fmt: skip
-    points = counted_points(len(report.feature_points))
-    if report.has_form and report.pair_reduction > 0:
-        return told("{points}, {seconds:.1f} s, {saved:.1%} of the pairs saved.", points=points,
-                    seconds=seconds, saved=report.pair_reduction)  # fmt: skip
-    return told("{points}, {seconds:.1f} s.", points=points, seconds=seconds)
+    return told("{points}, {seconds:.1f} s.", points=counted_points(len(report.feature_points)), seconds=seconds)
 
 
 CLASSES = (OBJECT_OT_canonical_form, OBJECT_OT_canonical_form_clear)

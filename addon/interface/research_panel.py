@@ -11,7 +11,7 @@ from ..core.method_api.registry import OURS
 from .choices import CanonicalFormChoices, choices_of, hand_over
 from .operators import OBJECT_OT_canonical_form
 from .properties import METHOD_NAMES, chosen_value
-from .sidebar import Tab, record_of
+from .sidebar import Tab, draw_sentence, record_of
 from .tool_operators import OBJECT_OT_canonical_form_choose
 
 _ELSEWHERE = ("quality", "preserve_detail", "orientation", "prominence", "feature_count", "contacts")
@@ -45,8 +45,12 @@ class VIEW3D_PT_canonical_form_research(Tab, bpy.types.Panel):
     def draw(self, context: bpy.types.Context) -> None:
         """Draw the figures of the last run."""
         record, column = record_of(context), self.layout.column(align=True)
-        for line in figures_of(record) if record is not None else []:
+        if record is None:
+            return
+        for line in figures_of(record):
             column.label(text=line)
+        for note in record.report.notes:
+            draw_sentence(column, context, note, "INFO")
 
 
 class VIEW3D_PT_canonical_form_features(Tab, bpy.types.Panel):

@@ -79,7 +79,7 @@ def _draw_verdict(
 ) -> None:
     """Say whether the result looks right, and draw the buttons that mend it."""
     report, like = record.report, record.report.like
-    warnings = list(report.warnings)
+    warnings = report.doubts
     unsure = [] if like is None else least_sure(like.bones)
     if like is not None and like.source == "match" and like.confidence < _SURE:
         unsure.append(told("The bodies are hardly alike: check the pose"))

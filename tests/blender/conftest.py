@@ -228,7 +228,7 @@ class Layout:
         self.lines = lines
 
     def prop(self, owner, name, **options):
-        assert owner.path_resolve(name) is not None
+        assert name.startswith("[") or name in owner.bl_rna.properties
         self.lines.append(options.get("text", name))
 
     def prop_search(self, owner, name, source, collection, **_):
@@ -262,7 +262,7 @@ class Layout:
     def column(self, **_):
         return self
 
-    row = box = column
+    row = box = grid_flow = column
 
 
 def drawn(panel):

@@ -52,7 +52,7 @@ for menu in MENUS:
     getattr(bpy.types, menu)._dyn_ui_initialize()
 before = lasting()
 bpy.ops.extensions.package_install_files(filepath=zip_path, repo="user_default", enable_on_install=True)
-assert hasattr(bpy.types.Scene, "canonical_form")
+assert hasattr(bpy.types.Object, "canonical_form")
 assert not any(module.startswith("scipy") for module in sys.modules), "scipy is imported on first use"
 if mesh_path:
     bpy.ops.wm.obj_import(filepath=mesh_path)
@@ -90,7 +90,7 @@ enabling = time.perf_counter() - began
 extension.unregister()
 assert lasting() == before
 addon_utils.enable(name, default_set=True)
-assert hasattr(bpy.types.Scene, "canonical_form")
+assert hasattr(bpy.types.Object, "canonical_form")
 repositories = [each.module for each in bpy.context.preferences.extensions.repos]
 bpy.ops.extensions.package_uninstall(repo_index=repositories.index("user_default"), pkg_id="canonical_form")
 assert not hasattr(bpy.types.Scene, "canonical_form")

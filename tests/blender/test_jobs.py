@@ -13,7 +13,7 @@ from addon.blender.jobs.job import Job
 from addon.blender.jobs.request import Request
 from addon.blender.results.variants import VariantTask
 from addon.core import CancelledError, CanonicalFormError, Settings
-from addon.interface import panels
+from addon.interface import main_panel
 from addon.interface.job_operator import OBJECT_OT_canonical_form_cancel
 from addon.interface.limb_operators import OBJECT_OT_canonical_form_in_betweens
 from addon.interface.operators import _summary
@@ -192,7 +192,7 @@ def test_the_panel_shows_the_job_and_greys_the_buttons(figure_object):
     cancel.job = Job(work)
     try:
         sleep(0.2)
-        assert "42%  Embedding" in drawn(panels.VIEW3D_PT_canonical_form)
+        assert "42%  Embedding" in drawn(main_panel.VIEW3D_PT_canonical_form)
         for name in ("canonical_form", "canonical_form_distance", "canonical_form_choose"):
             with pytest.raises(RuntimeError, match="under way"):
                 getattr(bpy.ops.object, name)()
@@ -202,7 +202,7 @@ def test_the_panel_shows_the_job_and_greys_the_buttons(figure_object):
         release.set()
         ended(cancel.job)
         cancel.job = None
-    assert "Compute" in drawn(panels.VIEW3D_PT_canonical_form)
+    assert "Compute" in drawn(main_panel.VIEW3D_PT_canonical_form)
 
 
 def test_unregistering_stops_the_job(blender):

@@ -12,7 +12,7 @@ from addon.blender.records.record import require_record
 from addon.blender.results.in_betweens import PROPERTY
 from addon.blender.results.limb_states import limbs_of
 from addon.core import limb_shapes
-from addon.interface import panels
+from addon.interface import result_panel
 from tests.blender.conftest import QUICK, Layout, drawn, flat, snapshot
 from tests.blender.test_tools import bent
 
@@ -196,13 +196,13 @@ def test_a_swatch_recolours_its_patch(formed):
 def test_the_list_and_the_slider_are_drawn(formed):
     lines: list[str] = []
     data = formed.data
-    draw: Any = panels.VIEW3D_UL_canonical_form_patches.draw_item
+    draw: Any = result_panel.VIEW3D_UL_canonical_form_patches.draw_item
     draw(None, bpy.context, Layout(lines), data, data.canonical_form_patches[0], "NONE", data, "canonical_form_patch")
-    assert lines == ["", f"Patch 1  ({require_record(data).report.patch_sizes[0]:,})", "", ""]
+    assert lines == ["", "Head", "", ""]
     bpy.ops.object.canonical_form_limb(patch=1)
-    assert "All Limbs" in drawn(panels.VIEW3D_PT_canonical_form_patches)
+    assert "All Limbs" in drawn(result_panel.VIEW3D_PT_canonical_form_limbs)
     bpy.ops.object.canonical_form_in_betweens(count=1)
-    assert drawn(panels.VIEW3D_PT_canonical_form_result)[0] == "Pose to Form"
+    assert drawn(result_panel.VIEW3D_PT_canonical_form_result)[0] == "Pose to Form"
 
 
 def test_warnings_of_variants_are_reported(formed, monkeypatch, capfd):
@@ -222,9 +222,9 @@ def test_warnings_of_variants_are_reported(formed, monkeypatch, capfd):
 def test_in_betweens_of_which_one_was_renamed_can_be_removed_anyway(formed, name):
     bpy.ops.object.canonical_form_in_betweens(count=2)
     keys = formed.data.shape_keys
-    assert "Remove Anyway" not in drawn(panels.VIEW3D_PT_canonical_form_result)
+    assert "Remove Anyway" not in drawn(result_panel.VIEW3D_PT_canonical_form_result)
     keys.key_blocks[name].name = "Mine"
-    assert "Remove Anyway" in drawn(panels.VIEW3D_PT_canonical_form_result)
+    assert "Remove Anyway" in drawn(result_panel.VIEW3D_PT_canonical_form_result)
     keys.key_blocks["Canonical Form 67%"].data[0].co.x += 1
     keys[PROPERTY] = 0.75
     bpy.context.view_layer.update()
@@ -291,5 +291,5 @@ def test_another_number_of_in_betweens_takes_the_place_of_the_first(formed):
         record = require_record(formed.data)
         names.append(record.in_between_keys)
         assert len(record.in_between_keys) == count
-        assert "In-betweens" in drawn(panels.VIEW3D_PT_canonical_form_result)
+        assert "In-betweens" in drawn(result_panel.VIEW3D_PT_canonical_form_result)
     assert not set(names[0]) - set(names[1]) & {key.name for key in formed.data.shape_keys.key_blocks}

@@ -16,7 +16,7 @@ from addon.blender.records.record import require_record, write_record
 from addon.blender.results.variants import VariantTask
 from addon.core import KeptStages, Settings
 from addon.core.posing.articulation import WORKED_ON
-from addon.interface import panels
+from addon.interface import main_panel
 from addon.interface.job_operator import OBJECT_OT_canonical_form_cancel, kept_stages
 from addon.interface.live_update import LiveUpdate, OBJECT_OT_canonical_form_live
 from tests.blender.conftest import QUICK, add_object, drawn, snapshot
@@ -26,7 +26,7 @@ from tests.meshes import shapes
 @pytest.fixture
 def chosen(figure_object):
     """The choices in the panel, quick ones."""
-    properties = bpy.context.scene.canonical_form
+    properties = bpy.context.object.canonical_form
     for name, value in QUICK.items():
         setattr(properties, name, value)
     return properties
@@ -87,7 +87,8 @@ def test_a_form_that_is_there_stays_until_an_option_changes(figure_object, chose
     bpy.context.view_layer.objects.active = other
     settle(live)
     assert other.data.shape_keys is None
-    chosen.preserve_detail = 0.75
+    chosen.preserve_detail = 0.75  # of the first object
+    other.canonical_form.preserve_detail = 0.75
     settle(live)
     assert snapshot(figure_object) == before
     assert other.data.shape_keys is not None
@@ -149,7 +150,7 @@ def test_the_button_starts_and_stops_it(figure_object, chosen, monkeypatch):
     assert kind.execute(button, bpy.context) == {"FINISHED"}
     live = kind.running()
     assert live is not None
-    assert any("Live" in line for line in drawn(panels.VIEW3D_PT_canonical_form))
+    assert any("Live" in line for line in drawn(main_panel.VIEW3D_PT_canonical_form))
     settle(live)
     timer = kind.timer
     assert kind.execute(button, bpy.context) == {"FINISHED"}
@@ -308,7 +309,7 @@ def test_what_is_kept_is_of_the_objects_last_worked_on(figure_object, monkeypatc
 
 
 def test_several_objects_follow_as_one_body(character):
-    properties = bpy.context.scene.canonical_form
+    properties = bpy.context.object.canonical_form
     for name, value in QUICK.items():
         setattr(properties, name, value)
     bpy.ops.object.canonical_form(objects="TOUCHING", **QUICK)

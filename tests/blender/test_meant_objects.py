@@ -6,6 +6,7 @@ import pytest
 
 from addon.blender.jobs.meant_objects import meant_object, meant_objects
 from addon.blender.results.new_objects import make_active
+from addon.interface.operators import takes_shown
 from tests.meshes import shapes
 
 from .conftest import add_object, drawn
@@ -64,11 +65,56 @@ def test_an_empty_or_nothing_active_is_refused_with_a_reason(rigged):
     assert not bpy.ops.object.canonical_form.poll()
 
 
-def test_the_pose_as_shown_is_offered_where_an_armature_moves_the_mesh(rigged):
+def test_what_is_shown_is_taken_by_itself_where_an_armature_poses_the_mesh(rigged):
+    rig, obj, _ = rigged
     panel = bpy.types.VIEW3D_PT_canonical_form
-    assert "Take the Pose as Shown" in drawn(panel)
-    bpy.context.scene.canonical_form.mesh = "SHOWN"
-    assert "Take the Pose as Shown" not in drawn(panel)
+    assert "As modelled" in drawn(panel)
+    bpy.ops.object.mode_set(mode="EDIT")
+    rig.data.edit_bones.new("Bone").tail = (0.0, 0.0, 1.0)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert "As modelled" in drawn(panel)
+    rig.pose.bones["Bone"].location.x = 0.3
+    bpy.context.view_layer.update()
+    assert f"Posed by {rig.name}, frame 1" in drawn(panel)
+    assert takes_shown("AUTO", [obj])
+    obj.canonical_form.mesh = "BASE"
+    assert "As modelled: the pose is not used" in drawn(panel)
+    rig.data.pose_position = "REST"
+    assert not takes_shown("AUTO", [obj])
+
+
+def test_keys_and_modifiers_are_taken_as_shown_too(figure_object):
+    assert not takes_shown("AUTO", [figure_object])
+    figure_object.shape_key_add(name="Basis")
+    smile = figure_object.shape_key_add(name="Smile")
+    smile.data[0].co.x += 1
+    smile.value = 0
+    assert not takes_shown("AUTO", [figure_object])
+    smile.value = 0.5
+    assert takes_shown("AUTO", [figure_object])
+    smile.mute = True
+    assert not takes_shown("AUTO", [figure_object])
+    figure_object.modifiers.new("Finer", "SUBSURF")
+    figure_object.modifiers.new("Mirror", "MIRROR")
+    assert not takes_shown("AUTO", [figure_object])  # they change no pose
+    figure_object.modifiers.new("Bend", "SIMPLE_DEFORM")
+    assert takes_shown("AUTO", [figure_object])
+
+
+def test_a_form_of_ours_is_no_pose(figure_object):
+    bpy.ops.object.canonical_form(quality="draft", mesh="AUTO")
+    assert figure_object.data.shape_keys.key_blocks["Canonical Form"].value == 1
+    assert not takes_shown("AUTO", [figure_object])
+
+
+def test_what_hangs_on_the_active_empty_is_meant(figure_object):
+    root = bpy.data.objects.new("Root", None)
+    bpy.context.scene.collection.objects.link(root)
+    figure_object.parent = root
+    figure_object.select_set(False)
+    bpy.context.view_layer.objects.active = root
+    bpy.context.view_layer.update()
+    assert meant_objects(bpy.context) == [figure_object]
 
 
 def test_many_warnings_are_folded_under_their_number(figure_object):
@@ -95,7 +141,7 @@ def test_the_form_as_shown_tells_its_frame_and_offers_another_run(figure_object)
     scene, panel = bpy.context.scene, bpy.types.VIEW3D_PT_canonical_form_result
     scene.frame_set(3)
     bpy.ops.object.canonical_form(quality="draft", mesh="SHOWN")
-    assert "The pose of frame 3" in drawn(panel)
+    assert "Of frame 3" in drawn(panel)
     assert "Again at 3" not in drawn(panel)
     scene.frame_set(5)
     assert "Again at 5" in drawn(panel)

@@ -122,7 +122,7 @@ def test_other_mirrors_are_warned_about(half, change):
 
 def test_labels_are_on_the_form(half):
     run()
-    labels = feature_labels(half, bpy.context.evaluated_depsgraph_get())
+    labels = feature_labels([half], bpy.context.evaluated_depsgraph_get())
     shown = read_evaluated(half)[0]
     assert len(labels) == len(require_record(half.data).report.feature_points)
     for place, _, _ in labels:

@@ -7,7 +7,7 @@ import pytest
 from addon.blender.objects.mesh_reading import read_mesh
 from addon.blender.records.record import read_record, require_record
 from addon.core import Settings, canonical_form
-from addon.interface import panels
+from addon.interface import main_panel, panels, research_panel, result_panel
 from addon.interface.properties import METHOD_NAMES, settings_of
 from tests.blender.conftest import QUICK, add_object, drawn, flat, snapshot
 
@@ -189,7 +189,7 @@ def test_a_mesh_edited_through_another_object_is_refused(figure_object):
 def test_a_property_of_the_users_with_our_name_is_not_taken_for_a_record(figure_object):
     figure_object.data["canonical_form_record"] = "yes"
     assert read_record(figure_object.data) is None
-    assert drawn(panels.VIEW3D_PT_canonical_form_result) == []
+    assert drawn(result_panel.VIEW3D_PT_canonical_form_result) == []
 
 
 @pytest.mark.parametrize("mode", ["EDIT", "SCULPT", "WEIGHT_PAINT", "VERTEX_PAINT"])
@@ -325,22 +325,22 @@ def test_a_stretched_object_is_warned_about(figure_object):
 
 @pytest.mark.parametrize(("method", "label"), [("classical", "Classical MDS"), ("skeleton", "Skeleton")])
 def test_a_rival_writes_what_the_method_writes(figure_object, method, label):
-    chosen = bpy.context.scene.canonical_form
+    chosen = bpy.context.object.canonical_form
     chosen.method = method
-    assert "method" in drawn(panels.VIEW3D_PT_canonical_form)
+    assert "method" in drawn(main_panel.VIEW3D_PT_canonical_form)
     bpy.ops.object.canonical_form(method=method)
     record = require_record(figure_object.data)
     assert record.report.method == method
     assert len(record.report.feature_points) == 5
     assert figure_object.data.shape_keys.key_blocks["Canonical Form"].value == 1.0
-    assert f"Method: {label}" in drawn(panels.VIEW3D_PT_canonical_form_result)
+    assert f"Method: {label}" in drawn(research_panel.VIEW3D_PT_canonical_form_research)
     bpy.ops.object.canonical_form_clear()
     assert figure_object.data.shape_keys is None
     chosen.property_unset("method")
 
 
-def test_properties_mirror_the_settings(blender):
-    chosen = settings_of(bpy.context.scene.canonical_form)
+def test_properties_mirror_the_settings(figure_object):
+    chosen = settings_of(bpy.context.object.canonical_form)
     options = {name: value for name, value in vars(Settings()).items() if name not in ("part_here", "keep_joined")}
     for name, value in options.items():  # marks are on meshes
         assert getattr(chosen, name) == (pytest.approx(value) if isinstance(value, float) else value), name
@@ -348,23 +348,30 @@ def test_properties_mirror_the_settings(blender):
 
 
 def test_the_panel_shows_what_was_found(figure_object):
-    announced = f"{len(figure_object.data.vertices):,} vertices, about 0.1 GB, 1 s"
-    assert drawn(panels.VIEW3D_PT_canonical_form) == [
-        "Compute", "", "quality", "preserve_detail", "mesh", "result", "orientation", "reference", announced,
-    ]  # fmt: skip
-    assert drawn(panels.VIEW3D_PT_canonical_form_result) == []
-    assert drawn(panels.VIEW3D_PT_canonical_form_patches) == []
+    main, result = main_panel.VIEW3D_PT_canonical_form, result_panel.VIEW3D_PT_canonical_form_result
+    limbs = ["Head", "Left Hand", "Right Hand", "Left Foot", "Right Foot"]
+    wishes = ["T-Pose", "A-Pose", "Rig", "Straighten", "", "", "Pose Like"]
+    body = ["Body", "Find the Limbs", *limbs, "Add", "Swap L/R", "Undo All"]
+    options = ["Options", "mesh", "result", "quality", "preserve_detail", "orientation", "reference", "anyway"]
+    assert drawn(main) == ["Figure", "As modelled", *body, *wishes, *options, "show_points"]
+    assert drawn(result) == drawn(result_panel.VIEW3D_PT_canonical_form_limbs) == []
     compute()
-    lines = drawn(panels.VIEW3D_PT_canonical_form_result)
+    lines = drawn(result)
     assert lines[0] == "Pose to Form"
-    assert any("feature points and patches" in line for line in lines)
-    assert lines[-1] == "Clear"
-    assert drawn(panels.VIEW3D_PT_canonical_form_patches) == ["canonical_form_patches", "All Limbs"]
-    assert lines[-2] == "show_points"
-    shown = [name for panel in panels.CLASSES[1:] for name in drawn(panel)]
+    assert lines[-2:] == ["New Object", "Clear"]
+    assert "Find the Limbs" not in drawn(main)
+    assert any("feature points and patches" in line for line in drawn(research_panel.VIEW3D_PT_canonical_form_research))
+    assert drawn(result_panel.VIEW3D_PT_canonical_form_limbs) == ["canonical_form_patches", "All Limbs"]
+    shown = [name for panel in panels.CLASSES if issubclass(panel, bpy.types.Panel) for name in drawn(panel)]
     assert set(METHOD_NAMES) - set(shown) == set()
-    bpy.context.scene.canonical_form.feature_source = "GROUP"
-    assert "feature_group" in drawn(panels.VIEW3D_PT_canonical_form_features)
+    bpy.context.object.canonical_form.feature_source = "GROUP"
+    assert "feature_group" in drawn(research_panel.VIEW3D_PT_canonical_form_features)
+
+
+def test_nothing_meant_is_asked_for(blender):
+    assert drawn(main_panel.VIEW3D_PT_canonical_form) == ["Select a mesh, or the armature that moves", "it."]
+    others = [panel for panel in panels.CLASSES[1:] if issubclass(panel, bpy.types.Panel)]
+    assert all(drawn(panel) == [] for panel in others)
 
 
 def test_on_a_cube_the_panel_counts_one_point_and_shows_no_negative_share(blender, capfd):
@@ -373,12 +380,12 @@ def test_on_a_cube_the_panel_counts_one_point_and_shows_no_negative_share(blende
     record = require_record(bpy.context.object.data)
     assert record.report.pair_reduction < 0
     assert len(record.report.feature_points) == 1
-    lines = drawn(panels.VIEW3D_PT_canonical_form_result)
+    lines = drawn(research_panel.VIEW3D_PT_canonical_form_research)
     assert any(line.startswith("1 feature point and patch,") for line in lines)
-    assert not any("pairs saved" in line for line in lines)
+    assert not any("saved" in line for line in lines)
     told = capfd.readouterr().out
     assert "1 feature point," in told
-    assert "pairs saved" not in told
+    assert "saved" not in told
 
 
 def test_the_record_is_json(figure_object):
@@ -392,7 +399,7 @@ def test_unregistering_leaves_nothing_behind(blender):
     import addon
 
     addon.unregister()
-    assert not hasattr(bpy.types.Scene, "canonical_form")
+    assert not hasattr(bpy.types.Object, "canonical_form")
     assert not hasattr(bpy.types, "OBJECT_OT_canonical_form")
     assert not hasattr(bpy.types, "VIEW3D_PT_canonical_form")
     addon.register()

@@ -76,11 +76,11 @@ def test_a_reference_without_a_form_is_refused_in_a_sentence(figure_object, arra
 
 
 def test_the_panel_offers_orientation_and_reference(figure_object):
-    chosen = bpy.context.scene.canonical_form
+    chosen = bpy.context.object.canonical_form
     assert [each.identifier for each in chosen.bl_rna.properties["orientation"].enum_items] == [
         "posed", "upright", "two_legs", "all_fours",
     ]  # fmt: skip
-    assert chosen.reference == ""
+    assert chosen.reference is None
 
 
 def test_a_mirrored_base_mesh_is_refused_and_can_be_taken_as_shown(figure_object):

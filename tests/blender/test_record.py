@@ -13,8 +13,9 @@ from addon.blender.records.distance_record import DISTANCES_PROPERTY, read_dista
 from addon.blender.records.record import RECORD_PROPERTY, Record, read_record, require_record
 from addon.blender.records.transfer_record import TRANSFERS_PROPERTY, read_transfers
 from addon.interface import panels
+from addon.interface.choices import hand_over
 from addon.interface.overlay import feature_labels
-from addon.interface.properties import chosen_value, hand_over, settings_of
+from addon.interface.properties import chosen_value, settings_of
 from tests.blender.conftest import QUICK, drawn
 from tests.blender.test_tools import select
 
@@ -235,10 +236,11 @@ def test_clearing_by_a_spoilt_record_keeps_what_is_the_users(painted_object, tmp
 
 
 def test_a_choice_that_this_version_has_not_is_the_default(figure_object):
-    scene = bpy.context.scene
-    chosen, names = scene.canonical_form, ("method", "quality", "pieces", "mesh", "distance", "orientation")
+    obj = bpy.context.object
+    chosen, names = obj.canonical_form, ("method", "quality", "pieces", "mesh", "distance", "orientation")
+    chosen.isolines = 3  # so that there is something stored
     known = {name: getattr(chosen, name) for name in names}
-    stored = scene.bl_system_properties_get(do_create=True) if hasattr(scene, "bl_system_properties_get") else scene
+    stored = obj.bl_system_properties_get(do_create=True) if hasattr(obj, "bl_system_properties_get") else obj
     for name in names:
         stored["canonical_form"][name] = 99
     assert [getattr(chosen, name) for name in names] == [""] * len(names)

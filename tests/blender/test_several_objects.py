@@ -10,8 +10,9 @@ from addon.blender.objects.mesh_reading import read_evaluated, read_mesh
 from addon.blender.records.record import require_record
 from addon.blender.results.companions import companions_of
 from addon.blender.results.in_betweens import PROPERTY
+from addon.blender.words.limb_words import told_limb
 from addon.core import Settings, canonical_form
-from addon.interface import panels
+from addon.interface import main_panel, result_panel
 from addon.interface.overlay import feature_labels
 from tests.meshes import shapes
 
@@ -284,11 +285,12 @@ def test_patches_alone_are_found_on_all(character):
 def test_the_panel_and_the_labels_show_the_body(character):
     run()
     bpy.context.view_layer.objects.active = character["eye"]
-    lines = drawn(panels.VIEW3D_PT_canonical_form_result)
-    assert any("5 objects are one body" in str(line) for line in lines)
-    labels = feature_labels(character["eye"], bpy.context.evaluated_depsgraph_get())
-    count = len(require_record(character["eye"].data).report.feature_points)
-    assert sorted(int(label) for _, _, label in labels) == list(range(1, count + 1))
+    assert drawn(main_panel.VIEW3D_PT_canonical_form)[0] == "eye and 4 more"
+    labels = feature_labels([*character.values()], bpy.context.evaluated_depsgraph_get())
+    names = require_record(character["eye"].data).report.feature_names
+    assert sorted(label for _, _, label in labels) == sorted(
+        told_limb(name) if name else str(number) for number, name in enumerate(names, start=1)
+    )
 
 
 @pytest.mark.parametrize("purged", [False, True])
@@ -300,10 +302,10 @@ def test_without_the_slider_the_others_are_told_and_led_by_another(character, pu
         bpy.data.meshes.remove(mesh)
     bpy.context.view_layer.objects.active = character["head"]
     assert set(companions_of(character["head"])) == set(character.values())
-    assert "Its slider is gone. Compute again" in drawn(panels.VIEW3D_PT_canonical_form_result)
+    assert "Its slider is gone. Compute again" in drawn(result_panel.VIEW3D_PT_canonical_form_result)
     run(objects="TOGETHER")
     assert companions_of(character["eye"])[0] == character["head"]
-    assert "Its slider is gone. Compute again" not in drawn(panels.VIEW3D_PT_canonical_form_result)
+    assert "Its slider is gone. Compute again" not in drawn(result_panel.VIEW3D_PT_canonical_form_result)
     key_of(character["head"]).value = 0.5
     bpy.context.view_layer.update()
     assert key_of(character["eye"]).value == pytest.approx(0.5)

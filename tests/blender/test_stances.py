@@ -9,7 +9,7 @@ import pytest
 from addon.blender.records.form_report import FormReport
 from addon.blender.records.record import require_record
 from addon.core import Skeleton
-from addon.interface import panels
+from addon.interface import research_panel
 from tests.blender.characters import activate
 from tests.blender.conftest import QUICK, add_object, drawn
 from tests.blender.test_rest_reading import a_rig
@@ -109,7 +109,7 @@ def test_arms_are_level_and_legs_straight_and_the_rig_stays(character_rig, mesh)
     assert report.like.source == "bones"
     assert [group.name for group in obj.vertex_groups] == skeleton.names
     assert not obj.data.color_attributes
-    assert any("bones of its rig" in text for text in drawn(panels.VIEW3D_PT_canonical_form_result))
+    assert any("bones of its rig" in text for text in drawn(research_panel.VIEW3D_PT_canonical_form_research))
 
 
 def test_objects_on_bones_and_in_groups_stand_as_one(character_rig):

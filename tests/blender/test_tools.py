@@ -9,7 +9,7 @@ from addon.blender.records.record import require_record
 from addon.core import Settings, canonical_form
 from addon.core.distance_fields import distance_field
 from addon.core.distances.kinds import KINDS
-from addon.interface import panels
+from addon.interface import result_panel
 from addon.interface.limb_operators import select_vertices
 from tests.blender.conftest import QUICK, add_object, drawn, flat, snapshot
 
@@ -30,7 +30,7 @@ def test_feature_points_by_hand(figure_object, mode):
     select(obj, {5, 100, 300})
     bpy.ops.object.mode_set(mode=mode)
     assert choose(how="SET") == {"FINISHED"}
-    chosen = bpy.context.scene.canonical_form
+    chosen = bpy.context.object.canonical_form
     assert (chosen.feature_source, chosen.feature_group) == ("GROUP", "Chosen Feature Points")
     assert obj.mode == mode
     bpy.ops.object.mode_set(mode="OBJECT")
@@ -73,12 +73,12 @@ def test_detect_only_and_patches_only(figure_object):
     bpy.ops.object.canonical_form(step="FEATURES")
     assert [group.name for group in figure_object.vertex_groups] == ["Feature Points"]
     assert [each.name for each in figure_object.data.color_attributes] == ["Auto Diffusion Function"]
-    assert len(drawn(panels.VIEW3D_PT_canonical_form_result)) > 1
-    assert drawn(panels.VIEW3D_PT_canonical_form_patches) == []
+    assert len(drawn(result_panel.VIEW3D_PT_canonical_form_result)) > 1
+    assert drawn(result_panel.VIEW3D_PT_canonical_form_limbs) == []
     bpy.ops.object.canonical_form(step="PATCHES")
     assert len(figure_object.vertex_groups) == 6
     assert figure_object.data.shape_keys is None
-    assert "canonical_form_patches" in drawn(panels.VIEW3D_PT_canonical_form_patches)
+    assert "canonical_form_patches" in drawn(result_panel.VIEW3D_PT_canonical_form_limbs)
     found = require_record(figure_object.data).report.feature_points
     bpy.ops.object.canonical_form(**QUICK)
     bpy.ops.object.canonical_form(step="PATCHES")  # removes the form again
@@ -273,6 +273,6 @@ def test_too_little_memory_is_reported(figure_object, monkeypatch):
 
 def test_the_memory_limit_holds_for_distances_too(figure_object):
     select(figure_object, {10})
-    bpy.context.scene.canonical_form.memory_limit = 0.051
+    bpy.context.object.canonical_form.memory_limit = 0.051
     with pytest.raises(RuntimeError, match=r"more than the limit of 0\.051 GB. Fast marching"):
         bpy.ops.object.canonical_form_distance(kind="heat")

@@ -11,7 +11,7 @@ from addon.blender.records.transfer_record import TRANSFERS_PROPERTY, read_trans
 from addon.blender.transfer.transfer_reading import read_source
 from addon.core import CanonicalFormError
 from addon.interface import panels
-from addon.interface.pose_panel import VIEW3D_PT_canonical_form_pose_like
+from addon.interface.rig_panel import VIEW3D_PT_canonical_form_rig
 from tests.blender.conftest import QUICK, add_object, drawn, snapshot
 from tests.blender.test_limbs import keys_of, points_of
 from tests.meshes import shapes
@@ -309,12 +309,11 @@ def test_a_property_of_that_name_of_the_users_own_is_none_of_ours(pair):
 
 
 def test_the_panel_offers_what_can_be_taken_over(pair):
-    bpy.context.scene.canonical_form.like = "Base"
-    shown = drawn(VIEW3D_PT_canonical_form_pose_like)
+    bpy.context.object.canonical_form.like = bpy.data.objects["Base"]
+    shown = drawn(VIEW3D_PT_canonical_form_rig)
     flags = [f"transfer_{kind}" for kind in ("groups", "uvs", "colours", "keys", "materials")]
-    assert shown[:-1] == ["like", "Pose Like", "T-Pose", "A-Pose", "anyway", *flags, "object.canonical_form_transfer"]
-    assert shown[-1].startswith("A match: about 0.1 GB, ")
-    assert VIEW3D_PT_canonical_form_pose_like in panels.CLASSES
+    assert shown[-7:] == ["From", *flags, "object.canonical_form_transfer"]
+    assert VIEW3D_PT_canonical_form_rig in panels.CLASSES
 
 
 def test_an_object_that_its_transform_mirrors_takes_over_too(pair, small):

@@ -39,7 +39,7 @@ def test_blender_is_handed_every_language():
     assert sorted(found) == [path.stem for path in sorted(LANGUAGES.glob("*.json"))]
     assert {"de_DE", "fr_FR"} <= set(found)
     for words in found.values():
-        assert words["Canonical Form", "Compute"] != "Compute"
+        assert words["Canonical Form", "Straighten"] != "Straighten"
 
 
 def test_only_tooltips_are_known_without_our_context():
@@ -47,7 +47,7 @@ def test_only_tooltips_are_known_without_our_context():
     for words in catalogues().values():
         tooltips = {english for context, english in words if context == "*"}
         assert "Mesh that the form is computed from" in tooltips
-        assert tooltips.isdisjoint({"Compute", "Weights", "Keys", "Clear", "Materials", "Patch", "Value", "Mesh"})
+        assert tooltips.isdisjoint({"Straighten", "Weights", "Keys", "Clear", "Materials", "Patch", "Value", "Mesh"})
         labels = [each.bl_label for kind in (bpy.types.Operator, bpy.types.Panel, bpy.types.Menu)
                   for each in kind.__subclasses__() if each.__module__.startswith("addon.")]  # fmt: skip
         assert labels
@@ -72,7 +72,7 @@ def test_every_text_of_the_panels_can_be_translated(figure_object, monkeypatch, 
         bpy.ops.object.canonical_form_limb(patch=1, only=True)
     if state == "in-betweens":
         bpy.ops.object.canonical_form_in_betweens(count=2)
-    chosen = bpy.context.scene.canonical_form
+    chosen = bpy.context.object.canonical_form
     chosen.method = "classical"
     for panel in panels.CLASSES:
         if issubclass(panel, bpy.types.Panel):

@@ -11,7 +11,7 @@ import numpy as np
 from ..mesh_items.palette import Colours, colours_of
 from ..objects.combining import Combined
 from ..objects.mesh_reading import Reading
-from ..objects.object_warnings import warnings_by_object
+from ..objects.object_warnings import NOTES, warnings_by_object
 from ..records.form_report import FormReport, patch_sizes
 from ..results.match_values import MatchValues
 from ..words.wording import listed, told
@@ -166,6 +166,8 @@ def _report(readings: Sequence[Reading], whole: Combined, found: AnyResult, requ
 
     report = FormReport.of(found, whole.vertices, whole.faces, request.settings, hausdorff=request.hausdorff)
     report.warnings = warnings_by_object(found.warnings, readings)
+    kinds = [each.kind for each in found.warnings]
+    report.notes = [told for told, kind in zip(report.warnings, kinds, strict=True) if kind in NOTES]
     if isinstance(found, CanonicalForm | PosedLike) and found.contacts.any():
         report.warnings.append(told("The vertex group Contacts shows where skin was parted."))
     if isinstance(found, FeaturePatches):

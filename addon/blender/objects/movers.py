@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import bpy
 
 from ..records.record import read_record
+from .object_warnings import bending_keys
 
 _DEFORMING = {
     "ARMATURE", "CAST", "CLOTH", "CORRECTIVE_SMOOTH", "CURVE", "DISPLACE", "HOOK", "LAPLACIANDEFORM", "LATTICE",
@@ -53,7 +54,7 @@ def is_moved(obj: bpy.types.Object) -> bool:
     if rig is not None and is_posed(rig):
         return True
     modifiers = [each.type for each in obj.modifiers if each.show_viewport and each.type != "ARMATURE"]
-    return not _DEFORMING.isdisjoint(modifiers) or _has_keys(obj)
+    return not _DEFORMING.isdisjoint(modifiers) or _is_pinned(obj) or bool(bending_keys(obj))
 
 
 def is_posed(rig: bpy.types.Object) -> bool:
@@ -69,7 +70,7 @@ def is_posed(rig: bpy.types.Object) -> bool:
     bool
         True if one of them is.
     """
-    if rig.data.pose_position == "REST":
+    if rig.data.pose_position == "REST" or rig.pose is None:
         return False
     size = max(max(rig.dimensions), 1e-6)
     return any(_lies_elsewhere(bone, size) for bone in rig.pose.bones)
@@ -98,14 +99,10 @@ def is_any_moved(objects: Sequence[bpy.types.Object]) -> bool:
     return any(is_moved(obj) for obj in objects)
 
 
-def _has_keys(obj: bpy.types.Object) -> bool:
-    """Return whether a shape key that is not of an earlier run is switched on."""
+def _is_pinned(obj: bpy.types.Object) -> bool:
+    """Return whether a shape key that is not of an earlier run is shown alone."""
     keys = obj.data.shape_keys
-    if keys is None:
+    if keys is None or not obj.show_only_shape_key or obj.active_shape_key in (None, keys.reference_key):
         return False
     record = read_record(obj.data)
-    own = set() if record is None else {*record.keys, *record.in_between_keys}
-    blocks = [each for each in keys.key_blocks if each != keys.reference_key and each.name not in own]
-    if obj.show_only_shape_key:
-        return obj.active_shape_key in blocks
-    return any(each.value != 0 and not each.mute for each in blocks)
+    return record is None or obj.active_shape_key.name not in {*record.keys, *record.in_between_keys}

@@ -18,6 +18,7 @@ from .mesh_reading import Reading
 from .mirrors import is_followed
 
 _OF_A_MESH = ("repeated_corners", "coincident_borders", "duplicate_faces", "inconsistent_faces", "loose_vertices")
+NOTES = {*_OF_A_MESH, "flat_triangles", "small_pieces_ride", "stray_vertices", "pieces_without_area"}  # no doubts
 _POSED = 1e-3  # change of a bone that poses a mesh: of its axes, and of its place over the size of the armature
 _PUSHED = 0.1  # of the farthest push of a key: where it pushes
 _TURNED = np.radians(25)  # of its part of the surface, above which it pushes the wrong way

@@ -101,6 +101,8 @@ class FormReport:
         The pose that the mesh was put into, if the result is a pose and not a form.
     feature_names : list of str
         What the feature points are, "" for no limb with a name; empty in records of earlier versions.
+    notes : list of str
+        Those of the warnings that make no result doubtful: what was repaired, and what rides on the body.
     """
 
     vertices: int
@@ -119,11 +121,17 @@ class FormReport:
     objects: list[str] = field(default_factory=list)
     like: LikeReport | None = None
     feature_names: list[str] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
 
     @property
     def has_form(self) -> bool:
         """Whether the run computed a canonical form, and not a pose or only patches or feature points."""
         return self.method is not None
+
+    @property
+    def doubts(self) -> list[str]:
+        """The warnings without the notes."""
+        return [each for each in self.warnings if each not in self.notes]
 
     @property
     def seconds(self) -> float:
@@ -248,6 +256,7 @@ class FormReport:
             report.frame = maybe(whole, data.get("frame"))
         report.objects = listed(words, data.get("objects", []))
         report.feature_names = listed(words, data.get("feature_names", []))
+        report.notes = listed(words, data.get("notes", []))
         if report.feature_names and len(report.feature_names) != len(points):
             raise ValueError("There is not one name for every feature point.")
         return report
@@ -282,6 +291,8 @@ class FormReport:
             data["objects"] = self.objects
         if any(self.feature_names):
             data["feature_names"] = self.feature_names
+        if self.notes:
+            data["notes"] = self.notes
         return data | {"timings": self.timings, "warnings": self.warnings}
 
 

@@ -44,8 +44,8 @@ def test_what_a_method_fixes_takes_the_place_of_what_is_wished():
 
 
 def test_every_option_is_of_a_method_or_of_all():
-    of_all = {"method", "quality", "feature_points", "prominence", "feature_count", "diffusion_time", "eigenpairs",
-              "orientation", "contacts", "pieces", "memory_limit"}  # fmt: skip
+    of_all = {"method", "quality", "feature_points", "feature_names", "prominence", "feature_count", "diffusion_time",
+              "eigenpairs", "orientation", "contacts", "pieces", "memory_limit"}  # fmt: skip
     used = {name for each in methods().values() for name in each.uses}
     assert used | of_all | MARKS == {each.name for each in fields(Settings)}
 

@@ -91,7 +91,7 @@ def test_sentences_name_no_menu_and_are_sentences(kind):
 
 def numbers_like_names():
     """Options and arguments that open a sentence as they are spelt in code."""
-    return ("method ", "kind ", "feature_points ", "chosen ", "ways ")
+    return ("method ", "kind ", "feature_points ", "feature_names ", "chosen ", "ways ")
 
 
 def filled(kind):
