@@ -36,8 +36,10 @@ def draw_body(layout: bpy.types.UILayout, context: bpy.types.Context, choices: C
     known = {name for each in points for name in each.names if name}
     nothing = not any(each.vertices for each in points)
     column = box.column(align=True)
-    if nothing and not draw_progress(column, ("FEATURES",)):
-        button = column.operator(OBJECT_OT_canonical_form.bl_idname, text=told("Find the Limbs"), icon="VIEWZOOM")
+    if not draw_progress(column, ("FEATURES",)):
+        part = column.row(align=True)
+        part.enabled = not by_hand
+        button = part.operator(OBJECT_OT_canonical_form.bl_idname, text=told("Find the Limbs"), icon="VIEWZOOM")
         hand_over(choices, button)
         button.step = "FEATURES"
     for names in (*_ROWS, *((("tail",),) if "tail" in known else ())):

@@ -58,7 +58,7 @@ class OBJECT_OT_canonical_form_cancel(bpy.types.Operator):
         float
             Seconds; 0 without a job.
         """
-        if cls.job is None or not cls.job.fraction:
+        if cls.job is None or not cls.job.fraction or not cls.began:
             return 0.0
         return (now - cls.began) * (1 - cls.job.fraction) / cls.job.fraction
 
@@ -261,7 +261,7 @@ def end_job(context: bpy.types.Context) -> None:
     if cancel.timer is not None:
         context.window_manager.event_timer_remove(cancel.timer)
     cancel.job = cancel.timer = None
-    cancel.wish = ""
+    cancel.wish, cancel.began = "", 0.0
     if context.workspace is not None:
         context.workspace.status_text_set(None)
     redraw_sidebars(context)

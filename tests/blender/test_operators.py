@@ -359,7 +359,6 @@ def test_the_panel_shows_what_was_found(figure_object):
     lines = drawn(result)
     assert lines[0] == "Pose to Form"
     assert lines[-2:] == ["New Object", "Clear"]
-    assert "Find the Limbs" not in drawn(main)
     assert any("feature points and patches" in line for line in drawn(research_panel.VIEW3D_PT_canonical_form_research))
     assert drawn(result_panel.VIEW3D_PT_canonical_form_limbs) == ["canonical_form_patches", "All Limbs"]
     shown = [name for panel in panels.CLASSES if issubclass(panel, bpy.types.Panel) for name in drawn(panel)]

@@ -203,7 +203,7 @@ def test_a_spoilt_record_is_none_or_can_be_shown_and_cleared(painted_object):
         for panel in panels.CLASSES:
             if issubclass(panel, bpy.types.Panel):
                 drawn(panel)
-        feature_labels(figure_object, bpy.context.evaluated_depsgraph_get())
+        feature_labels([figure_object], bpy.context.evaluated_depsgraph_get())
         read += read_record(figure_object.data) is not None
     assert 20 < read < 300
     longer = json.dumps({**record, "more": "x" * 10**7})

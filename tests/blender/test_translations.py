@@ -141,7 +141,7 @@ class MenuLayout(Layout):
 def test_every_option_is_translated_as_ours(blender):
     operators = [name for name in dir(bpy.ops.object) if name.startswith("canonical_form")]
     kinds = [getattr(bpy.ops.object, name).get_rna_type() for name in operators]
-    kinds.append(bpy.types.Scene.bl_rna.properties["canonical_form"].fixed_type)
+    kinds.append(bpy.types.Object.bl_rna.properties["canonical_form"].fixed_type)
     options = [each for kind in kinds for each in kind.properties if each.identifier not in ("rna_type", "name")]
     assert len(options) > 50
     assert [each.identifier for each in options if each.translation_context != wording.CONTEXT] == []

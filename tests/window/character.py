@@ -2,8 +2,6 @@
 
 import bpy
 
-SLIDER = 382  # below the top, with the rows for an armature and for several objects
-
 
 def character(hand, files, compute):
     """Compute on the mesh of the active armature, look, and clear."""
@@ -35,7 +33,8 @@ def several_objects(hand, files, compute):
     assert all(after[name] != before[name] for name in before), "an object was left out"
     yield from framed(hand)
     yield from hand.picture("13-objects")
-    x, y = hand.below_top(SLIDER, 0.9)
+    below, _ = yield from hand.find('key_blocks["Canonical Form"].value')
+    x, y = hand.below_top(below, 0.9)
     yield from hand.drag(x, y, x - 110, y)
     yield 0.5
     values = [round(obj.data.shape_keys.key_blocks["Canonical Form"].value, 4) for obj in meshes()]

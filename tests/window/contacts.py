@@ -3,8 +3,6 @@
 import bpy
 import numpy as np
 
-ROWS = {"header": 352, "part": 407}  # below the top, without a result: of the panel, and of Part Here once it is open
-
 
 def contacts(hand, state, compute, wait_for_the_end):
     """A figure whose arms and legs have grown together: its contacts are found, then marked instead."""
@@ -25,11 +23,9 @@ def contacts(hand, state, compute, wait_for_the_end):
     yield 0.7
     assert state(obj) == before, "Clear does not take the form back"
 
-    bpy.context.scene.canonical_form.contacts = "keep"
+    obj.canonical_form.contacts = "keep"
     hand.region("UI").tag_redraw()
     yield 0.3
-    yield from hand.click(*hand.below_top(ROWS["header"], 0.3))
-    yield 0.7
     with bpy.context.temp_override(window=hand.window, area=hand.area(), region=hand.region("WINDOW")):
         bpy.ops.object.mode_set(mode="EDIT")
         bpy.ops.mesh.select_all(action="DESELECT")
@@ -37,16 +33,15 @@ def contacts(hand, state, compute, wait_for_the_end):
         select(obj, found)
         bpy.ops.object.mode_set(mode="EDIT")
     yield 0.5
+    header = yield from hand.unfold("canonical_form_mark(", "marks='PART'", below=74)
     yield from hand.picture("17-selected")
-    yield from hand.click_until(
-        lambda: "Part Here" in obj.vertex_groups, range(ROWS["part"] - 8, ROWS["part"] + 14, 6), 0.3
-    )
+    yield from hand.press("canonical_form_mark(", "marks='PART'", happened=lambda: "Part Here" in obj.vertex_groups)
     assert obj.mode == "EDIT", "marking leaves Edit Mode"
     yield from hand.over_view()
     yield from hand.key("TAB")
     yield 0.5
     assert members(obj, "Part Here") == found
-    bpy.context.scene.canonical_form.result = "OBJECT"
+    obj.canonical_form.result = "OBJECT"
     hand.region("UI").tag_redraw()  # the button has the choices of when it was drawn
     yield 0.3
     yield from compute()
@@ -57,9 +52,12 @@ def contacts(hand, state, compute, wait_for_the_end):
     assert width > 0.8 * np.ptp(opened, axis=0)[0], "the arms are not spread"
     obj.hide_set(True)
     yield from hand.picture("17-cut-and-capped")
-    bpy.context.scene.canonical_form.result, bpy.context.scene.canonical_form.contacts = "KEY", "open"
-    yield from hand.click(*hand.below_top(ROWS["header"], 0.3))
+    obj.hide_set(False)
+    bpy.context.view_layer.objects.active = obj
+    for each in bpy.data.objects:
+        each.select_set(each == obj)
     yield 0.5
+    yield from hand.fold(header, "canonical_form_mark(", "marks='PART'")
 
 
 def scan():

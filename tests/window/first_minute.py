@@ -18,8 +18,6 @@ def first_minute(hand, compute):
     for number, each in enumerate(steps, 20):
         bpy.data.batch_remove([*bpy.data.objects])
         yield from each(hand, compute, f"{number}-{each.__name__}")
-        chosen = bpy.context.scene.canonical_form
-        chosen.mesh, chosen.result = "BASE", "KEY"
 
 
 def report():
@@ -51,7 +49,6 @@ def as_shown(hand, compute, name):
     obj = add("Shown", *shapes.figure(16))
     rig(obj)
     bpy.context.scene.frame_set(3)
-    bpy.context.scene.canonical_form.mesh = "SHOWN"
     yield from shown(hand)
     yield from compute()
     yield from hand.picture(name)
@@ -77,7 +74,7 @@ def renamed_key(hand, compute, name):
 def new_object(hand, compute, name):
     """A new object becomes active and shows its result."""
     add("Original", *shapes.figure(16))
-    bpy.context.scene.canonical_form.result = "OBJECT"
+    bpy.context.object.canonical_form.result = "OBJECT"
     yield from shown(hand)
     yield from compute()
     yield from hand.picture(name)
@@ -108,7 +105,7 @@ def finer_over_seams(hand, compute, name):
     """A body cut along seams, as a .glb stores it, remains one body under a Subdivision modifier."""
     seamed = shapes.cut_along_seams(*shapes.figure(16))
     add("Seamed", *seamed).modifiers.new("Finer", "SUBSURF").levels = 1
-    bpy.context.scene.canonical_form.mesh = "SHOWN"
+    bpy.context.object.canonical_form.mesh = "SHOWN"
     yield from shown(hand)
     yield from compute()
     yield from hand.picture(name)

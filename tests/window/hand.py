@@ -6,6 +6,17 @@ import subprocess
 import bpy
 
 UNIT = 20  # pixels of a button's height at a resolution scale of 1
+POSE, FORM = "canonical_form_pose_like(", "object.canonical_form("
+WISHES = {  # what Blender copies from their buttons
+    "T": (POSE, "pose='T'"),
+    "A": (POSE, "pose='A'"),
+    "like": (POSE, "pose='OBJECT'"),
+    "rig": ("canonical_form_rig(",),
+    "straighten": (FORM,),
+    "live": ("canonical_form_live(",),
+    "limbs": (FORM, "step='FEATURES'"),
+}
+NOT_WISHES = {"straighten": "step='FEATURES'"}
 
 
 class Hand:
@@ -13,6 +24,7 @@ class Hand:
 
     def __init__(self, pictures):
         self.pictures = pictures
+        self.known = {}  # places of buttons that were found
         self.x = self.y = 0
 
     @property
@@ -73,17 +85,99 @@ class Hand:
         region = self.region("UI")
         return region.x + share * (region.width - 1.2 * UNIT), region.y + region.height - pixels
 
-    def click_until(self, happened, offsets, share=0.5, before=None, seconds=0.6):
-        """Click down a column of the sidebar until something has happened, each time waiting so long for it."""
-        for offset in offsets:
-            if before is not None:
-                before()
-            yield from self.click(*self.below_top(offset, share))
-            for _ in range(int(seconds / 0.02)):
-                if happened():
-                    return
-                yield 0.02
-        raise AssertionError(f"no click between {offsets[0]} and {offsets[-1]} below the top did it")
+    def told_by(self, below, share):
+        """What the button at a place of the sidebar is: the command of an operator, or the path of a value."""
+        manager = bpy.context.window_manager
+        manager.clipboard = ""
+        yield from self.move(*self.below_top(below, share))
+        yield 0.03
+        for modifiers in ({"ctrl": True}, {"ctrl": True, "alt": True, "shift": True}):
+            self.event("C", "PRESS", **modifiers)
+            self.event("C", "RELEASE", **modifiers)
+            yield 0.05
+            if manager.clipboard.startswith("bpy."):
+                break
+        return manager.clipboard
+
+    def find(self, what, *parts, without="\0", first=30, last=None, shares=(0.3, 0.8, 0.93)):
+        """Find a button of the sidebar by what Blender copies from it: gives (below, share), or None.
+
+        Looks first where it was the last time.
+        """
+        last = self.region("UI").height - 10 if last is None else last
+        known = self.known.get((what, parts))
+        places = [known] if known is not None else []
+        places += [(below, share) for below in range(first, last, 9) for share in shares]
+        for below, share in places:
+            told = yield from self.told_by(below, share)
+            if what in told and all(part in told for part in parts) and without not in told:
+                self.known[what, parts] = below, share
+                return below, share
+        return None
+
+    def press(self, what, *parts, happened=None, seconds=1.5, **where):
+        """Click on a button, and wait until something has happened."""
+        at = yield from self.find(what, *parts, **where)
+        assert at is not None, f"no button of the sidebar is {what} {parts}"
+        yield from self.click(*self.below_top(*at))
+        for _ in range(int(seconds / 0.02) if happened is not None else 0):
+            if happened():
+                break
+            yield 0.02
+        assert happened is None or happened(), f"a click on {what} {parts} does nothing"
+        yield 0.1
+
+    def scroll(self, turns):
+        """Turn the wheel over the sidebar, down if above 0."""
+        yield from self.move(*self.below_top(60))
+        for _ in range(abs(turns)):
+            self.event("WHEELDOWNMOUSE" if turns > 0 else "WHEELUPMOUSE", "PRESS")
+            yield 0.05
+        yield 0.5
+
+    def press_wish(self, wish, running, seconds=1.5):
+        """Click on a wish until its job runs."""
+        yield from self.over_view()
+        yield from self.press(*WISHES[wish], happened=running, seconds=seconds, without=NOT_WISHES.get(wish, "\0"))
+
+    def row_above(self):
+        """Where the last row of the wishes is, below the top: panels follow it."""
+        at = yield from self.find("canonical_form.like")
+        return at[0]
+
+    def fold(self, header, what, *parts):
+        """Close a panel that `unfold` has opened for a button."""
+        for _ in range(3):
+            yield from self.over_view()
+            self.region("UI").tag_redraw()
+            yield 0.5
+            row = yield from self.row_above()
+            at = yield from self.find(what, *parts, first=row + header, last=row + header + 330, shares=(0.6,))
+            if at is None:
+                return
+            yield from self.click(*self.below_top(row + header, 0.2))
+            yield 0.7
+        raise AssertionError(f"the panel of {what} does not close")
+
+    def unfold(self, what, *parts, below):
+        """Open panels until a button is there, from some pixels below the wishes: gives where its header is below them.
+
+        A header is clicked again if the button is not in its panel.
+        """
+        row = yield from self.row_above()
+        at = yield from self.find(what, *parts, first=row + below, shares=(0.6,))
+        assert at is None, "the panel is open"
+        tried = row + below
+        while at is None:
+            assert tried < row + below + 160, f"no panel below {below} has {what}"
+            yield from self.click(*self.below_top(tried, 0.2))
+            yield 0.4
+            at = yield from self.find(what, *parts, first=tried, last=tried + 330, shares=(0.6,))
+            if at is None:
+                yield from self.click(*self.below_top(tried, 0.2))
+                yield 0.4
+                tried += 13
+        return tried - row
 
     def picture(self, name, at_once=False):
         for area in self.window.screen.areas:

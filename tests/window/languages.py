@@ -27,9 +27,9 @@ def languages(hand):
             found = bpy.app.translations.pgettext_tip(english)
             assert found == words["sentences"][english], (path.stem, english, found)
         with in_english():
-            assert told("Compute") == "Compute"
-        assert told("Compute") == words["sentences"]["Compute"] != "Compute"
+            assert told("Straighten") == "Straighten"
+        assert told("Straighten") == words["sentences"]["Straighten"] != "Straighten"
         yield from hand.picture(f"language-{path.stem}")
     view.language = "en_US"
     yield 1.0
-    assert bpy.app.translations.pgettext_iface("Compute", "Canonical Form") == "Compute"
+    assert bpy.app.translations.pgettext_iface("Straighten", "Canonical Form") == "Straighten"

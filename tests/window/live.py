@@ -4,8 +4,7 @@ from time import perf_counter
 
 import bpy
 
-ROWS = {"button": 52, "detail": 126}  # below the top; one line stands between the button and the options
-RIGHT, LEFT = 0.905, 0.6  # shares of the width: where the button is, and where the slider is taken hold of
+LEFT = 0.6  # share of the width where the slider is taken hold of
 DRAG = 60  # pixels
 
 
@@ -16,12 +15,14 @@ def live(hand, figure, state):
     bpy.ops.ed.undo_push(message="Before Live")
     yield from hand.over_view()
     yield 0.5
-    yield from hand.click_until(has_form(figure), range(ROWS["button"] - 4, ROWS["button"] + 14, 6), RIGHT, seconds=2)
+    yield from hand.press("canonical_form_live(", happened=has_form(figure), seconds=4)
     yield 1.0
     first, detail = positions(figure()), options().preserve_detail
     yield from hand.picture("16-live")
 
-    x, y = hand.below_top(ROWS["detail"], LEFT)
+    header = yield from hand.unfold("canonical_form.preserve_detail", below=24)
+    below, _ = yield from hand.find("canonical_form.preserve_detail")
+    x, y = hand.below_top(below, LEFT)
     changes = [(perf_counter(), first)]
     yield from hand.move(x, y)
     hand.event("LEFTMOUSE", "PRESS")
@@ -63,12 +64,13 @@ def live(hand, figure, state):
     bpy.ops.ed.undo_push(message="After Live")  # operators that a script calls add no step
     yield 0.5
     assert state(figure()) == before, "clear leaves something behind"
+    yield from hand.fold(header, "canonical_form.preserve_detail")
     return len(changes) - 1
 
 
 def options():
-    """The options of the scene, asked for anew: undo may free what was there before."""
-    return bpy.context.scene.canonical_form
+    """The choices for the object, asked for anew: undo may free what was there before."""
+    return bpy.context.object.canonical_form
 
 
 def has_form(figure):

@@ -3,18 +3,12 @@
 import bpy
 import numpy as np
 
-ROWS = {"header": 300, "rig": 478}  # below the top, without a result: of the panel, and its button once it is open
-
 
 def rigs(hand, figure, state, running, wait_for_the_end):
     """Click through the panel Rig; the mesh is as before at the end."""
     obj = figure()
     before = state(obj)
-    yield from hand.over_view()
-    yield from hand.click(*hand.below_top(ROWS["header"], 0.3))
-    yield 0.7
-    yield from hand.picture("16-rig")
-    yield from press(hand, running)
+    yield from hand.press_wish("rig", running)
     yield from hand.over_view()
     yield from hand.key("ESC")
     while running():
@@ -22,7 +16,7 @@ def rigs(hand, figure, state, running, wait_for_the_end):
     yield 0.3
     assert state(obj) == before, "a cancelled rig leaves something behind"
 
-    yield from press(hand, running)
+    yield from hand.press_wish("rig", running)
     yield from wait_for_the_end()
     armature = obj.modifiers[0].object
     assert len(armature.data.bones) == 22
@@ -52,7 +46,7 @@ def rigs(hand, figure, state, running, wait_for_the_end):
     assert state(obj) == before, "Remove Rig does not take the rig back"
     assert "Rig of Figure" not in bpy.data.armatures, "Remove Rig leaves the armature"
 
-    yield from press(hand, running)
+    yield from hand.press_wish("rig", running)
     yield from wait_for_the_end()
     assert obj.modifiers[0].object.type == "ARMATURE"
     yield from hand.over_view()
@@ -61,14 +55,6 @@ def rigs(hand, figure, state, running, wait_for_the_end):
     obj = figure()
     assert state(obj) == before, "undo does not take the rig back"
     assert not obj.modifiers, "undo leaves a modifier"
-    yield from hand.click(*hand.below_top(ROWS["header"], 0.3))
-    yield 0.5
-
-
-def press(hand, running):
-    """Click on Rig until the job runs."""
-    yield from hand.over_view()
-    yield from hand.click_until(running, range(ROWS["rig"] - 8, ROWS["rig"] + 14, 6), 0.6)
 
 
 def shown(obj):

@@ -22,13 +22,12 @@ from tests.window.character import character, several_objects, state  # noqa: E4
 from tests.window.contacts import contacts  # noqa: E402
 from tests.window.driving import drive  # noqa: E402
 from tests.window.first_minute import first_minute  # noqa: E402
-from tests.window.hand import UNIT, Hand  # noqa: E402
+from tests.window.hand import NOT_WISHES, UNIT, WISHES, Hand  # noqa: E402
 from tests.window.languages import languages  # noqa: E402
 from tests.window.live import live  # noqa: E402
 from tests.window.poses import poses  # noqa: E402
 from tests.window.rigs import rigs  # noqa: E402
 
-ROWS = {"compute": 50, "slider": 304, "clear": 471, "toggle": 539, "cancel": 50}  # below the top, at version 4.3
 MOST_GAP = 0.2  # seconds between two ticks of a timer while a large mesh is computed
 hand = Hand(PICTURES)
 ticks: list[tuple[float, bool]] = []
@@ -78,9 +77,8 @@ def wait_for_the_end(seconds=180):
 
 
 def compute():
-    """Click on Compute and wait for the form."""
-    yield from hand.over_view()
-    yield from hand.click_until(running, range(ROWS["compute"] - 4, ROWS["compute"] + 20, 6))
+    """Click on Straighten and wait for the form."""
+    yield from hand.press_wish("straighten", running)
     yield from wait_for_the_end()
 
 
@@ -114,9 +112,9 @@ def session():
 
     step("compute, orbit while it runs, cancel half-way")
     shading = hand.area().spaces.active.shading.color_type
-    bpy.context.scene.canonical_form.quality = "full"  # long enough on any machine
+    figure().canonical_form.quality = "full"  # long enough on any machine
     yield 0.3
-    yield from hand.click_until(running, range(ROWS["compute"] - 4, ROWS["compute"] + 20, 6))
+    yield from hand.press_wish("straighten", running)
     region, rotation = hand.region("WINDOW"), hand.area().spaces.active.region_3d.view_rotation.copy()
     x, y = region.x + 0.35 * region.width, region.y + 0.4 * region.height
     yield from hand.drag(x, y, x + 60, y + 10, button="MIDDLEMOUSE")
@@ -137,11 +135,12 @@ def session():
     yield from hand.picture("3-cancelled")
 
     step("cancel by the button")
-    yield from hand.click_until(running, range(ROWS["compute"] - 4, ROWS["compute"] + 20, 6))
+    yield from hand.press_wish("straighten", running)
     yield 1.0  # until the button is drawn
-    # a second click too early would compute again: a job may be left to itself half a second after its cancel
-    yield from hand.click_until(lambda: not running(), [ROWS["cancel"]] * 3, 0.905, seconds=4)
-    bpy.context.scene.canonical_form.quality = "normal"
+    row, _ = hand.known[WISHES["straighten"][0], WISHES["straighten"][1:]]  # in its place
+    where = {"first": row - 4, "last": row + 10, "shares": (0.93,)}
+    yield from hand.press("canonical_form_cancel(", happened=lambda: not running(), seconds=4, **where)
+    figure().canonical_form.quality = "normal"
     hand.region("UI").tag_redraw()  # the button has the choices of when it was drawn
     yield 0.3
     assert state(figure()) == before, "the button did not cancel the run"
@@ -149,7 +148,7 @@ def session():
     step("compute")
     assert not running()
     seen.clear()
-    yield from hand.click_until(running, range(ROWS["compute"] - 4, ROWS["compute"] + 20, 6))
+    yield from hand.press_wish("straighten", running)
     yield from hand.picture("2-running", at_once=True)
     yield from wait_for_the_end()
     told("stages seen", sorted({stage for _, stage in seen}))
@@ -161,7 +160,8 @@ def session():
     yield from hand.picture("4-computed")
 
     step("drag the slider")
-    x, y = hand.below_top(ROWS["slider"], 0.9)
+    below, _ = yield from hand.find('key_blocks["Canonical Form"].value')
+    x, y = hand.below_top(below, 0.9)
     yield from hand.drag(x, y, x - 110, y)
     assert 0.05 < form().value < 0.95, f"the slider was not dragged: {form().value}"
     yield from hand.picture("5-slider")
@@ -173,8 +173,9 @@ def session():
 
     step("toggle a limb")
     whole = positions()
-    yield from hand.click_until(
-        lambda: running() or positions() != whole, range(ROWS["toggle"] - 3, ROWS["toggle"] + 7, 3), 0.87
+    switch = {"without": "only=True", "shares": (0.87, 0.85, 0.89), "first": 400}
+    yield from hand.press(
+        "canonical_form_limb(", "patch=2", happened=lambda: running() or positions() != whole, **switch
     )
     yield from wait_for_the_end()
     part = positions()
@@ -183,8 +184,9 @@ def session():
     told("vertices that stay in the form when one limb keeps its pose", same)
     assert len(whole) / 2 < same < len(whole)
     yield 0.5
-    yield from hand.click_until(
-        lambda: running() or positions() != part, range(ROWS["toggle"] - 3, ROWS["toggle"] + 7, 3), 0.79
+    star = {"shares": (0.8, 0.78, 0.82), "first": 400}
+    yield from hand.press(
+        "canonical_form_limb(", "patch=2", "only=True", happened=lambda: running() or positions() != part, **star
     )
     yield from wait_for_the_end()
     rest = [tuple(point.co) for point in form().relative_key.data]
@@ -210,9 +212,7 @@ def session():
     assert value < 1
 
     step("clear")
-    yield from hand.click_until(
-        lambda: figure().data.shape_keys is None, range(ROWS["clear"] - 6, ROWS["clear"] + 12, 6)
-    )
+    yield from hand.press("canonical_form_clear(", happened=lambda: figure().data.shape_keys is None)
     assert state(figure()) == before, "clear does not leave the mesh as it was"
     assert hand.area().spaces.active.shading.color_type == shading, "the shading was not switched back"
     yield from hand.picture("9-cleared")
@@ -246,7 +246,7 @@ def meanwhile(before):
 
     def start():
         yield from hand.close_message()
-        yield from hand.click_until(running, range(ROWS["compute"] - 4, ROWS["compute"] + 20, 6))
+        yield from hand.press_wish("straighten", running)
 
     yield from start()
     obj.name = "Renamed"
@@ -319,9 +319,13 @@ def gaps():
     yield 1.0
     yield from hand.close_message()
     yield 0.5
+    at = yield from hand.find(*WISHES["straighten"], without=NOT_WISHES["straighten"])
     ticks.clear()
-    yield from hand.click_until(running, range(ROWS["compute"] - 4, ROWS["compute"] + 20, 6))
+    yield from hand.click(*hand.below_top(*at))
     began = perf_counter()
+    while not running():
+        assert perf_counter() - began < 10, "it does not start"
+        yield 0.02
     while running():
         yield 0.05
     ended = perf_counter()
