@@ -63,7 +63,7 @@ def test_every_format_gives_the_same_form(folder, tmp_path):
         assert set(line) == {
             "schema", "input", "object", "output", "vertices", "faces", "feature_points", "feature_names",
             "patch_sizes", "method", "pieces", "memory_estimate", "measures", "timings", "warnings",
-        } | ({"notes"} if line["input"].endswith(("glb", "stl")) else set())  # fmt: skip
+        } | ({"notes"} if line["input"].endswith("glb") else set())  # fmt: skip
         bpy.ops.wm.open_mainfile(filepath=line["output"])
         obj = bpy.data.objects[line["object"]]
         assert "Canonical Form" in obj.data.shape_keys.key_blocks

@@ -202,7 +202,7 @@ def test_the_panel_shows_the_job_and_greys_the_buttons(figure_object):
         release.set()
         ended(cancel.job)
         cancel.job = None
-    assert "Compute" in drawn(main_panel.VIEW3D_PT_canonical_form)
+    assert "Straighten" in drawn(main_panel.VIEW3D_PT_canonical_form)
 
 
 def test_unregistering_stops_the_job(blender):

@@ -6,6 +6,7 @@ import pytest
 
 from addon.blender.jobs.meant_objects import meant_object, meant_objects
 from addon.blender.results.new_objects import make_active
+from addon.interface import panels
 from addon.interface.operators import takes_shown
 from tests.meshes import shapes
 
@@ -147,3 +148,9 @@ def test_the_form_as_shown_tells_its_frame_and_offers_another_run(figure_object)
     assert "Again at 5" in drawn(panel)
     bpy.ops.object.canonical_form(quality="draft")
     assert not any("frame" in line for line in drawn(panel))
+
+
+def test_nothing_meant_is_asked_for(blender):
+    assert drawn(bpy.types.VIEW3D_PT_canonical_form) == ["Select a mesh, or the armature that moves", "it."]
+    others = [panel for panel in panels.CLASSES[1:] if issubclass(panel, bpy.types.Panel)]
+    assert all(drawn(panel) == [] for panel in others)

@@ -367,12 +367,6 @@ def test_the_panel_shows_what_was_found(figure_object):
     assert "feature_group" in drawn(research_panel.VIEW3D_PT_canonical_form_features)
 
 
-def test_nothing_meant_is_asked_for(blender):
-    assert drawn(main_panel.VIEW3D_PT_canonical_form) == ["Select a mesh, or the armature that moves", "it."]
-    others = [panel for panel in panels.CLASSES[1:] if issubclass(panel, bpy.types.Panel)]
-    assert all(drawn(panel) == [] for panel in others)
-
-
 def test_on_a_cube_the_panel_counts_one_point_and_shows_no_negative_share(blender, capfd):
     bpy.ops.mesh.primitive_cube_add()
     compute(method="local_features")

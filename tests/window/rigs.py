@@ -42,6 +42,7 @@ def rigs(hand, figure, state, running, wait_for_the_end):
     yield 0.5
     with bpy.context.temp_override(window=hand.window, area=hand.area(), region=hand.region("WINDOW")):
         assert bpy.ops.object.canonical_form_rig_clear() == {"FINISHED"}
+        bpy.ops.ed.undo_push(message="Remove Rig")  # operators that a script calls add no step
     yield 0.7
     assert state(obj) == before, "Remove Rig does not take the rig back"
     assert "Rig of Figure" not in bpy.data.armatures, "Remove Rig leaves the armature"
