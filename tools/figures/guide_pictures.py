@@ -17,13 +17,7 @@ sys.path[:0] = [str(ROOT / "tests" / "window"), str(ROOT)]
 from tests.window.driving import drive  # noqa: E402
 from tests.window.hand import Hand  # noqa: E402
 
-HEADERS = {
-    "pose": 274,
-    "rig": 300,
-    "features": 325,
-    "contacts": 351,
-    "distance": 377,
-}  # of closed panels before a run, below the sidebar's top
+RIG, TOOLS = 48, 74  # headers of closed panels before a run, in pixels below the wishes
 hand = Hand(PICTURES)
 
 
@@ -64,27 +58,34 @@ def panels_on_a_bare_figure():
     obj = figure()
     yield 1.0
     yield from open_tab()
-    yield from hand.click(*hand.below_top(HEADERS["features"], 0.3))
-    yield 0.5
+    run("canonical_form", step="FEATURES")
+    run("canonical_form_fix_point", limb="right_foot", owner=obj.name, vertex=lowest(obj))
     yield from hand.over_view()
+    yield 0.7
     yield from hand.picture("2-feature-points")
-    yield from hand.click(*hand.below_top(HEADERS["features"], 0.3))
+    run("canonical_form_points", how="FORGET")
+    run("canonical_form_clear")
     yield 0.5
-
-    yield from hand.click(*hand.below_top(HEADERS["distance"], 0.3))
-    points = np.array([vertex.co for vertex in obj.data.vertices])
-    tip = int(np.argmin(points[:, 2]))
+    header = yield from hand.unfold("canonical_form_mark(", below=TOOLS)
+    yield from hand.scroll(12)
+    tip = lowest(obj)
     for vertex in obj.data.vertices:
         vertex.select = vertex.index == tip
-    bpy.context.scene.canonical_form.isolines = 16
+    obj.canonical_form.isolines = 16
     run("canonical_form_distance", kind="heat", isolines=16)
     hand.area().spaces.active.shading.color_type = "VERTEX"
     yield from hand.over_view()
     yield 0.5
     yield from hand.picture("3-distance")
     hand.area().spaces.active.shading.color_type = "MATERIAL"
-    yield from hand.click(*hand.below_top(HEADERS["distance"], 0.3))
-    yield 0.5
+    yield from hand.scroll(-12)
+    yield from hand.fold(header, "canonical_form_mark(")
+
+
+def lowest(obj):
+    """The lowest vertex of a mesh: the tip of its right foot."""
+    points = np.array([vertex.co for vertex in obj.data.vertices])
+    return int(np.argmin(points[:, 2]))
 
 
 def a_fused_scan():
@@ -104,7 +105,7 @@ def a_fused_scan():
     yield from hand.picture("13-contacts")
     found = members(obj, "Contacts")
     run("canonical_form_clear")
-    yield from hand.click(*hand.below_top(HEADERS["contacts"], 0.3))
+    header = yield from hand.unfold("canonical_form_mark(", below=TOOLS)
     with in_view():
         bpy.ops.object.mode_set(mode="EDIT")
         bpy.ops.mesh.select_all(action="DESELECT")
@@ -122,12 +123,11 @@ def a_fused_scan():
         bpy.ops.object.mode_set(mode="OBJECT")
     bpy.data.batch_remove([*bpy.data.objects])
     figure_again()
-    yield from hand.click(*hand.below_top(HEADERS["contacts"], 0.3))
-    yield 0.5
+    yield from hand.fold(header, "canonical_form_mark(")
 
 
 def figure_again():
-    """Build the sample's figure, so that the panel is where it was."""
+    """Build the sample's figure, so that there is a panel."""
     from tools.sample.posed_figure import build
 
     bpy.context.view_layer.update()
@@ -152,11 +152,8 @@ def a_clothed_character():
     yield from hand.over_view()
     yield 0.7
     hand.area().spaces.active.region_3d.view_distance *= 1.25  # the arms of the form reach higher
-    bpy.context.scene.canonical_form.mesh = "BASE"
     yield 0.7
     yield from hand.picture("1-tab")
-
-    bpy.context.scene.canonical_form.mesh = "SHOWN"
     with in_view():
         bpy.ops.object.canonical_form("INVOKE_DEFAULT", quality="full", memory_limit=1000.0, mesh="SHOWN")
     yield 6.0
@@ -206,8 +203,6 @@ def another_pose():
     scan = figure()
     scan.name = "Scan"
     yield from hand.over_view()
-    yield from hand.click(*hand.below_top(HEADERS["pose"], 0.3))
-    yield 0.7
     run("canonical_form_pose_like", pose="T")
     hand.area().spaces.active.shading.color_type = "VERTEX"
     with in_view():
@@ -222,9 +217,8 @@ def another_pose():
     bpy.context.view_layer.objects.active = scan
     for obj in bpy.data.objects:
         obj.select_set(obj == scan)
-    chosen = bpy.context.scene.canonical_form
-    chosen.like = base.name
-    yield 0.5
+    scan.canonical_form.like = base
+    header = yield from hand.unfold("canonical_form_transfer(", below=RIG)
     run("canonical_form_transfer", like=base.name, kinds={"GROUPS"})
     for name, turn in (("elbow.L", (0.0, 0.0, -0.9)), ("ankle.R", (1.1, 0.0, 0.0)), ("knee.R", (-0.9, 0.0, 0.0))):
         bone = armature.pose.bones[name]
@@ -239,10 +233,8 @@ def another_pose():
         obj.select_set(obj == scan)
     yield 1.0
     yield from hand.picture("9-rigged")
-    chosen.like = ""
-    yield from hand.over_view()
-    yield from hand.click(*hand.below_top(HEADERS["pose"], 0.3))
-    yield 0.5
+    scan.canonical_form.like = None
+    yield from hand.fold(header, "canonical_form_transfer(")
 
 
 def a_rig():
@@ -256,8 +248,8 @@ def a_rig():
     scan.name = "Scan"
     with in_view():
         bpy.ops.view3d.view_selected()
+    header = yield from hand.unfold("canonical_form.rig_rest", below=RIG)
     yield from hand.over_view()
-    yield from hand.click(*hand.below_top(HEADERS["rig"], 0.3))
     yield 0.7
     yield from hand.picture("10-rig")
     run("canonical_form_rig", rest="T")
@@ -281,11 +273,9 @@ def a_rig():
         bpy.ops.object.mode_set(mode="OBJECT")
     bpy.data.batch_remove([*bpy.data.objects])
     bpy.context.view_layer.update()
-    build(levels=3)  # the panel is where it was
-    yield from hand.over_view()
+    build(levels=3)  # so that there is a panel
     yield 0.7
-    yield from hand.click(*hand.below_top(HEADERS["rig"], 0.3))
-    yield 0.5
+    yield from hand.fold(header, "canonical_form.rig_rest")
 
 
 def leads(obj):
@@ -308,7 +298,7 @@ def open_tab():
     hand.region("UI").active_panel_category = "Canonical Form"
     with in_view():
         bpy.ops.view3d.view_selected()
-    yield from hand.move(*hand.below_top(HEADERS["distance"], 0.3))  # the tab takes no click before it is drawn
+    yield from hand.move(*hand.below_top(300, 0.3))  # the tab takes no click before it is drawn
     yield 1.5
 
 
