@@ -210,8 +210,24 @@ def _handed(choices: CanonicalFormChoices, name: str) -> Any:
     """Return a choice as operators take it: of an object its name."""
     if name not in _POINTERS:
         return chosen_value(choices, name)
-    obj = getattr(choices, name)
+    obj = there(getattr(choices, name))
     return "" if obj is None else obj.name
+
+
+def there(obj: bpy.types.Object | None) -> bpy.types.Object | None:
+    """Return an object that was chosen; None if it was deleted: a choice keeps it in the file.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object or None
+        The object.
+
+    Returns
+    -------
+    bpy.types.Object or None
+        The object, if a scene has it.
+    """
+    return obj if obj is not None and obj.users_scene else None
 
 
 def register() -> None:

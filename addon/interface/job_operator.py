@@ -246,7 +246,7 @@ def _draw_status(header: bpy.types.Header, _context: bpy.types.Context) -> None:
         bar = row.row()
         bar.ui_units_x = _BAR
         bar.progress(factor=job.fraction, text=f"{job.fraction:.0%}", type="BAR")
-        row.label(text=told("Esc: Cancel"), icon="EVENT_ESC")
+        row.label(text=told("Cancel"), icon="EVENT_ESC")
 
 
 def end_job(context: bpy.types.Context) -> None:

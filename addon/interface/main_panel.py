@@ -11,7 +11,7 @@ from ..core.method_api.costs import memory_estimate, time_estimate
 from ..core.method_api.registry import OURS
 from ..core.run.load import slowdown
 from .body_box import draw_body
-from .choices import CanonicalFormChoices, choices_of, hand_over, hand_over_rig
+from .choices import CanonicalFormChoices, choices_of, hand_over, hand_over_rig, there
 from .live_update import OBJECT_OT_canonical_form_live
 from .operators import OBJECT_OT_canonical_form
 from .pose_operators import OBJECT_OT_canonical_form_pose_like
@@ -103,7 +103,7 @@ def _draw_wishes(layout: bpy.types.UILayout, choices: CanonicalFormChoices) -> N
         row = row.row(align=True)
         row.prop(choices, "like", text="")
         part = row.row(align=True)
-        part.enabled = choices.like is not None
+        part.enabled = there(choices.like) is not None
         draw_pose_button(part, choices, "OBJECT", told("Pose Like"))
 
 
@@ -131,7 +131,8 @@ def draw_pose_button(
     button = layout.operator(OBJECT_OT_canonical_form_pose_like.bl_idname, text=text, icon=icon)
     hand_over(choices, button)
     button.pose = pose
-    button.like = choices.like.name if pose == "OBJECT" and choices.like is not None else ""
+    like = there(choices.like)
+    button.like = like.name if pose == "OBJECT" and like is not None else ""
     button.anyway = choices.anyway
     return button
 
@@ -146,7 +147,7 @@ def _draw_options(layout: bpy.types.UILayout, choices: CanonicalFormChoices, obj
     for name in ("mesh", "result", *(("objects",) if len(objects) > 1 else ()), "quality", "preserve_detail"):
         box.prop(choices, name)
     row = box.row()
-    row.active = choices.reference is None
+    row.active = there(choices.reference) is None
     row.prop(choices, "orientation")
     box.prop(choices, "reference")
     box.prop(choices, "anyway")

@@ -8,7 +8,7 @@ from ..blender.jobs.likeness import MANNEQUINS
 from ..blender.jobs.meant_objects import meant_object
 from ..blender.results.limb_states import limbs_of
 from ..blender.words.wording import CONTEXT, told
-from .choices import choices_of, hand_over, hand_over_rig, hand_over_transfer
+from .choices import choices_of, hand_over, hand_over_rig, hand_over_transfer, there
 from .contact_operators import OBJECT_OT_canonical_form_mark
 from .limb_operators import (
     OBJECT_OT_canonical_form_in_betweens,
@@ -51,7 +51,8 @@ class VIEW3D_MT_canonical_form(bpy.types.Menu):
         draw_other_side(layout, chosen, None if record is None else record.report.like)
         hand_over_rig(chosen, layout.operator(OBJECT_OT_canonical_form_rig.bl_idname))
         hand_over_transfer(chosen, layout.operator(OBJECT_OT_canonical_form_transfer.bl_idname))
-        source = "" if chosen.like is None else chosen.like.name
+        like = there(chosen.like)
+        source = "" if like is None else like.name
         layout.operator(OBJECT_OT_canonical_form_match_colours.bl_idname).like = source
         layout.separator()
         steps = {"FORM": told("Straighten"), "FEATURES": told("Find the Limbs"), "PATCHES": told("Patches Only")}

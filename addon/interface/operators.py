@@ -156,7 +156,7 @@ def request_of(
         value=owner.value,
         step=step,
         feature_group=owner.feature_group,
-        deformed=takes_shown(owner.mesh, objects),
+        deformed=takes_shown(owner.mesh, objects) and (step == "FORM" or owner.mesh == "SHOWN"),
         new_object=owner.result == "OBJECT",
         objects=owner.objects,
         reference=Reference(owner.reference).computed if owner.reference and step == "FORM" else None,

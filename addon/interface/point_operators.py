@@ -2,12 +2,15 @@
 
 # no `from __future__ import annotations`: Blender reads the annotations below as properties
 
+from contextlib import ExitStack
+
 import bpy
 from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
 
 from ..blender.jobs.meant_objects import meant_meshes, meant_object
 from ..blender.objects.body_points import fix_point, forget_points, remove_point, swap_sides
 from ..blender.objects.mesh_reading import refusal
+from ..blender.objects.object_states import object_mode
 from ..blender.objects.picking import Picked, mirrored_vertex, picked
 from ..blender.words.advice import explained
 from ..blender.words.limb_words import LIMBS, OTHER, told_limb
@@ -77,6 +80,8 @@ class OBJECT_OT_canonical_form_fix_point(bpy.types.Operator):
             return {"RUNNING_MODAL"}
         self.cancel(context)
         self.owner, self.vertex, self.mirror = found.obj.name, found.vertex, event.shift
+        if found.image and self.limb != "other":
+            self.limb = mate_of(self.limb)
         return self.execute(context)
 
     def cancel(self, context: bpy.types.Context) -> None:
@@ -92,18 +97,19 @@ class OBJECT_OT_canonical_form_fix_point(bpy.types.Operator):
         """Set the point, and where it is wished that of the other side."""
         objects = meant_meshes(context)
         obj = bpy.data.objects.get(self.owner) if self.owner else meant_object(context)
-        if obj is None or obj not in objects or not 0 <= self.vertex < len(obj.data.vertices):
-            self.report({"ERROR"}, told("There is no such vertex on the body."))
-            return {"CANCELLED"}
         name = "" if self.limb == "other" else self.limb
         try:
+            if not _has_vertex(obj, objects, self.vertex):
+                self.report({"ERROR"}, told("There is no such vertex on the body."))
+                return {"CANCELLED"}
+            assert obj is not None
             fix_point(objects, obj, self.vertex, name)
             if self.mirror and mate_of(name) != name:
                 there = mirrored_vertex(objects, Picked(obj, self.vertex))
                 if there is None:
                     self.report({"WARNING"}, told("The body is not symmetric there: only this side was set."))
                 else:
-                    fix_point(objects, *there, mate_of(name))
+                    fix_point(objects, there.obj, there.vertex, mate_of(name))
         except CanonicalFormError as error:
             self.report({"ERROR"}, explained(error))
             return {"CANCELLED"}
@@ -148,7 +154,8 @@ class OBJECT_OT_canonical_form_points(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Change the points."""
-        objects = meant_meshes(context)
+        first = meant_object(context)
+        objects = sorted(meant_meshes(context), key=lambda obj: obj != first)
         try:
             if self.how == "SWAP":
                 swap_sides(objects)
@@ -198,8 +205,20 @@ def _under_mouse(context: bpy.types.Context, event: bpy.types.Event) -> Picked |
         return None
     region, view_3d = view
     at = (event.mouse_x - region.x, event.mouse_y - region.y)
-    origin = region_2d_to_origin_3d(region, view_3d, at)
-    return picked(context, meant_meshes(context), origin, region_2d_to_vector_3d(region, view_3d, at))
+    ray = region_2d_to_origin_3d(region, view_3d, at), region_2d_to_vector_3d(region, view_3d, at)
+    objects = [obj for obj in meant_meshes(context) if refusal(obj) is None]
+    with ExitStack() as modes:  # what is edited is not in the mesh yet
+        for obj in objects:
+            modes.enter_context(object_mode(obj))
+        return picked(context, objects, *ray)
+
+
+def _has_vertex(obj: bpy.types.Object | None, objects: list[bpy.types.Object], vertex: int) -> bool:
+    """Return whether a vertex is one of the body."""
+    if obj is None or obj not in objects or refusal(obj) is not None:
+        return False
+    with object_mode(obj):
+        return 0 <= vertex < len(obj.data.vertices)
 
 
 def _redraw(context: bpy.types.Context) -> None:

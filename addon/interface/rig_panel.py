@@ -6,7 +6,7 @@ from ..blender.jobs.meant_objects import meant_object
 from ..blender.records.rig_record import RigRecord, read_rig
 from ..blender.results.match_colours import source_colours
 from ..blender.words.wording import CONTEXT, told
-from .choices import CanonicalFormChoices, choices_of, hand_over_rig, hand_over_transfer
+from .choices import CanonicalFormChoices, choices_of, hand_over_rig, hand_over_transfer, there
 from .pose_operators import OBJECT_OT_canonical_form_match_colours, OBJECT_OT_canonical_form_transfer
 from .properties import TRANSFER_ITEMS, transfer_flag
 from .result_panel import least_sure, next_side
@@ -44,7 +44,7 @@ class VIEW3D_PT_canonical_form_rig(Tab, bpy.types.Panel):
         layout.prop(choices, "rig_like", text=told("Bones From"))
         layout.prop(choices, "rig_rest", text=told("Rest"))
         names = layout.row()
-        names.enabled = choices.rig_like is None  # bones of others have names
+        names.enabled = there(choices.rig_like) is None  # bones of others have names
         names.prop(choices, "rig_names", text=told("Names"))
         layout.prop(choices, "rig_equal")
         layout.prop(choices, "rig_rigify")
@@ -77,11 +77,11 @@ def _draw_transfer(layout: bpy.types.UILayout, context: bpy.types.Context, choic
     box.prop(choices, "like", text=told("From"))
     grid = box.grid_flow(columns=3, even_columns=True, align=True)
     grid.use_property_split = False
-    grid.enabled = choices.like is not None
+    grid.enabled = there(choices.like) is not None
     for kind, *_ in TRANSFER_ITEMS:
         grid.prop(choices, transfer_flag(kind))
     column = box.column()
-    column.enabled = choices.like is not None
+    column.enabled = there(choices.like) is not None
     if not draw_progress(column, ("TRANSFER",)):
         hand_over_transfer(choices, column.operator(OBJECT_OT_canonical_form_transfer.bl_idname))
     record = record_of(context)

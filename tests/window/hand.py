@@ -90,13 +90,12 @@ class Hand:
         manager = bpy.context.window_manager
         manager.clipboard = ""
         yield from self.move(*self.below_top(below, share))
-        yield 0.03
-        for modifiers in ({"ctrl": True}, {"ctrl": True, "alt": True, "shift": True}):
-            self.event("C", "PRESS", **modifiers)
-            self.event("C", "RELEASE", **modifiers)
-            yield 0.05
-            if manager.clipboard.startswith("bpy."):
-                break
+        yield 0.05
+        with bpy.context.temp_override(window=self.window, area=self.area(), region=self.region("UI")):
+            if bpy.ops.ui.copy_python_command_button.poll():
+                bpy.ops.ui.copy_python_command_button()
+            elif bpy.ops.ui.copy_data_path_button.poll():
+                bpy.ops.ui.copy_data_path_button(full_path=True)
         return manager.clipboard
 
     def find(self, what, *parts, without="\0", first=30, last=None, shares=(0.3, 0.8, 0.93)):

@@ -24,6 +24,7 @@ from tests.window.driving import drive  # noqa: E402
 from tests.window.first_minute import first_minute  # noqa: E402
 from tests.window.hand import NOT_WISHES, UNIT, WISHES, Hand  # noqa: E402
 from tests.window.languages import languages  # noqa: E402
+from tests.window.limbs import limbs  # noqa: E402
 from tests.window.live import live  # noqa: E402
 from tests.window.poses import poses  # noqa: E402
 from tests.window.rigs import rigs  # noqa: E402
@@ -217,6 +218,8 @@ def session():
     assert hand.area().spaces.active.shading.color_type == shading, "the shading was not switched back"
     yield from hand.picture("9-cleared")
 
+    step("a limb fixed by a click on the body")
+    yield from limbs(hand, figure, state, running, wait_for_the_end)
     step("live update")
     told("times that the form followed a drag", (yield from live(hand, figure, state)))
     step("another's pose")

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from dataclasses import replace
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import bpy
 import numpy as np
@@ -13,12 +14,18 @@ from ...core import CanonicalFormError, Settings
 from ...core.symmetry.limb_names import NAMES, mate_of
 from ..records.record import read_record
 from ..words.wording import told
-from .mesh_reading import Reading, read_mesh
+from .mesh_reading import Reading, read_mesh, refusal
+from .movers import armature_of
 from .object_states import object_mode
 from .seams import evaluated_places
 
-ATTRIBUTE = ".canonical_form_points"  # of vertices: 0 for none, the number of a name from 1, or `_OTHER`
-_OTHER = 100  # a limb without a name
+if TYPE_CHECKING:
+    from ...core.numerics.arrays import FloatArray
+
+ATTRIBUTE = ".canonical_form_points"  # of vertices: 0 for none, or a code
+_CODES = dict(zip((*NAMES, ""), (100003, 200017, 400067, 800029, 1600033, 3200003, 6400013), strict=True))
+_NAMED = {code: name for name, code in _CODES.items()}  # what Blender blends between vertices is none of these
+_MOST_EDITED = 60_000  # vertices in Edit Mode up to which the points are read, as they must be one by one
 _NEAR = 1e-5  # of the size of the mesh: places within that are one
 _REPLACED = 0.06  # of the size of the mesh: a point without a name that is nearer to a new one was the same limb
 
@@ -60,6 +67,8 @@ def points_by_hand(mesh: bpy.types.Mesh) -> BodyPoints:
         import bmesh
 
         edited = bmesh.from_edit_mesh(mesh)
+        if len(edited.verts) > _MOST_EDITED:
+            return NO_POINTS
         layer = edited.verts.layers.int.get(ATTRIBUTE)
         codes = np.array([] if layer is None else [vertex[layer] for vertex in edited.verts], dtype=np.int32)
     else:
@@ -67,11 +76,10 @@ def points_by_hand(mesh: bpy.types.Mesh) -> BodyPoints:
         attribute = mesh.attributes[ATTRIBUTE]
         if attribute.data_type == "INT" and len(attribute.data) == len(codes):
             attribute.data.foreach_get("value", codes)
-    held = np.flatnonzero(codes)
-    held = held[np.argsort(codes[held], kind="stable")].tolist()
+    held = np.flatnonzero(np.isin(codes, list(_NAMED)))
     points = BodyPoints([], [])
-    for vertex in held:
-        name = NAMES[codes[vertex] - 1] if 1 <= codes[vertex] <= len(NAMES) else ""
+    for vertex in held[np.argsort(codes[held], kind="stable")].tolist():
+        name = _NAMED[int(codes[vertex])]
         if not name or name not in points.names:
             points.vertices.append(vertex)
             points.names.append(name)
@@ -92,7 +100,7 @@ def write_points(mesh: bpy.types.Mesh, points: BodyPoints) -> None:
         mesh.attributes.remove(mesh.attributes[ATTRIBUTE])
     if points.vertices:
         codes = np.zeros(len(mesh.vertices), dtype=np.int32)
-        codes[points.vertices] = [NAMES.index(name) + 1 if name else _OTHER for name in points.names]
+        codes[points.vertices] = [_CODES[name] for name in points.names]
         mesh.attributes.new(ATTRIBUTE, "INT", "POINT").data.foreach_set("value", codes)
     mesh.update()
 
@@ -112,16 +120,17 @@ def body_points(objects: Sequence[bpy.types.Object]) -> tuple[list[BodyPoints], 
     by_hand : bool
         Whether they were fixed by hand.
     """
-    fixed = [points_by_hand(obj.data) for obj in objects]
+    first = {obj.data: obj for obj in reversed(objects)}  # of objects that share a mesh, the first has its points
+    fixed = [points_by_hand(obj.data) if first[obj.data] == obj else NO_POINTS for obj in objects]
     if any(each.vertices for each in fixed):
         return fixed, True
-    return [_of_last_run(obj) for obj in objects], False
+    return [_of_last_run(obj) if first[obj.data] == obj else NO_POINTS for obj in objects], False
 
 
 def _of_last_run(obj: bpy.types.Object) -> BodyPoints:
     """Return the points that the last run found on an object."""
     record = read_record(obj.data)
-    if record is None or obj.data.is_editmode:
+    if record is None or record.report.vertices != len(obj.data.vertices):  # edited since
         return NO_POINTS
     report = record.report
     names = report.feature_names or [""] * len(report.feature_points)
@@ -144,11 +153,16 @@ def fix_point(objects: Sequence[bpy.types.Object], obj: bpy.types.Object, vertex
     name : str
         Name of the limb; "" for one without a name.
     """
-    points = [_without(each, name) for each in body_points(objects)[0]]
-    number = list(objects).index(obj)
-    points[number] = _without_near(obj, points[number], vertex)
-    points[number] = BodyPoints([*points[number].vertices, vertex], [*points[number].names, name])
-    _write_all(objects, points)
+
+    def change(points: list[BodyPoints], number: int) -> None:
+        points[:] = [_kept(each, lambda _, own: not name or own != name) for each in points]
+        places = read_mesh(obj.data)[0]
+        near = _REPLACED * float(np.ptp(places, axis=0).max())
+        away = np.linalg.norm(places - places[vertex], axis=1)
+        left = _kept(points[number], lambda own, called: own != vertex and bool(called or away[own] > near))
+        points[number] = BodyPoints([*left.vertices, vertex], [*left.names, name])
+
+    _change(objects, obj, change)
 
 
 def remove_point(objects: Sequence[bpy.types.Object], obj: bpy.types.Object, vertex: int) -> None:
@@ -163,11 +177,11 @@ def remove_point(objects: Sequence[bpy.types.Object], obj: bpy.types.Object, ver
     vertex : int
         Its vertex.
     """
-    points = body_points(objects)[0]
-    number = list(objects).index(obj)
-    kept = [pair for pair in zip(*points[number], strict=True) if pair[0] != vertex]
-    points[number] = BodyPoints([own for own, _ in kept], [name for _, name in kept])
-    _write_all(objects, points)
+
+    def change(points: list[BodyPoints], number: int) -> None:
+        points[number] = _kept(points[number], lambda own, _: own != vertex)
+
+    _change(objects, obj, change)
 
 
 def swap_sides(objects: Sequence[bpy.types.Object]) -> None:
@@ -178,8 +192,11 @@ def swap_sides(objects: Sequence[bpy.types.Object]) -> None:
     objects : sequence of bpy.types.Object
         The objects of the body, in any mode.
     """
-    points = body_points(objects)[0]
-    _write_all(objects, [each._replace(names=[mate_of(name) for name in each.names]) for each in points])
+
+    def change(points: list[BodyPoints], _: int) -> None:
+        points[:] = [each._replace(names=[mate_of(name) for name in each.names]) for each in points]
+
+    _change(objects, objects[0], change)
 
 
 def forget_points(objects: Sequence[bpy.types.Object]) -> None:
@@ -190,32 +207,57 @@ def forget_points(objects: Sequence[bpy.types.Object]) -> None:
     objects : sequence of bpy.types.Object
         The objects of the body, in any mode.
     """
-    _write_all(objects, [NO_POINTS] * len(objects))
+
+    def change(points: list[BodyPoints], _: int) -> None:
+        points[:] = [NO_POINTS] * len(points)
+
+    _change(objects, objects[0], change)
 
 
-def _write_all(objects: Sequence[bpy.types.Object], points: Sequence[BodyPoints]) -> None:
-    for obj, own in zip(objects, points, strict=True):
-        with object_mode(obj):
-            write_points(obj.data, own)
+def _change(
+    objects: Sequence[bpy.types.Object], obj: bpy.types.Object, change: Callable[[list[BodyPoints], int], None]
+) -> None:
+    """Change the points of the objects that are one body with `obj`, once for each mesh, in Object Mode."""
+    own = list({each.data: each for each in (obj, *_one_body(obj, objects))}.values())
+    with ExitStack() as modes:
+        for each in own:
+            modes.enter_context(object_mode(each))
+        points, _ = body_points(own)
+        number = next(index for index, each in enumerate(own) if each.data == obj.data)
+        change(points, number)
+        for each, found in zip(own, points, strict=True):
+            write_points(each.data, found)
 
 
-def _without(points: BodyPoints, name: str) -> BodyPoints:
-    """Leave out the point of a name."""
-    kept = [pair for pair in zip(*points, strict=True) if not name or pair[1] != name]
-    return BodyPoints([vertex for vertex, _ in kept], [own for _, own in kept])
+def _one_body(obj: bpy.types.Object, objects: Sequence[bpy.types.Object]) -> list[bpy.types.Object]:
+    """List the objects that are one body with another: moved by the same armature, or else within each other's box."""
+    rig = armature_of(obj)
+    others = [each for each in objects if each != obj and refusal(each) is None]
+    if rig is not None:
+        return [each for each in others if armature_of(each) == rig]
+    body, boxes = [obj], {each: _box(each) for each in (obj, *others)}
+    for each in body:
+        body += [other for other in others if other not in body and _meet(boxes[each], boxes[other])]
+    return body[1:]
 
 
-def _without_near(obj: bpy.types.Object, points: BodyPoints, vertex: int) -> BodyPoints:
-    """Leave out points without a name near a vertex, and whatever is on it."""
-    with object_mode(obj):
-        places = read_mesh(obj.data)[0]
-    near = _REPLACED * float(np.ptp(places, axis=0).max())
-    kept = [
-        (own, name)
-        for own, name in zip(*points, strict=True)
-        if own != vertex and (name or np.linalg.norm(places[own] - places[vertex]) > near)
-    ]
-    return BodyPoints([own for own, _ in kept], [name for _, name in kept])
+def _box(obj: bpy.types.Object) -> FloatArray:
+    """Return the lowest and the highest corner of an object in the scene, (2, 3)."""
+    place = np.array(obj.matrix_world)
+    corners = np.array(obj.bound_box) @ place[:3, :3].T + place[:3, 3]
+    return np.array([corners.min(axis=0), corners.max(axis=0)])
+
+
+def _meet(one: FloatArray, other: FloatArray) -> bool:
+    """Return whether two boxes (2, 3) overlap, or nearly do."""
+    slack = _REPLACED * float(np.ptp(one, axis=0).max())
+    return bool((one[0] - slack <= other[1]).all() and (other[0] - slack <= one[1]).all())
+
+
+def _kept(points: BodyPoints, keep: Callable[[int, str], bool]) -> BodyPoints:
+    """Keep some of the points."""
+    kept = [pair for pair in zip(*points, strict=True) if keep(*pair)]
+    return BodyPoints([vertex for vertex, _ in kept], [name for _, name in kept])
 
 
 def points_on(obj: bpy.types.Object, reading: Reading, points: BodyPoints) -> BodyPoints:
@@ -292,4 +334,6 @@ def with_points(settings: Settings, points: Sequence[BodyPoints], starts: Sequen
     if settings.feature_points is not None or not any(each.vertices for each in points):
         return settings
     vertices = [start + own for start, each in zip(starts, points, strict=False) for own in each.vertices]
-    return replace(settings, feature_points=vertices, feature_names=[name for each in points for name in each.names])
+    names = [name for each in points for name in each.names]
+    once = [name if name not in names[:number] else "" for number, name in enumerate(names)]  # a shirt has its own
+    return replace(settings, feature_points=vertices, feature_names=once)

@@ -148,14 +148,15 @@ class Combined(NamedTuple):
             for start, own in zip(self.starts, points, strict=False)
             for vertex, name in zip(*own, strict=True)
         }
+        given = {name for each in points for name in each.names}
         vertices: list[int] = []
         names: list[str] = []
         for vertex, source in zip(found, sources[found].tolist(), strict=True):
             own = known[source]
-            name = own if vertex == source else mate_of(own)
-            if vertex == source or not own or name != own:
+            name, image = (own, False) if vertex == source else (mate_of(own), True)
+            if not image or not own or name != own:
                 vertices.append(vertex)
-                names.append(name if name not in names else "")
+                names.append("" if name in names or (image and name in given) else name)
         return vertices, names
 
     def put_together(self, shapes: Sequence[FloatArray]) -> FloatArray:

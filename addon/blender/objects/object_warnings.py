@@ -11,18 +11,16 @@ from ...core.measures.alignment import rigid_fit
 from ...core.numerics.arrays import FloatArray
 from ...core.run.messages import Message
 from ..mesh_items.key_points import key_points
-from ..records.record import read_record
 from ..words.advice import advised
 from ..words.wording import listed, told
 from .mesh_reading import Reading
 from .mirrors import is_followed
+from .movers import bending_keys, bending_modifiers, users_keys
 
 _OF_A_MESH = ("repeated_corners", "coincident_borders", "duplicate_faces", "inconsistent_faces", "loose_vertices")
 NOTES = {*_OF_A_MESH, "flat_triangles", "small_pieces_ride", "stray_vertices", "pieces_without_area"}  # no doubts
-_POSED = 1e-3  # change of a bone that poses a mesh: of its axes, and of its place over the size of the armature
 _PUSHED = 0.1  # of the farthest push of a key: where it pushes
 _TURNED = np.radians(25)  # of its part of the surface, above which it pushes the wrong way
-_LEAST_VALUE = 1e-3  # of a shape key that visibly deforms the object
 _ADDING = (
     "ARRAY",
     "BOOLEAN",
@@ -35,26 +33,6 @@ _ADDING = (
     "SKIN",
     "SOLIDIFY",
     "VOLUME_TO_MESH",
-)
-_BENDING = (
-    "CAST",
-    "CLOTH",
-    "CURVE",
-    "DISPLACE",
-    "HOOK",
-    "LAPLACIANDEFORM",
-    "LAPLACIANSMOOTH",
-    "LATTICE",
-    "MESH_CACHE",
-    "MESH_DEFORM",
-    "MESH_SEQUENCE_CACHE",
-    "SHRINKWRAP",
-    "SIMPLE_DEFORM",
-    "SMOOTH",
-    "SOFT_BODY",
-    "SURFACE_DEFORM",
-    "WARP",
-    "WAVE",
 )
 
 
@@ -98,7 +76,7 @@ def object_warnings(objects: Sequence[bpy.types.Object], deformed: bool, *, scal
                 keys=keys,
             )
         )
-    names, bending = _those_with(objects, _bending_modifiers)
+    names, bending = _those_with(objects, bending_modifiers)
     if bending:
         warnings.append(
             told(
@@ -150,18 +128,6 @@ def warnings_by_object(warnings: Sequence[Message], readings: Sequence[Reading])
     return [f"{of}: {advised(each)}" if of else advised(each) for of, each in zip(about, warnings, strict=True)]
 
 
-def bending_keys(obj: bpy.types.Object) -> list[str]:
-    """Return the names of the user's shape keys that currently move an object away from its Basis."""
-    keys = obj.data.shape_keys
-    if keys is None or not keys.use_relative or obj.show_only_shape_key:
-        return []
-    return [
-        key.name
-        for key in _users_keys(obj.data)
-        if not key.mute and abs(key.value) > _LEAST_VALUE and (key_points(key) != key_points(key.relative_key)).any()
-    ]
-
-
 def turned_key_warnings(objects: Sequence[bpy.types.Object], forms: Sequence[FloatArray]) -> list[str]:
     """Return a warning about shape keys of the user that push in the axes of the pose where a form turns the surface.
 
@@ -198,7 +164,7 @@ def _turned_keys(obj: bpy.types.Object, form: FloatArray) -> list[str]:
         return []
     basis = key_points(keys.reference_key).astype(np.float64)
     found = []
-    for key in _users_keys(obj.data):
+    for key in users_keys(obj.data):
         moved = np.linalg.norm(key_points(key) - key_points(key.relative_key), axis=1)
         part = np.flatnonzero(moved > _PUSHED * moved.max(initial=0.0))
         if len(part) < 3 or np.linalg.matrix_rank(basis[part] - basis[part].mean(axis=0), tol=1e-9) < 2:
@@ -209,34 +175,10 @@ def _turned_keys(obj: bpy.types.Object, form: FloatArray) -> list[str]:
     return found
 
 
-def _users_keys(mesh: bpy.types.Mesh) -> list[bpy.types.ShapeKey]:
-    """List the shape keys of a mesh but the Basis and ours."""
-    keys, record = mesh.shape_keys, read_record(mesh)
-    ours = () if record is None else (*record.keys, *record.in_between_keys)
-    return [key for key in keys.key_blocks if key != keys.reference_key and key.name not in ours]
-
-
 def _those_with(objects: Sequence[bpy.types.Object], what: Callable[[bpy.types.Object], list[str]]) -> tuple[str, str]:
     """Return the names of the objects that have something, and the names of what they have, each once."""
     having = {obj.name: found for obj in objects if (found := what(obj))}
     return listed(having), listed(dict.fromkeys(each for found in having.values() for each in found))
-
-
-def _bending_modifiers(obj: bpy.types.Object) -> list[str]:
-    """Return the names of the enabled modifiers, and of the parent, that deform the object."""
-    return _bending_parent(obj) + [
-        each.name
-        for each in obj.modifiers
-        if each.show_viewport and (each.type in _BENDING or (each.type == "ARMATURE" and _in_pose(each.object)))
-    ]
-
-
-def _bending_parent(obj: bpy.types.Object) -> list[str]:
-    """Return the name of the parent if the object is bent by it, without a modifier."""
-    parent = obj.parent
-    if parent is None or obj.parent_type not in ("ARMATURE", "LATTICE", "CURVE") or obj.parent_type != parent.type:
-        return []
-    return [parent.name] if parent.type != "ARMATURE" or _in_pose(parent) else []
 
 
 def _adding_modifiers(obj: bpy.types.Object) -> list[str]:
@@ -244,15 +186,3 @@ def _adding_modifiers(obj: bpy.types.Object) -> list[str]:
     return [
         each.name for each in obj.modifiers if each.show_viewport and each.type in _ADDING and not is_followed(each)
     ]
-
-
-def _in_pose(rig: bpy.types.Object | None) -> bool:
-    """Return whether an armature is posed, by its bones or by their constraints."""
-    if rig is None or rig.data.pose_position == "REST":
-        return False
-    size = max(rig.dimensions) or 1.0
-    for bone in rig.pose.bones:
-        turned = np.array(bone.matrix) - np.array(bone.bone.matrix_local)
-        if np.abs(turned[:3, :3]).max() > _POSED or np.abs(turned[:3, 3]).max() > _POSED * size:
-            return True
-    return False

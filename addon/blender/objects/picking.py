@@ -27,10 +27,13 @@ class Picked(NamedTuple):
         The object.
     vertex : int
         Its vertex.
+    image : bool
+        Whether a mirror image of it was meant, which a modifier makes.
     """
 
     obj: bpy.types.Object
     vertex: int
+    image: bool = False
 
 
 def picked(
@@ -58,13 +61,12 @@ def picked(
         if not hit:
             return None
         if obj.original in objects:
-            vertex = _nearest(obj.original, graph, place, face)
-            return None if vertex is None else Picked(obj.original, vertex)
+            return _nearest(obj.original, graph, place, face)
         origin = place + direction * max((place - origin).length, 1.0) * _BEYOND
     return None
 
 
-def _nearest(obj: bpy.types.Object, graph: bpy.types.Depsgraph, place: Vector, face: int) -> int | None:
+def _nearest(obj: bpy.types.Object, graph: bpy.types.Depsgraph, place: Vector, face: int) -> Picked | None:
     """Find the vertex of a mesh at a place of a face of the evaluated one."""
     shown = obj.evaluated_get(graph)
     local = shown.matrix_world.inverted() @ place
@@ -74,14 +76,17 @@ def _nearest(obj: bpy.types.Object, graph: bpy.types.Depsgraph, place: Vector, f
     corners = list(mesh.polygons[face].vertices)
     vertex = min(corners, key=lambda corner: (mesh.vertices[corner].co - local).length)
     if len(mesh.vertices) == len(obj.data.vertices):
-        return int(vertex)
-    with object_mode(obj):
-        places = evaluated_places(obj)
-        if places is None or len(places) <= vertex:
-            return None
-        base = np.empty(3 * len(obj.data.vertices), dtype=np.float32)
-        obj.data.vertices.foreach_get("co", base)
-    return int(np.linalg.norm(base.reshape(-1, 3) - places[vertex], axis=1).argmin())
+        return Picked(obj, int(vertex))
+    shown_at = np.array([each.co for each in mesh.vertices])
+    places = evaluated_places(obj)
+    if places is None or len(places) != len(shown_at):
+        return None
+    base = np.empty(3 * len(obj.data.vertices), dtype=np.float32)
+    obj.data.vertices.foreach_get("co", base)
+    found = int(np.linalg.norm(base.reshape(-1, 3) - places[vertex], axis=1).argmin())
+    first = int(np.linalg.norm(places - places[vertex], axis=1).argmin())  # images come after what they are of
+    size = float(np.ptp(shown_at, axis=0).max())
+    return Picked(obj, found, bool(np.linalg.norm(shown_at[first] - shown_at[vertex]) > _MIRRORED * size))
 
 
 def mirrored_vertex(objects: Sequence[bpy.types.Object], there: Picked) -> Picked | None:

@@ -139,7 +139,9 @@ def with_names(limbs: Limbs, names: Sequence[str]) -> Limbs:
     place = {name: point for point, name in enumerate(names) if name}
     partner = _partners(limbs, place)
     told = np.array([side_of(name) for name in names])
-    told[partner == np.arange(len(names))] = 0  # a limb without its mate
+    alone = (told != 0) & ~told[partner].astype(bool)  # its mate has no name
+    told[partner[alone]] = -told[alone]
+    told[partner == np.arange(len(names))] = 0
     agree = float(told @ limbs.side)
     side = np.where(told != 0, told, -limbs.side if agree < 0 else limbs.side)
     side[partner == np.arange(len(names))] = 0
@@ -149,13 +151,16 @@ def with_names(limbs: Limbs, names: Sequence[str]) -> Limbs:
 
 
 def _partners(limbs: Limbs, place: dict[str, int]) -> IntArray:
-    """Pair what is named with its mate; pairs of which one has a name are no longer one."""
-    partner = limbs.partner.copy()
-    for point in place.values():
-        partner[partner[point]] = partner[point]
-        partner[point] = point
+    """Pair what is named with its mate; one whose mate has no name keeps a partner without a name."""
+    partner, named = limbs.partner.copy(), set(place.values())
     for name, point in place.items():
-        partner[point] = place.get(_MATES[name], point)
+        old = int(partner[point])
+        if side_of(name) and _MATES[name] not in place and old != point and old not in named:
+            continue
+        partner[old], partner[point] = old, point
+    for name, point in place.items():
+        if _MATES[name] in place:
+            partner[point] = place[_MATES[name]]
     return partner
 
 
