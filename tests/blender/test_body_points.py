@@ -5,6 +5,7 @@ from typing import Any
 import bpy
 import numpy as np
 import pytest
+from mathutils import Vector
 
 from addon.blender.objects.body_points import (
     ATTRIBUTE,
@@ -15,7 +16,9 @@ from addon.blender.objects.body_points import (
     remove_point,
     swap_sides,
 )
+from addon.blender.objects.picking import picked
 from addon.blender.records.record import require_record
+from addon.interface.choices import there
 from tests.blender.characters import activate
 from tests.blender.conftest import QUICK, add_object, snapshot
 from tests.blender.rig_scenes import rigged_halves
@@ -113,6 +116,101 @@ def test_they_move_with_edits_of_the_mesh(figure_object):
     bpy.ops.object.mode_set(mode="OBJECT")
     (vertex,), _ = points_by_hand(figure_object.data)
     assert figure_object.data.vertices[vertex].co == place
+
+
+def test_found_points_stay_when_one_is_fixed_in_edit_mode(figure_object):
+    bpy.ops.object.canonical_form(**QUICK)
+    found = by_name([figure_object])
+    bpy.ops.object.mode_set(mode="EDIT")
+    fix_point([figure_object], figure_object, 7, "head")
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert len(by_name([figure_object])) >= len(found)
+
+
+def test_what_blender_blends_between_vertices_is_no_point(figure_object):
+    for vertex, name in ((40, "right_foot"), (200, ""), (300, "left_hand")):
+        fix_point([figure_object], figure_object, vertex, name)
+    before = points_by_hand(figure_object.data)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.mesh.subdivide()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert points_by_hand(figure_object.data) == before
+    figure_object.modifiers.new("Finer", "SUBSURF").levels = 1
+    bpy.ops.object.modifier_apply(modifier="Finer")
+    assert points_by_hand(figure_object.data) == before
+
+
+def test_points_of_an_edited_mesh_are_not_those_of_the_last_run(figure_object):
+    bpy.ops.object.canonical_form(**QUICK)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.mesh.subdivide()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert by_name([figure_object]) == {}
+
+
+def test_objects_that_share_a_mesh_have_one_set(figure_object):
+    twin = bpy.data.objects.new("Twin", figure_object.data)
+    bpy.context.scene.collection.objects.link(twin)
+    both = [figure_object, twin]
+    for number, name in enumerate(NAMES[:3]):
+        fix_point(both, figure_object, 40 * number, name)
+    remove_point(both, twin, 0)
+    assert points_by_hand(twin.data).names == NAMES[1:3]
+    assert by_name(both) == {name: ("Figure", 40 * number) for number, name in enumerate(NAMES[:3]) if number}
+
+
+@pytest.mark.parametrize(("away", "kept"), [(10.0, True), (0.0, False)])
+def test_another_body_keeps_its_points(figure_object, arrays, away, kept):
+    other = add_object("Other", *arrays)
+    other.location.x = away
+    bpy.context.view_layer.update()
+    fix_point([figure_object, other], other, 40, "head")
+    fix_point([figure_object, other], figure_object, 80, "head")
+    assert points_by_hand(other.data).names == (["head"] if kept else [])
+
+
+def test_a_click_on_a_mirror_image_is_of_the_other_side(blender):
+    obj = add_object("Half", *shapes.grid(4, 4))
+    for vertex in obj.data.vertices:
+        vertex.co.x += 1
+    obj.modifiers.new("Mirror", "MIRROR")
+    bpy.context.view_layer.update()
+    for x, image in ((1.0, False), (-1.0, True)):
+        found = picked(bpy.context, [obj], Vector((x, 0.5, 5.0)), Vector((0.0, 0.0, -1.0)))
+        assert found is not None
+        assert found.image == image
+        assert abs(obj.data.vertices[found.vertex].co.x - 1) < 0.5
+    assert picked(bpy.context, [obj], Vector((50.0, 0.5, 5.0)), Vector((0.0, 0.0, -1.0))) is None
+
+
+def test_the_other_side_is_set_too_where_the_mesh_is_symmetric(blender, lender):
+    figure_object = add_object("Figure", lender.vertices, lender.faces)
+    hand = max(figure_object.data.vertices, key=lambda vertex: vertex.co.x).index
+    fix = bpy.ops.object.canonical_form_fix_point
+    assert fix(limb="left_hand", owner="Figure", vertex=hand, mirror=True) == {"FINISHED"}
+    points = points_by_hand(figure_object.data)
+    assert points.names == ["left_hand", "right_hand"]
+    left, right = (figure_object.data.vertices[vertex].co for vertex in points.vertices)
+    assert (left - Vector((-right.x, right.y, right.z))).length < 0.2
+    with pytest.raises(RuntimeError, match="no such vertex"):
+        fix(limb="head", owner="Figure", vertex=10**6)
+    assert bpy.ops.object.canonical_form_points(how="SWAP") == {"FINISHED"}
+    assert points_by_hand(figure_object.data).names == ["left_hand", "right_hand"]
+    assert points_by_hand(figure_object.data).vertices == points.vertices[::-1]
+    assert bpy.ops.object.canonical_form_points(how="REMOVE", owner="Figure", vertex=hand) == {"FINISHED"}
+    assert bpy.ops.object.canonical_form_points(how="FORGET") == {"FINISHED"}
+    assert points_by_hand(figure_object.data) == ([], [])
+
+
+def test_a_choice_of_a_deleted_object_is_none(figure_object, arrays):
+    other = add_object("Other", *arrays)
+    choices = figure_object.canonical_form
+    choices.like = other
+    assert there(choices.like) == other
+    bpy.context.scene.collection.objects.unlink(other)
+    assert there(choices.like) is None
 
 
 @pytest.mark.parametrize("value", [np.nan, "text"])

@@ -43,7 +43,7 @@ def limbs(hand, figure, state, running, wait_for_the_end):
 
     yield from hand.press(
         "canonical_form_points(",
-        happened=lambda: points_by_hand(figure().data).names != found.names,
+        happened=lambda: points_by_hand(figure().data) != found,
         shares=(0.5,),
     )
     yield from hand.over_view()

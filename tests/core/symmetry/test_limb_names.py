@@ -93,6 +93,14 @@ def test_one_name_turns_the_sides_of_all():
     assert named.side.tolist() == (-limbs.side).tolist()
 
 
+@pytest.mark.parametrize(("point", "name"), [(0, "left_hand"), (0, "right_hand"), (1, "left_hand"), (2, "right_foot")])
+def test_one_name_alone_keeps_the_pair_and_tells_its_sides(point, name):
+    limbs = limbs_at(BODY[:5])
+    named = with_names(limbs, [name if number == point else "" for number in range(5)])
+    assert named.partner.tolist() == limbs.partner.tolist()
+    assert named.side[point] == side_of(name) == -named.side[named.partner[point]]
+
+
 def test_names_are_sorted_with_their_points():
     named = with_names(limbs_at(BODY[:5]), TOLD)
     assert named.sorted_by(np.array([4, 0, 1, 2, 3])).named == ("head", *TOLD[:4])
