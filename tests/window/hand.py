@@ -90,7 +90,7 @@ class Hand:
         manager = bpy.context.window_manager
         manager.clipboard = ""
         yield from self.move(*self.below_top(below, share))
-        yield 0.05
+        yield 0.02
         with bpy.context.temp_override(window=self.window, area=self.area(), region=self.region("UI")):
             if bpy.ops.ui.copy_python_command_button.poll():
                 bpy.ops.ui.copy_python_command_button()
@@ -106,7 +106,7 @@ class Hand:
         last = self.region("UI").height - 10 if last is None else last
         known = self.known.get((what, parts))
         places = [known] if known is not None else []
-        places += [(below, share) for below in range(first, last, 9) for share in shares]
+        places += [(below, share) for share in shares for below in range(first, last, 9)]
         for below, share in places:
             told = yield from self.told_by(below, share)
             if what in told and all(part in told for part in parts) and without not in told:
