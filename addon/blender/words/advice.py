@@ -38,7 +38,7 @@ ADVICE = {  # by message kind
     "transfer_unlike": _ANYWAY,
     "stance_strained": _ANYWAY,
     "stance_limbs": "Let it rest As the Reference, or As It Stands.",
-    "match_sides": "Other Side (--side in a terminal) takes the next.",
+    "match_sides": "Flip Front/Back, or Other Side (--side in a terminal), takes the next.",
     "no_axes": f"{_MERGE} may repair it.",
     "mesh_memory": _DECIMATE,
     "pair_memory": _DECIMATE,
