@@ -1,7 +1,8 @@
 """Builds the extension: `make package`.
 
 Downloads the scipy wheels that the manifest lists, and runs Blender's own builder, which writes one zip per platform
-to `build/`. With ``--here`` only the Linux wheels are downloaded and one zip is written to `build/here/`, for tests.
+to `build/`, to be installed from disk. With ``--here`` only the Linux wheels are downloaded and one zip is written to
+`build/here/`, for tests. A repository has lighter ones, of one wheel each (`by_python`).
 """
 
 import re
@@ -14,15 +15,49 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 BUILD = ROOT / "build"
+MANIFEST = ROOT / "blender_manifest.toml"
+PLATFORMS = {  # of Blender, by what names of wheels have of them
+    "linux-x64": "manylinux",
+    "windows-x64": "win_amd64",
+    "macos-arm64": "arm64",
+    "macos-x64": "macosx_10_13_x86_64",
+}
+FIRST = {"cp313": "4.3.0", "cp314": "4.3.0"}  # Blender 4.2 does not ask for which Python a zip is
 
 
 def main(here: bool) -> list[Path]:
-    manifest = (ROOT / "blender_manifest.toml").read_text()
-    described = tomllib.loads(manifest)
+    """Build a zip for each platform, or for this one, with the wheels of all Pythons; return their paths."""
+    described = tomllib.loads(MANIFEST.read_text())
     wheels = [Path(wheel).name for wheel in described["wheels"]]
+    platforms = described["platforms"]
     if here:
-        wheels = [wheel for wheel in wheels if "manylinux" in wheel]
+        wheels, platforms = [wheel for wheel in wheels if "manylinux" in wheel], ["linux-x64"]
     fetch(wheels, BUILD / "wheels")
+    return build(wheels, platforms, BUILD / "here" if here else BUILD)
+
+
+def by_python(here: bool) -> list[Path]:
+    """Build a zip for each platform and Python, with one wheel; Blender takes from a repository the one that fits."""
+    described = tomllib.loads(MANIFEST.read_text())
+    output = BUILD / ("here-by-python" if here else "by-python")
+    shutil.rmtree(output, ignore_errors=True)
+    zips = []
+    for wheel in (Path(each).name for each in described["wheels"]):
+        python = wheel.split("-")[2]
+        platform = next(name for name, part in PLATFORMS.items() if part in wheel)
+        if here and platform != "linux-x64":
+            continue
+        fetch([wheel], BUILD / "wheels")
+        (built,) = build([wheel], [platform], output / "new", first=FIRST.get(python))
+        target = output / built.name.replace(".zip", f"-py{python[2:]}-{platform.replace('-', '_')}.zip")
+        zips.append(built.rename(target))
+    (output / "new").rmdir()
+    return zips
+
+
+def build(wheels: list[str], platforms: list[str], output: Path, *, first: str | None = None) -> list[Path]:
+    """Build zips with some wheels, one for each platform; `first`: the first version of Blender that takes them."""
+    manifest = MANIFEST.read_text()
     stage = BUILD / "stage"
     shutil.rmtree(stage, ignore_errors=True)
     tracked = subprocess.run(
@@ -37,15 +72,16 @@ def main(here: bool) -> list[Path]:
     (stage / "wheels").mkdir()
     for wheel in wheels:
         shutil.copy(BUILD / "wheels" / wheel, stage / "wheels" / wheel)
-    if here:
-        kept = "".join(f'  "./wheels/{wheel}",\n' for wheel in wheels)
-        manifest = re.sub(r"wheels = \[.*?\]", f"wheels = [\n{kept}]", manifest, flags=re.DOTALL)
-        manifest = re.sub(r"platforms = .*", 'platforms = ["linux-x64"]', manifest)
+    kept = "".join(f'  "./wheels/{wheel}",\n' for wheel in wheels)
+    manifest = re.sub(r"wheels = \[.*?\]", f"wheels = [\n{kept}]", manifest, flags=re.DOTALL)
+    named = ", ".join(f'"{each}"' for each in platforms)
+    manifest = re.sub(r"platforms = .*", f"platforms = [{named}]", manifest)
+    if first is not None:
+        manifest = re.sub(r"blender_version_min = .*", f'blender_version_min = "{first}"', manifest)
     (stage / "blender_manifest.toml").write_text(manifest)
-    output = BUILD / "here" if here else BUILD
-    output.mkdir(exist_ok=True)
+    output.mkdir(parents=True, exist_ok=True)
     builder = blender_builder()
-    split = [] if here else ["--split-platforms"]
+    split = ["--split-platforms"] if len(platforms) > 1 else []
     for old in output.glob("*.zip"):
         old.unlink()
     tell([sys.executable, builder, "build", f"--source-dir={stage}", f"--output-dir={output}", *split])

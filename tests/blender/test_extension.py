@@ -153,7 +153,7 @@ def test_it_installs_enables_runs_disables_and_uninstalls(package, tmp_path, pyt
 def renumbered(path, version):
     """Copy a packed extension as another version of it, into a folder of its own."""
     folder = path.parent / version
-    folder.mkdir()
+    folder.mkdir(exist_ok=True)
     target = folder / re.sub(r"-\d+\.\d+\.\d+", f"-{version}", path.name)
     with zipfile.ZipFile(path) as old, zipfile.ZipFile(target, "w") as new:
         for each in old.infolist():
@@ -180,12 +180,22 @@ def served(tmp_path):
     server.shutdown()
 
 
-def test_blender_installs_from_the_repository_of_the_site_and_updates(package, served, tmp_path):
+@pytest.fixture(scope="module")
+def lighter():
+    """A zip for each Python."""
+    from tools.package import by_python
+
+    return by_python(here=True)
+
+
+def test_blender_installs_from_the_repository_of_the_site_and_updates(lighter, served, tmp_path):
     folder, url = served
     for version in ("0.9.0", "1.0.0"):
-        zipped = renumbered(Path(shutil.copy(package, tmp_path)), version)
-        (told,) = make_repository([zipped], folder / "repository")
-        assert told["version"] == version
+        zips = [renumbered(Path(shutil.copy(each, tmp_path)), version) for each in lighter]
+        told = make_repository(zips, folder / "repository")
+        assert {each["version"] for each in told} == {version}
+        assert sorted(each["python_versions"] for each in told) == [["3.11"], ["3.13"], ["3.14"]]
+        assert all(each["archive_size"] < 60e6 for each in told)
         home = tmp_path / "home"
         home.mkdir(exist_ok=True)
         done = subprocess.run(

@@ -24,8 +24,11 @@ def main(pages_only: bool) -> None:
     site = ROOT / "build" / "site"
     print(f"{site}: {len(gathered)} pages")
     if not pages_only:
-        for each in make_repository(package.main(here=False), site / "repository"):
-            print(f"{site / 'repository'}: {each['id']} {each['version']} for {', '.join(each['platforms'])}")
+        package.main(here=False)
+        for each in make_repository(package.by_python(here=False), site / "repository"):
+            fits = ", ".join([*each["platforms"], *(f"Python {python}" for python in each["python_versions"])])
+            size = each["archive_size"] / 1e6
+            print(f"{site / 'repository'}: {each['id']} {each['version']} for {fits}, {size:.0f} MB")
     subprocess.run(["du", "-sh", site], check=False)
 
 
