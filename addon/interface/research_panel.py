@@ -48,7 +48,7 @@ class VIEW3D_PT_canonical_form_research(Tab, bpy.types.Panel):
         if record is None:
             return
         for line in figures_of(record):
-            column.label(text=line)
+            draw_sentence(column, context, line)
         for note in record.report.notes:
             draw_sentence(column, context, note, "INFO")
 

@@ -10,9 +10,11 @@ from ..blender.jobs.meant_objects import meant_object
 from ..blender.records.record import Record, read_record
 from ..blender.words.wording import told, told_stage
 from .job_operator import OBJECT_OT_canonical_form_cancel
+from .reading import OBJECT_OT_canonical_form_read
 
-_USUAL, _SHORTEST = 42, 20  # characters in a line of the sidebar
+_USUAL, _SHORTEST = 35, 20  # characters in a line of the sidebar
 _CHARACTER, _MARGIN = 6.4, 55  # width of a character, and of everything next to a line, in pixels
+_MOST_LINES, _BUTTON = 2, 4  # of a sentence; characters that a button next to it takes
 _TOLD, _FIRST = 5.0, 0.05  # seconds left that are worth telling, and share of the work that tells them
 
 
@@ -42,7 +44,7 @@ def record_of(context: bpy.types.Context) -> Record | None:
 
 
 def draw_sentence(layout: bpy.types.UILayout, context: bpy.types.Context, sentence: str, icon: str = "NONE") -> None:
-    """Draw a sentence over as many lines as it needs.
+    """Draw a sentence over two lines at most; what is longer can be read on a click, or as a tooltip.
 
     Parameters
     ----------
@@ -55,8 +57,18 @@ def draw_sentence(layout: bpy.types.UILayout, context: bpy.types.Context, senten
     icon : str
         The icon of the first line.
     """
-    for number, line in enumerate(textwrap.wrap(sentence, line_length(context))):
-        layout.label(text=line, icon="BLANK1" if number and icon != "NONE" else icon)
+    lines = textwrap.wrap(sentence, line_length(context))
+    if len(lines) <= _MOST_LINES:
+        for number, line in enumerate(lines):
+            layout.label(text=line, icon="BLANK1" if number and icon != "NONE" else icon)
+        return
+    lines = textwrap.wrap(sentence, line_length(context) - _BUTTON, max_lines=_MOST_LINES, placeholder=" …")
+    for number, line in enumerate(lines):
+        row = layout.row(align=True)
+        row.label(text=line, icon="BLANK1" if number and icon != "NONE" else icon)
+        if number == len(lines) - 1:
+            button = row.operator(OBJECT_OT_canonical_form_read.bl_idname, text="", icon="INFO", emboss=False)
+            button.sentence = sentence
 
 
 def line_length(context: bpy.types.Context) -> int:

@@ -151,6 +151,6 @@ def test_the_form_as_shown_tells_its_frame_and_offers_another_run(figure_object)
 
 
 def test_nothing_meant_is_asked_for(blender):
-    assert drawn(bpy.types.VIEW3D_PT_canonical_form) == ["Select a mesh, or the armature that moves", "it."]
+    assert drawn(bpy.types.VIEW3D_PT_canonical_form) == ["Select a mesh, or the armature that", "moves it."]
     others = [panel for panel in panels.CLASSES[1:] if issubclass(panel, bpy.types.Panel)]
     assert all(drawn(panel) == [] for panel in others)

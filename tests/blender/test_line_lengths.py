@@ -1,0 +1,133 @@
+"""Every text of the panels has room in a sidebar of the default width, in every language."""
+
+import bpy
+import pytest
+
+from addon.blender.words import wording
+from addon.blender.words.advice import ADVICE
+from addon.core.run.messages import sentences
+from addon.interface import panels
+from addon.interface.catalogues import catalogues
+from addon.interface.sidebar import draw_sentence
+from tests.blender.conftest import QUICK, Layout
+
+WIDTH = 262  # pixels of a row of the panel, in the sidebar as Blender opens it, at a scale of 1
+CHARACTER, ICON, PADDING = 6.2, 18, 8  # pixels: of a usual character, of an icon, beside a text
+LANGUAGES = {"en": {}, **{name: {english: said for (_, english), said in words.items()} for name, words in
+                          catalogues().items()}}  # fmt: skip
+
+
+class Row(Layout):
+    """A layout that adds up how wide what stands side by side is."""
+
+    def __init__(self, wide, share=1.0, side_by_side=False):
+        super().__init__([])
+        self.wide, self.share, self.side_by_side, self.inside = wide, share, side_by_side, []
+        wide.append(self)
+
+    def _item(self, text, icon):
+        self.inside.append((text, icon not in ("NONE", "")))
+
+    def operator(self, name, text=None, icon="NONE", **_):
+        self._item(bpy_label(name) if text is None else text, icon)
+        return super().operator(name, text)
+
+    def label(self, text="", icon="NONE", **_):
+        self._item(text, icon)
+
+    def progress(self, text="", **_):
+        self._item(text, "NONE")
+
+    def row(self, **_):
+        inner = Row(self.wide, side_by_side=True)
+        self.inside.append(inner)
+        return inner
+
+    def column(self, **_):
+        inner = Row(self.wide)
+        self.inside.append(inner)
+        return inner
+
+    box = grid_flow = column
+
+    def panel(self, name, **_):
+        return self.row(), self.column()
+
+
+def bpy_label(name):
+    """What a button says that is given no text."""
+    return wording.told(getattr(bpy.ops.object, name.partition(".")[2]).get_rna_type().name)
+
+
+def is_icon(item):
+    """Return whether an item of a row has no text."""
+    return all(map(is_icon, item.inside)) if isinstance(item, Row) else not item[0]
+
+
+def too_wide(row, room=WIDTH):
+    """List the texts of a row without room; what stands side by side has equal shares, icons alone what they need."""
+    found = []
+    items = [each for each in row.inside if not isinstance(each, Row) or each.inside]
+    alone = [each for each in items if is_icon(each)]
+    left = room - (ICON + PADDING) * len(alone) if row.side_by_side else room
+    count = max(len(items) - len(alone), 1) if row.side_by_side else 1
+    for each in items:
+        if is_icon(each):
+            continue
+        if isinstance(each, Row):
+            found += too_wide(each, left / count)
+        else:
+            needed = CHARACTER * len(each[0]) + PADDING + ICON * each[1]
+            if needed > left / count:
+                found.append((each[0], round(needed), round(left / count)))
+    return found
+
+
+@pytest.fixture(params=sorted(LANGUAGES))
+def language(request, monkeypatch):
+    words = LANGUAGES[request.param]
+    monkeypatch.setattr(wording, "_translated", lambda sentence: words.get(sentence, sentence))
+    return request.param
+
+
+@pytest.mark.parametrize("state", ["nothing", "form", "in-betweens", "by hand", "warned"])
+def test_every_text_has_room(figure_object, language, state):
+    from addon.blender.objects.body_points import fix_point
+    from addon.blender.records.record import require_record, write_record
+
+    if state != "nothing":
+        bpy.ops.object.canonical_form(**QUICK)
+    if state == "in-betweens":
+        bpy.ops.object.canonical_form_in_betweens(count=2)
+    if state == "by hand":
+        for vertex in (3, 200, 400):
+            fix_point([figure_object], figure_object, vertex, "")
+    if state == "warned":
+        record = require_record(figure_object.data)
+        record.report.warnings = [wording.told(each) for each in sentences()]
+        write_record(figure_object.data, record)
+    found = []
+    for panel in panels.CLASSES:
+        if issubclass(panel, bpy.types.Panel) and (not hasattr(panel, "poll") or panel.poll(bpy.context)):
+            top = Row([])
+            panel.draw(type("Self", (), {"layout": top})(), bpy.context)
+            found += too_wide(top)
+    assert found == [], repr(found)
+
+
+def test_no_sentence_takes_more_than_two_lines(blender, language):
+    for sentence in (*sentences(), *ADVICE.values()):
+        lines: list[str] = []
+        draw_sentence(Layout(lines), bpy.context, wording.told(sentence), "ERROR")
+        assert len([line for line in lines if line]) <= 2, lines
+
+
+def test_what_is_cut_can_be_read(blender):
+    lines: list[str] = []
+    layout = Layout(lines)
+    sentence = "A long sentence about many things that may be wrong with a mesh, and about what to do. " * 2
+    draw_sentence(layout, bpy.context, sentence)
+    assert lines[1].endswith(" …")
+    kind = bpy.types.OBJECT_OT_canonical_form_read
+    assert kind.description(bpy.context, type("Options", (), {"sentence": sentence})()) == sentence
+    assert bpy.ops.object.canonical_form_read(sentence=sentence) == {"FINISHED"}
