@@ -260,6 +260,8 @@ class Stance(Summarised):
         Seconds by stage.
     warnings : list of Message
         Sentences for the user.
+    feature_names : list of str
+        None.
     """
 
     vertices: FloatArray
@@ -271,6 +273,7 @@ class Stance(Summarised):
     edge_distortion: float
     timings: dict[str, float]
     warnings: list[Message]
+    feature_names: list[str] = field(default_factory=list)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -32,7 +32,8 @@ def draw_body(layout: bpy.types.UILayout, context: bpy.types.Context, choices: C
     header.label(text=told("Body"))
     if box is None:
         return
-    points, by_hand = body_points(meant_meshes(context))
+    objects = meant_meshes(context)
+    points, by_hand = body_points(objects)
     known = {name for each in points for name in each.names if name}
     nothing = not any(each.vertices for each in points)
     column = box.column(align=True)
@@ -54,7 +55,7 @@ def draw_body(layout: bpy.types.UILayout, context: bpy.types.Context, choices: C
             button.limb = name
     others = [
         (obj, vertex)
-        for obj, each in zip(meant_meshes(context), points, strict=True)
+        for obj, each in zip(objects, points, strict=True)
         for vertex, name in zip(each.vertices, each.names, strict=True)
         if name not in LIMBS
     ]

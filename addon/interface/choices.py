@@ -16,6 +16,7 @@ from ..blender.results.companions import companions_of
 from ..blender.words.wording import CONTEXT
 from .properties import (
     DISTANCES,
+    MESH_ITEMS,
     METHOD_NAMES,
     REQUEST_NAMES,
     TRANSFER_ITEMS,
@@ -55,11 +56,7 @@ class CanonicalFormChoices(
         name="Mesh",
         translation_context=CONTEXT,
         description="Mesh that the form is computed from",
-        items=(
-            ("AUTO", "By Itself", "As shown where a rig, shape keys or modifiers move the mesh, else the base mesh"),
-            ("BASE", "Base Mesh", "The mesh itself: its Basis, without modifiers"),
-            ("SHOWN", "As Shown", "The mesh as modifiers, armature and shape keys show it at the current frame"),
-        ),
+        items=MESH_ITEMS,
         default="AUTO",
     )
     reference: PointerProperty(  # type: ignore[valid-type]

@@ -72,9 +72,10 @@ class OBJECT_OT_canonical_form_fix_point(bpy.types.Operator):
             return {"CANCELLED"}
         if event.type != "LEFTMOUSE" or event.value not in ("PRESS", "CLICK"):
             return {"PASS_THROUGH"}
-        if not _is_over_view(context, event):
+        view = _view_under(context, event)
+        if view is None:
             return {"PASS_THROUGH"}
-        found = _under_mouse(context, event)
+        found = _under_mouse(context, event, *view)
         if found is None:
             self.report({"INFO"}, told("That is not on the body. Click on it, or press Esc."))
             return {"RUNNING_MODAL"}
@@ -174,15 +175,10 @@ class OBJECT_OT_canonical_form_points(bpy.types.Operator):
         return {"FINISHED"}
 
 
-def _is_over_view(context: bpy.types.Context, event: bpy.types.Event) -> bool:
-    """Return whether the mouse is over the view itself, and not over what lies on it."""
-    return _view_under(context, event) is not None
-
-
 def _view_under(
     context: bpy.types.Context, event: bpy.types.Event
 ) -> tuple[bpy.types.Region, bpy.types.RegionView3D] | None:
-    """Find the view under the mouse."""
+    """Find the view under the mouse; None where something lies on it."""
     for area in context.window.screen.areas:
         if area.type != "VIEW_3D":
             continue
@@ -196,14 +192,12 @@ def _view_under(
     return None
 
 
-def _under_mouse(context: bpy.types.Context, event: bpy.types.Event) -> Picked | None:
+def _under_mouse(
+    context: bpy.types.Context, event: bpy.types.Event, region: bpy.types.Region, view_3d: bpy.types.RegionView3D
+) -> Picked | None:
     """Find the vertex of the body under the mouse."""
     from bpy_extras.view3d_utils import region_2d_to_origin_3d, region_2d_to_vector_3d
 
-    view = _view_under(context, event)
-    if view is None:
-        return None
-    region, view_3d = view
     at = (event.mouse_x - region.x, event.mouse_y - region.y)
     ray = region_2d_to_origin_3d(region, view_3d, at), region_2d_to_vector_3d(region, view_3d, at)
     objects = [obj for obj in meant_meshes(context) if refusal(obj) is None]

@@ -35,6 +35,12 @@ TRANSFER_ITEMS = [
     ("MATERIALS", "Materials", "Materials, by face"),
 ]
 
+MESH_ITEMS = (
+    ("AUTO", "By Itself", "As shown where a rig, shape keys or modifiers move the mesh, else the base mesh"),
+    ("BASE", "Base Mesh", "The mesh itself: its Basis, without modifiers"),
+    ("SHOWN", "As Shown", "The mesh as modifiers, armature and shape keys show it at the current frame"),
+)
+
 
 def transfer_flag(kind: str) -> str:
     """Return the name of the check box for a kind of transferable data.
@@ -119,11 +125,7 @@ class RequestProperties:
         name="Mesh",
         translation_context=CONTEXT,
         description="Mesh that the form is computed from",
-        items=(
-            ("AUTO", "By Itself", "As shown where a rig, shape keys or modifiers move the mesh, else the base mesh"),
-            ("BASE", "Base Mesh", "The mesh itself: its Basis, without modifiers"),
-            ("SHOWN", "As Shown", "The mesh as modifiers, armature and shape keys show it at the current frame"),
-        ),
+        items=MESH_ITEMS,
         default="BASE",
     )
     result: EnumProperty(  # type: ignore[valid-type]

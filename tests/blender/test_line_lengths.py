@@ -20,10 +20,9 @@ LANGUAGES = {"en": {}, **{name: {english: said for (_, english), said in words.i
 class Row(Layout):
     """A layout that adds up how wide what stands side by side is."""
 
-    def __init__(self, wide, share=1.0, side_by_side=False):
+    def __init__(self, side_by_side=False):
         super().__init__([])
-        self.wide, self.share, self.side_by_side, self.inside = wide, share, side_by_side, []
-        wide.append(self)
+        self.side_by_side, self.inside = side_by_side, []
 
     def _item(self, text, icon):
         self.inside.append((text, icon not in ("NONE", "")))
@@ -39,12 +38,12 @@ class Row(Layout):
         self._item(text, "NONE")
 
     def row(self, **_):
-        inner = Row(self.wide, side_by_side=True)
+        inner = Row(side_by_side=True)
         self.inside.append(inner)
         return inner
 
     def column(self, **_):
-        inner = Row(self.wide)
+        inner = Row()
         self.inside.append(inner)
         return inner
 
@@ -109,7 +108,7 @@ def test_every_text_has_room(figure_object, language, state):
     found = []
     for panel in panels.CLASSES:
         if issubclass(panel, bpy.types.Panel) and (not hasattr(panel, "poll") or panel.poll(bpy.context)):
-            top = Row([])
+            top = Row()
             panel.draw(type("Self", (), {"layout": top})(), bpy.context)
             found += too_wide(top)
     assert found == [], repr(found)

@@ -114,7 +114,7 @@ def results_of(
 
 def _folded(found: AnyResult, whole: Combined) -> AnyResult:
     """Merge the patch of a feature point on a mirror image into the patch of the original."""
-    from ...core import CanonicalForm, Stance
+    from ...core import CanonicalForm
 
     sources = np.concatenate([start + each.source for start, each in zip(whole.starts, whole.objects, strict=False)])
     points, patches = sources[found.feature_points], found.patches
@@ -122,11 +122,9 @@ def _folded(found: AnyResult, whole: Combined) -> AnyResult:
     kept = np.where(own | ~own[patches[points]], np.arange(len(points)), patches[points])
     used, number = np.unique(kept, return_inverse=True)
     points, patches = points[used], np.append(number, -1)[patches]
-    names = [] if isinstance(found, Stance) else [found.feature_names[each] for each in used]
+    names = [found.feature_names[each] for each in used]
     if isinstance(found, CanonicalForm):
         return replace(found, feature_points=points, feature_names=names, patches=patches, bends=found.bends[used])
-    if isinstance(found, Stance):
-        return replace(found, feature_points=points, patches=patches)
     return replace(found, feature_points=points, feature_names=names, patches=patches)
 
 

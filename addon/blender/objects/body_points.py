@@ -17,7 +17,7 @@ from ..words.wording import told
 from .mesh_reading import Reading, read_mesh, refusal
 from .movers import armature_of
 from .object_states import object_mode
-from .seams import evaluated_places
+from .seams import evaluated_places, vertex_places
 
 if TYPE_CHECKING:
     from ...core.numerics.arrays import FloatArray
@@ -290,13 +290,12 @@ def points_on(obj: bpy.types.Object, reading: Reading, points: BodyPoints) -> Bo
         raise CanonicalFormError(
             told("The modifiers of {name} keep no trace of its feature points. Set Mesh to Base Mesh.", name=obj.name)
         )
-    base = np.empty(3 * len(obj.data.vertices), dtype=np.float32)
-    obj.data.vertices.foreach_get("co", base)
+    base = vertex_places(obj.data)
     size = float(np.ptp(reading.vertices, axis=0).max())
     found = BodyPoints([], [])
     images = BodyPoints([], [])
     for vertex, name in zip(*points, strict=True):
-        away = np.linalg.norm(places - base.reshape(-1, 3)[vertex], axis=1)
+        away = np.linalg.norm(places - base[vertex], axis=1)
         own = int(away.argmin())
         found.vertices.append(own)
         found.names.append(name)

@@ -9,9 +9,10 @@ import bpy
 import numpy as np
 from mathutils import Vector
 
+from .combining import moved
 from .mesh_reading import read_mesh
 from .object_states import object_mode
-from .seams import evaluated_places
+from .seams import evaluated_places, vertex_places
 
 _MOST_HITS = 60  # surfaces in front of the body, which the ray goes through
 _BEYOND = 1e-5  # of the distance, by which a ray goes on behind what it has hit
@@ -77,13 +78,11 @@ def _nearest(obj: bpy.types.Object, graph: bpy.types.Depsgraph, place: Vector, f
     vertex = min(corners, key=lambda corner: (mesh.vertices[corner].co - local).length)
     if len(mesh.vertices) == len(obj.data.vertices):
         return Picked(obj, int(vertex))
-    shown_at = np.array([each.co for each in mesh.vertices])
+    shown_at = vertex_places(mesh)
     places = evaluated_places(obj)
     if places is None or len(places) != len(shown_at):
         return None
-    base = np.empty(3 * len(obj.data.vertices), dtype=np.float32)
-    obj.data.vertices.foreach_get("co", base)
-    found = int(np.linalg.norm(base.reshape(-1, 3) - places[vertex], axis=1).argmin())
+    found = int(np.linalg.norm(vertex_places(obj.data) - places[vertex], axis=1).argmin())
     first = int(np.linalg.norm(places - places[vertex], axis=1).argmin())  # images come after what they are of
     size = float(np.ptp(shown_at, axis=0).max())
     return Picked(obj, found, bool(np.linalg.norm(shown_at[first] - shown_at[vertex]) > _MIRRORED * size))
@@ -109,8 +108,7 @@ def mirrored_vertex(objects: Sequence[bpy.types.Object], there: Picked) -> Picke
     for obj in objects:
         with object_mode(obj):
             points = read_mesh(obj.data)[0]
-        place = own @ np.array(obj.matrix_world)
-        placed.append(points @ place[:3, :3].T + place[:3, 3])
+        placed.append(moved(points, own @ np.array(obj.matrix_world)))
     image = placed[list(objects).index(there.obj)][there.vertex] * [-1.0, 1, 1]
     size = float(np.ptp(np.concatenate(placed), axis=0).max())
     away = [np.linalg.norm(points - image, axis=1) if len(points) else np.array([np.inf]) for points in placed]

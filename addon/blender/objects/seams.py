@@ -51,8 +51,7 @@ def evaluated_places(obj: bpy.types.Object) -> FloatArray | None:
         Positions on the base mesh, interpolated linearly between its vertices; None if the modifiers drop attributes.
     """
     mesh = obj.data
-    points = np.empty(3 * len(mesh.vertices), dtype=np.float32)
-    mesh.vertices.foreach_get("co", points)
+    points = vertex_places(mesh).ravel()
     attribute = mesh.attributes.new(_PLACE, "FLOAT_VECTOR", "POINT")
     name = attribute.name
     try:
@@ -74,6 +73,24 @@ def evaluated_places(obj: bpy.types.Object) -> FloatArray | None:
         mesh.update()
         bpy.context.view_layer.update()
     return places.reshape(-1, 3).astype(np.float64)
+
+
+def vertex_places(mesh: bpy.types.Mesh) -> np.ndarray:
+    """Return where the vertices of a mesh are, as `evaluated_places` has them.
+
+    Parameters
+    ----------
+    mesh : bpy.types.Mesh
+        The mesh, with its objects in Object Mode, or an evaluated one.
+
+    Returns
+    -------
+    (n, 3) ndarray of float32
+        Positions.
+    """
+    points = np.empty(3 * len(mesh.vertices), dtype=np.float32)
+    mesh.vertices.foreach_get("co", points)
+    return points.reshape(-1, 3)
 
 
 def closed_seams(vertices: FloatArray, faces: IntArray, places: FloatArray, longest: float) -> FloatArray:

@@ -183,7 +183,7 @@ class FormReport:
             patch_sizes=patch_sizes(found.patches, len(found.feature_points)),
             timings=found.timings,
             warnings=[str(each) for each in found.warnings],
-            feature_names=list(getattr(found, "feature_names", ())),  # a stance by bones has no points
+            feature_names=list(found.feature_names),
         )
         if isinstance(found, FeaturePatches):
             return report

@@ -56,8 +56,9 @@ class Limbs(NamedTuple):
 
     def like(self, other: Limbs) -> Limbs:
         """Take head, tail, sides and names from the same limbs in another pose."""
-        known = {name: getattr(other, name) for name in ("partner", "side", "along", "margin", "named")}
-        return self._replace(**known)
+        return self._replace(
+            partner=other.partner, side=other.side, along=other.along, margin=other.margin, named=other.named
+        )
 
     def sorted_by(self, order: IntArray) -> Limbs:
         """Reorder the feature points.
