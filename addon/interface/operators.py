@@ -157,6 +157,7 @@ def request_of(
         step=step,
         feature_group=owner.feature_group,
         deformed=takes_shown(owner.mesh, objects) and (step == "FORM" or owner.mesh == "SHOWN"),
+        unrefined=refines(owner),
         new_object=owner.result == "OBJECT",
         objects=owner.objects,
         reference=Reference(owner.reference).computed if owner.reference and step == "FORM" else None,
@@ -181,6 +182,22 @@ def takes_shown(mesh: str, objects: list[bpy.types.Object]) -> bool:
         True if they are asked for as shown, or something moves one of them.
     """
     return mesh == "SHOWN" or (mesh == "AUTO" and is_any_moved(objects))
+
+
+def refines(owner: Any) -> bool:
+    """Return whether what only refines a mesh is left out, so that a shape key can hold what it shows otherwise.
+
+    Parameters
+    ----------
+    owner : RequestProperties
+        An operator, or an object filled by `hand_over`.
+
+    Returns
+    -------
+    bool
+        True unless the mesh is asked for as shown, or the result goes to a new object.
+    """
+    return owner.mesh == "AUTO" and owner.result == "KEY"
 
 
 def chosen_objects(context: bpy.types.Context) -> tuple[list[bpy.types.Object], list[str]]:

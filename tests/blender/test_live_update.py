@@ -321,3 +321,27 @@ def test_several_objects_follow_as_one_body(character):
     assert all(not np.array_equal(followed[name], before[name]) for name in ("trunk", "shirt"))
     bpy.ops.object.canonical_form(objects="TOUCHING", **{**QUICK, "preserve_detail": 0.25})
     assert all(np.array_equal(followed[name], positions(obj)) for name, obj in character.items())
+
+
+def limbs_of(obj):
+    return require_record(obj.data).straightened
+
+
+@pytest.mark.parametrize("keys", [0, 3])
+def test_limbs_left_in_their_pose_stay_in_it(figure_object, chosen, keys):
+    """An update keeps the choice of limbs, by where they end; the button takes the pose out of all."""
+    bpy.ops.object.canonical_form(**QUICK)
+    bpy.ops.object.canonical_form_limb(patch=2, only=True)
+    if keys:
+        bpy.ops.object.canonical_form_in_betweens(count=keys)
+    choice = [False, True, *[False] * (len(limbs_of(figure_object)) - 2)]
+    live = LiveUpdate(bpy.context)
+    chosen.preserve_detail = 0.125
+    assert re.match(r"Live: \d", settle(live))
+    assert limbs_of(figure_object) == choice
+    updated = positions(figure_object)
+    bpy.ops.object.canonical_form(**{**QUICK, "preserve_detail": 0.125})
+    assert all(limbs_of(figure_object))
+    assert np.ptp(updated - positions(figure_object), axis=0).max() > 0.1
+    bpy.ops.object.canonical_form_limb(patch=2, only=True)
+    assert np.allclose(updated, positions(figure_object), atol=1e-5)

@@ -15,8 +15,8 @@ sys.path[:0] = [str(Path(__file__).resolve().parent), str(Path(__file__).resolve
 
 from tests.window.driving import drive  # noqa: E402
 from tests.window.hand import UNIT, Hand  # noqa: E402
+from tests.window.opening import IMPORTERS, import_file  # noqa: E402
 
-IMPORTERS = {".glb": "import_scene.gltf", ".obj": "wm.obj_import", ".ply": "wm.ply_import"}
 LONGEST = 240  # seconds of a wish
 hand = Hand(PICTURES)
 
@@ -61,8 +61,7 @@ def open_tab():
 def wishes_of(path):
     """Import a file as Blender does, and press every wish with a result of its own."""
     bpy.data.batch_remove([*bpy.data.objects])
-    group, name = IMPORTERS[path.suffix].split(".")
-    getattr(getattr(bpy.ops, group), name)(filepath=str(path))
+    import_file(path)
     meshes = [obj for obj in bpy.data.objects if obj.type == "MESH" and obj.visible_get()]
     rigs = [obj for obj in bpy.data.objects if obj.type == "ARMATURE"]
     print(f"{path.stem}: {sum(len(obj.data.vertices) for obj in meshes)} vertices, {len(meshes)} meshes", flush=True)

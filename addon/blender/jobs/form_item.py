@@ -16,25 +16,27 @@ from ..objects.body_points import NO_POINTS, BodyPoints
 from ..objects.combining import Combined, combined
 from ..objects.marked_contacts import Marks, read_marks
 from ..objects.mesh_reading import Reading, find_object, names_of, read_object, require_unchanged
-from ..objects.object_states import object_mode
+from ..objects.object_states import object_mode, unrefined
 from ..objects.object_warnings import object_warnings, turned_key_warnings
 from ..objects.placement import world_rotation
 from ..objects.undeforming import positions_before
 from ..records.record import Part
 from ..results.companions import companions_of, lead, own_sliders, set_free, with_companions
-from ..results.in_betweens import animated, animated_slider, fractions_between, write_in_betweens
+from ..results.in_betweens import animated, animated_slider, write_in_betweens
+from ..results.limb_states import limbs_by_point
 from ..results.new_objects import add_result_object
 from ..results.result_clearing import clear_results
-from ..results.result_writing import key_name, write_results
+from ..results.result_writing import key_name, refill_key, write_results
 from ..words.wording import listed, told
-from .form_result import FormResult, results_of
+from .form_result import FormResult, folded, results_of
 from .item_pose import posed_like
 from .item_settings import settings_on
+from .item_shapes import kept_limbs, shapes_of
 from .parted_result import on_parted_object, turned
 from .request import Request
 
 if TYPE_CHECKING:
-    from ...core import CanonicalForm, KeptStages
+    from ...core import CanonicalForm
     from ...core.numerics.arrays import FloatArray
     from ...core.results import AnyResult
     from ...core.run.monitor import Cancelled, Progress
@@ -58,6 +60,10 @@ class FormItem:
         Number of keys between pose and form, from an earlier run, to be computed again.
     leads : bool
         Whether the slider of the object is animated or moves the forms of other objects, and must be kept.
+    limbs : list of dict
+        Limbs of each object that an update leaves in their pose, as from `limbs_by_point`.
+    straightened : list of bool
+        For each patch, whether its pose is removed; empty if that of all is.
     results : list of FormResult
         The result for each object; empty before the computation and after an error.
     written_to : list of str
@@ -76,6 +82,8 @@ class FormItem:
     settings: Settings
     in_between_count: int = 0
     leads: bool = False
+    limbs: list[dict[int | str, bool]] = field(default_factory=list)
+    straightened: list[bool] = field(default_factory=list)
     results: list[FormResult] = field(default_factory=list)
     written_to: list[str] = field(default_factory=list)
     error: str | None = None
@@ -108,7 +116,9 @@ class FormItem:
         leads = animated_slider(obj.data) or (len(body) > 1 and body[0] == obj)
         reading = read_object(obj, request.deformed)
         marks = read_marks(obj, len(reading.vertices))
-        return cls([reading], [request.points_for(obj, reading)], [marks], request.settings, in_betweens, leads)
+        limbs = [limbs_by_point(obj.data) if request.live else {}]
+        points = [request.points_for(obj, reading)]
+        return cls([reading], points, [marks], request.settings, in_betweens, leads, limbs)
 
     @classmethod
     def joined(cls, items: Sequence[FormItem], request: Request) -> FormItem:
@@ -125,15 +135,15 @@ class FormItem:
         Returns
         -------
         FormItem
-            One item with all their objects.
+            One item of all.
         """
-        first = items[0]
-        items = sorted(items, key=lambda item: not item.leads)
+        first, items = items[0], sorted(items, key=lambda item: not item.leads)
         of_first = request.settings.feature_points is not None and not request.feature_group
         chosen = [item.chosen[0] if item is first or not of_first else NO_POINTS for item in items]
         readings = [reading for item in items for reading in item.readings]
         marks = [each for item in items for each in item.marks]
-        return cls(readings, chosen, marks, first.settings, max(item.in_between_count for item in items))
+        limbs = [each for item in items for each in item.limbs]
+        return cls(readings, chosen, marks, first.settings, max(each.in_between_count for each in items), limbs=limbs)
 
     @property
     def name(self) -> str:
@@ -175,6 +185,7 @@ class FormItem:
             whole = combined(self.readings)
             settings = settings_on(whole, self.settings, self.chosen, self.marks)
             found: AnyResult
+            how: dict[str, Any]
             carried = None
             if request.likeness is not None:
                 self._require_no_mirror(
@@ -191,9 +202,14 @@ class FormItem:
             elif request.step == "FORM":
                 found = self._form(whole, settings, request, progress, cancelled)
             else:
-                how: dict[str, Any] = {"rest": whole.rest, "progress": progress, "cancelled": cancelled}
+                how = {"rest": whole.rest, "progress": progress, "cancelled": cancelled}
                 found = feature_patches(whole.vertices, whole.faces, settings, named=True, **how)
-            shapes = self._shapes_between(whole, found, request.keep, cancelled)
+            if any(reading.mirrors for reading in self.readings):
+                found = folded(found, whole)
+            self.straightened = kept_limbs(self.limbs, whole, found)
+            keep = None if request.keep is None else request.keep.part(names_of(self.readings))
+            how = {"together": settings.together, "keep": keep, "cancelled": cancelled}
+            shapes = shapes_of(whole, found, self.in_between_count, self.straightened, **how)
             if request.hausdorff and progress is not None:
                 progress(1.0, "Hausdorff distance")  # which takes longer than the form
             self.results = results_of(self.readings, whole, found, shapes, request, carried)
@@ -202,8 +218,13 @@ class FormItem:
                 told("Not enough memory for {name}. Close other files, or decimate the mesh.", name=self.name)
             ) from error
 
-    def require_unchanged(self) -> None:
+    def require_unchanged(self, request: Request) -> None:
         """Require that the objects have not changed since they were read.
+
+        Parameters
+        ----------
+        request : Request
+            How they were read.
 
         Raises
         ------
@@ -212,7 +233,7 @@ class FormItem:
         """
         for reading in self.readings:
             obj = find_object(reading)
-            with object_mode(obj):
+            with object_mode(obj), unrefined([obj] if request.unrefined else ()):
                 require_unchanged(obj, reading)
 
     def write(self, request: Request, taken: Collection[str]) -> None:
@@ -240,7 +261,8 @@ class FormItem:
         with ExitStack() as modes:
             for obj in objects:
                 modes.enter_context(object_mode(obj))
-            self._write_to(objects, former, request)
+            with unrefined(objects if request.unrefined else ()):
+                self._write_to(objects, former, request)
         for obj in former:
             set_free(obj)
 
@@ -324,6 +346,9 @@ class FormItem:
             carried=result.carried,
             live=request.live,
         )
+        if self.straightened:
+            *shapes, some = shapes
+            refill_key(target, some, self.straightened)
         if shapes:
             write_in_betweens(target, shapes)
 
@@ -365,29 +390,6 @@ class FormItem:
         """Reject base meshes that have a mirror image shown by a modifier."""
         if any(reading.mirrors for reading in self.readings):
             raise CanonicalFormError(reason)
-
-    def _shapes_between(
-        self, whole: Combined, found: AnyResult, keep: KeptStages | None, cancelled: Cancelled | None
-    ) -> list[FloatArray]:
-        """Compute the shapes between pose and form; their warnings are added to those of the form."""
-        if not self.in_between_count:
-            return []
-        from ...core.limbs import limb_shapes
-        from ...core.run.monitor import Monitor
-
-        monitor = Monitor(None, cancelled, keep=None if keep is None else keep.part(names_of(self.readings)))
-        shapes = limb_shapes(
-            whole.vertices,
-            whole.faces,
-            found.vertices,  # type: ignore[union-attr]
-            np.ones(len(whole.vertices), dtype=bool),
-            ways=fractions_between(self.in_between_count),
-            together=self.settings.together,
-            rest=whole.rest,
-            monitor=monitor,
-        )
-        found.warnings.extend(monitor.warnings)
-        return shapes
 
 
 def _before_modifiers(

@@ -66,7 +66,7 @@ def results_of(
     whole : Combined
         The same objects as one mesh.
     found : CanonicalForm, PosedLike or FeaturePatches
-        The results for that mesh.
+        The results for that mesh, folded.
     shapes : sequence of (n, 3) ndarray of float
         Shapes between its pose and form.
     request : Request
@@ -79,8 +79,6 @@ def results_of(
     list of FormResult
         One per object. Their reports share the stress, the measures and the list of warnings.
     """
-    if any(reading.mirrors for reading in readings):
-        found = _folded(found, whole)
     report = _report(readings, whole, found, request)
     report.frame = readings[0].frame if report.measures else None
     colours = _colours_of(found, whole)
@@ -112,8 +110,21 @@ def results_of(
     ]
 
 
-def _folded(found: AnyResult, whole: Combined) -> AnyResult:
-    """Merge the patch of a feature point on a mirror image into the patch of the original."""
+def folded(found: AnyResult, whole: Combined) -> AnyResult:
+    """Merge the patch of a feature point on a mirror image into the patch of the original.
+
+    Parameters
+    ----------
+    found : CanonicalForm, PosedLike or FeaturePatches
+        The results for objects with mirror images.
+    whole : Combined
+        The objects as one mesh.
+
+    Returns
+    -------
+    CanonicalForm, PosedLike or FeaturePatches
+        The same with fewer feature points.
+    """
     from ...core import CanonicalForm
 
     sources = np.concatenate([start + each.source for start, each in zip(whole.starts, whole.objects, strict=False)])

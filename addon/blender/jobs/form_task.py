@@ -10,7 +10,7 @@ import bpy
 from ...core import CanonicalFormError, InvalidMeshError
 from ..objects.bone_reading import with_bones
 from ..objects.combining import touching
-from ..objects.object_states import muted_results, object_mode
+from ..objects.object_states import muted_results, object_mode, unrefined
 from ..objects.rest_reading import with_rests
 from ..words.advice import explained
 from ..words.wording import progress_of, told
@@ -58,7 +58,11 @@ class FormTask:
         together = request.objects != "EACH"
         meshes: dict[bpy.types.Mesh, str] = {}  # meshes that hold a result, and its object
         read: list[bpy.types.Object] = []
-        with object_mode(objects[0]), muted_results(obj.data for obj in taken if request.deformed):
+        with (
+            object_mode(objects[0]),
+            muted_results(obj.data for obj in taken if request.deformed),
+            unrefined(taken if request.unrefined else ()),
+        ):
             for obj in taken:
                 try:
                     item = FormItem.read(obj, request)
@@ -150,7 +154,7 @@ class FormTask:
             If nothing could be written; the message says why.
         """
         computed = [item for item in self.items if item.results]
-        self._try_each(computed, FormItem.require_unchanged, muted=self.request.deformed)
+        self._try_each(computed, lambda item: item.require_unchanged(self.request), muted=self.request.deformed)
         ready = [item for item in computed if item.error is None]
         taken = self.taken
         self._try_each(ready, lambda item: item.write(self.request, taken))

@@ -39,6 +39,8 @@ class Request:
         Vertex group whose members are the feature points; empty to detect them or to use those of the settings.
     deformed : bool
         Use the evaluated mesh, with modifiers, pose and shape keys at the current frame, instead of the base mesh.
+    unrefined : bool
+        Of the evaluated mesh, leave out the modifiers that only refine it, so that a shape key can hold the result.
     new_object : bool
         Write the result to a new object.
     hausdorff : bool
@@ -63,6 +65,7 @@ class Request:
     step: str = "FORM"
     feature_group: str = ""
     deformed: bool = False
+    unrefined: bool = False
     new_object: bool = False
     hausdorff: bool = False
     objects: str = "EACH"

@@ -1,4 +1,4 @@
-"""Temporary states of an object: its mode, and the keys of an earlier run."""
+"""Temporary states of an object: its mode, the keys of an earlier run, and modifiers that only refine it."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ import bpy
 from ...core import CanonicalFormError
 from ..records.record import read_record
 from ..words.wording import told
+
+_REFINING = ("BEVEL", "EDGE_SPLIT", "MULTIRES", "SOLIDIFY", "SUBSURF", "TRIANGULATE", "WELD")
 
 
 @contextmanager
@@ -89,3 +91,45 @@ def muted_results(meshes: Iterable[bpy.types.Mesh]) -> Iterator[None]:
         for key, mute in zip(keys, muted, strict=True):
             key.mute = mute
         bpy.context.view_layer.update()
+
+
+@contextmanager
+def unrefined(objects: Iterable[bpy.types.Object]) -> Iterator[None]:
+    """Switch off the modifiers that only refine a surface, so that a shape key can hold what the others show.
+
+    Parameters
+    ----------
+    objects : iterable of bpy.types.Object
+        The objects, in Object Mode. One whose vertices are still not those of its mesh keeps its modifiers.
+
+    Yields
+    ------
+    None
+        Control, while the modifiers are off.
+    """
+    layer, switched = bpy.context.view_layer, []
+    try:
+        for obj in objects:
+            found = [each for each in obj.modifiers if each.show_viewport and each.type in _REFINING]
+            for each in found:
+                each.show_viewport = False
+            switched += found
+            if found and _changes_size(obj):
+                for each in found:
+                    each.show_viewport = True
+                    switched.remove(each)
+        if switched:
+            layer.update()
+        yield
+    finally:
+        for each in switched:
+            each.show_viewport = True
+        if switched:
+            layer.update()
+
+
+def _changes_size(obj: bpy.types.Object) -> bool:
+    """Return whether an object shows another number of vertices than its mesh has."""
+    bpy.context.view_layer.update()
+    shown = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    return len(shown.data.vertices) != len(obj.data.vertices)

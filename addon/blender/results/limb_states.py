@@ -26,6 +26,30 @@ def limbs_of(mesh: bpy.types.Mesh) -> list[bool]:
     return [] if record is None else record.straightened
 
 
+def limbs_by_point(mesh: bpy.types.Mesh) -> dict[int | str, bool]:
+    """Return which limbs the user has left in their pose, to find them again after another run.
+
+    Parameters
+    ----------
+    mesh : bpy.types.Mesh
+        The mesh.
+
+    Returns
+    -------
+    dict of int or str to bool
+        Whether the shape key removes the pose of a limb, by the vertex where it ends and by its name; empty if no limb
+        is left in its pose.
+    """
+    record = read_record(mesh)
+    flags = limbs_of(mesh)
+    if record is None or all(flags):
+        return {}
+    found: dict[int | str, bool] = dict(zip(record.report.feature_names, flags, strict=False))
+    found.pop("", None)
+    points = zip(record.report.feature_points, flags, strict=True)
+    return found | {point: flag for point, flag in points if point >= 0}  # -1: on another object of the body
+
+
 def variant_refusal(obj: bpy.types.Object | None) -> str | None:
     """Return why the limbs and in-betweens of an object's form cannot be changed.
 

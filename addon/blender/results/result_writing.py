@@ -171,8 +171,8 @@ def key_name(report: FormReport) -> str:
     return SHAPE_KEY if report.like is None else report.like.key
 
 
-def refill_key(obj: bpy.types.Object, positions: FloatArray) -> None:
-    """Replace the positions of the form's shape key.
+def refill_key(obj: bpy.types.Object, positions: FloatArray, limbs: list[bool]) -> None:
+    """Replace the positions of the form's shape key by the form of some limbs.
 
     Parameters
     ----------
@@ -180,6 +180,8 @@ def refill_key(obj: bpy.types.Object, positions: FloatArray) -> None:
         The object, in Object Mode; the form's key is unchanged.
     positions : (n, 3) ndarray of float
         The positions.
+    limbs : list of bool
+        For each patch, whether its pose is removed.
 
     Raises
     ------
@@ -190,6 +192,7 @@ def refill_key(obj: bpy.types.Object, positions: FloatArray) -> None:
     key, record = require_form_key(mesh), require_record(mesh)
     key.points.foreach_set("co", positions.astype(np.float32).ravel())
     record.keys[key.name] = key_fingerprint(key)
+    record.limbs = limbs
     write_record(mesh, record)
     mesh.update()
 

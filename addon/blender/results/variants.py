@@ -12,12 +12,12 @@ from ...core import CanonicalFormError
 from ..mesh_items.slider import release
 from ..objects.combining import combined
 from ..objects.mesh_reading import Reading, find_object, names_of, read_object, require_unchanged
-from ..objects.object_states import muted_results, object_mode
+from ..objects.object_states import muted_results, object_mode, unrefined
 from ..objects.rest_reading import with_rests
 from ..objects.undeforming import positions_before, shown_at
 from ..records.form_key import require_form_key
 from ..records.hidden_attributes import patches_of, whole_form_of
-from ..records.record import require_record, write_record
+from ..records.record import require_record
 from ..words.advice import all_advised
 from ..words.wording import listed, told
 from .companions import companions_of, lead
@@ -90,7 +90,7 @@ class VariantTask:
         self._together = record.report.pieces == "together"
         self._readings: list[Reading] = []
         patches, forms = [], []
-        with object_mode(obj), muted_results(each.data for each in objects):
+        with object_mode(obj), muted_results(each.data for each in objects), unrefined(objects):
             for each in objects:
                 own, form = patches_of(each.data), whole_form_of(each.data)
                 if own is None or form is None:
@@ -154,6 +154,7 @@ class VariantTask:
         with ExitStack() as modes:
             for obj in objects:
                 modes.enter_context(object_mode(obj))
+            modes.enter_context(unrefined(objects))
             with muted_results(obj.data for obj in objects):
                 for obj, reading in zip(objects, self._readings, strict=True):
                     require_unchanged(obj, reading)
@@ -179,10 +180,7 @@ class VariantTask:
         value = shown_value(obj.data)
         release(obj.data.shape_keys)
         remove_in_betweens(obj)
-        refill_key(obj, positions)
-        record = require_record(obj.data)
-        record.limbs = self.limbs
-        write_record(obj.data, record)
+        refill_key(obj, positions, self.limbs)
         require_form_key(obj.data).value = value
         if shapes:
             write_in_betweens(obj, shapes)
