@@ -109,3 +109,38 @@ def test_quotes_in_a_name_do_not_hide_a_key(figure_object, arrays):
     assert between.value > 0.5
     bpy.ops.object.canonical_form_remove_in_betweens()
     assert between.value == 0.0
+
+
+def groups_and_colours(obj):
+    return sorted([*obj.vertex_groups.keys(), *obj.data.color_attributes.keys()])
+
+
+@pytest.mark.parametrize("again", [compute, bpy.ops.object.canonical_form_clear])
+def test_groups_and_colours_of_an_edited_mesh_do_not_pile_up(figure_object, again):
+    """Blender makes up weights and colours for new vertices, which are nobody's work."""
+    before = groups_and_colours(figure_object)
+    compute()
+    written = groups_and_colours(figure_object)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.mesh.subdivide()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    again()
+    assert groups_and_colours(figure_object) == (written if again is compute else before)
+
+
+def test_what_was_changed_by_hand_makes_room_for_the_new(figure_object):
+    compute()
+    names = keys_of(figure_object).keys()
+    figure_object.vertex_groups["Patch 2"].add([0, 1, 2], 0.25, "REPLACE")
+    figure_object.data.color_attributes["Patches"].data[0].color = (0.5, 0.5, 0.5, 1.0)
+    keys_of(figure_object)["Canonical Form"].data[0].co.x += 1.0
+    compute()
+    kept = {"Patch 2 (kept)", "Patches (kept)", "Canonical Form (kept)"}
+    assert {"Patch 2", "Patches", *kept} <= {*groups_and_colours(figure_object), *keys_of(figure_object).keys()}
+    assert {*keys_of(figure_object).keys()} == {*names, "Canonical Form (kept)"}
+    (name,) = require_record(figure_object.data).keys
+    assert name == "Canonical Form"
+    assert any("Patch 2 (kept)" in each for each in require_record(figure_object.data).report.warnings)
+    bpy.ops.object.canonical_form_clear()
+    assert kept <= {*groups_and_colours(figure_object), *keys_of(figure_object).keys()}

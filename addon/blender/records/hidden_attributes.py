@@ -77,6 +77,24 @@ class HiddenAttribute(NamedTuple):
         attribute.data.foreach_get(self.field, values)
         return values
 
+    def is_changed(self, mesh: bpy.types.Mesh, record: Record) -> bool:
+        """Return whether the values are no longer those of the run: the mesh has other vertices, or another order.
+
+        Parameters
+        ----------
+        mesh : bpy.types.Mesh
+            The mesh, with its objects in Object Mode.
+        record : Record
+            The record of the run.
+
+        Returns
+        -------
+        bool
+            True if they were there and have changed.
+        """
+        known, values = record.hidden.get(self.name), self.read(mesh)
+        return known is not None and values is not None and fingerprint(values) != known
+
 
 HIDDEN_PATCHES = HiddenAttribute(".canonical_form_patch", "INT", "value", np.int32, 1)
 HIDDEN_FORM = HiddenAttribute(".canonical_form", "FLOAT_VECTOR", "vector", np.float32, 3)

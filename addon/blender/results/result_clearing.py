@@ -94,14 +94,17 @@ def remove_results(
     if not keep_key:
         left += _remove_keys(obj, record, unconfirmed)
     found = group_fingerprints(obj, record.groups)
+    edited = HIDDEN_PATCHES.is_changed(mesh, record)  # then Blender has made up weights and colours for new vertices
     for name, known in record.groups.items():
-        if name in found and _is_ours(known, found[name], unconfirmed):
+        if name in found and ((edited and known) or _is_ours(known, found[name], unconfirmed)):
             obj.vertex_groups.remove(obj.vertex_groups[name])
         elif name in found:
             left.append(name)
     for name, known in record.colours.items():
         attribute = mesh.color_attributes.get(name)
-        if attribute is not None and _is_ours(known, colour_fingerprint(attribute), unconfirmed):
+        if attribute is not None and (
+            (edited and known) or _is_ours(known, colour_fingerprint(attribute), unconfirmed)
+        ):
             mesh.color_attributes.remove(attribute)
         elif attribute is not None:
             left.append(name)

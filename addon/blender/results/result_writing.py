@@ -41,6 +41,7 @@ PATCH_COLOURS = "Patches"
 MATCH_COLOURS = "Match"
 CONFIDENCE_GROUP = "Match Confidence"
 CONTACT_GROUP = "Contacts"
+KEPT = "{} (kept)"
 
 
 def write_results(
@@ -114,6 +115,7 @@ def write_results(
             for name in {*old.keys, *old.in_between_keys} & {*left}:  # both at once would show no form
                 key = mesh.shape_keys.key_blocks[name]
                 key.value, key.mute = 0.0, key.mute or is_animated(mesh.shape_keys, value_path(key))
+        left = _put_aside(obj, old, left)
         if left:
             report.warnings.append(
                 told("Kept beside the new results, since they may hold your changes: {left}.", left=listed(left))
@@ -227,6 +229,19 @@ def recolour_patch(mesh: bpy.types.Mesh, number: int, colour: tuple[float, float
     record.palette[number] = list(colour)
     write_record(mesh, record)
     mesh.update()
+
+
+def _put_aside(obj: bpy.types.Object, old: Record, names: list[str]) -> list[str]:
+    """Rename what the user has changed, so that new results get the names of the old ones; return the new names."""
+    mesh, renamed = obj.data, []
+    written = {**old.keys, **old.groups, **old.colours}
+    keys = mesh.shape_keys.key_blocks if mesh.shape_keys is not None else {}
+    for name in names:
+        there = [items[name] for items in (keys, obj.vertex_groups, mesh.color_attributes) if name in items]
+        for item in there if written.get(name) else ():  # a made-up record may name anything
+            item.name = KEPT.format(name)
+        renamed.append(there[0].name if there else name)
+    return renamed
 
 
 def _is_same_surface(obj: bpy.types.Object, old: Record, found: AnyResult, colours: Colours) -> bool:
