@@ -3,7 +3,7 @@
 import bpy
 
 from ..blender.jobs.meant_objects import meant_meshes
-from ..blender.objects.body_points import body_points
+from ..blender.objects.body_points import BodyPoints, body_points
 from ..blender.words.limb_words import LIMBS, told_limb
 from ..blender.words.wording import told
 from .choices import CanonicalFormChoices, hand_over
@@ -50,20 +50,17 @@ def draw_body(layout: bpy.types.UILayout, context: bpy.types.Context, choices: C
             button = row.operator(
                 OBJECT_OT_canonical_form_fix_point.bl_idname,
                 text=told_limb(name),
-                icon="RADIOBUT_OFF" if nothing else icon,
+                icon="BLANK1" if nothing else icon,
+                depress=name == OBJECT_OT_canonical_form_fix_point.waits_for,
             )
             button.limb = name
-    others = [
-        (obj, vertex)
-        for obj, each in zip(objects, points, strict=True)
-        for vertex, name in zip(each.vertices, each.names, strict=True)
-        if name not in LIMBS
-    ]
+        if names == ("tail",):
+            _draw_remove(row, *next(each for each in _listed(objects, points) if each[2] == "tail")[:2])
+    others = [(obj, vertex) for obj, vertex, name in _listed(objects, points) if name not in LIMBS]
     for number, (obj, vertex) in enumerate(others[:_MOST], start=1):
         row = column.row(align=True)
         row.label(text=told("Other {number}", number=number), icon=_BY_HAND if by_hand else _FOUND)
-        button = row.operator(OBJECT_OT_canonical_form_points.bl_idname, text="", icon="X")
-        button.how, button.owner, button.vertex = "REMOVE", obj.name, vertex
+        _draw_remove(row, obj, vertex)
     if len(others) > _MOST:
         column.label(text=told("{count} more", count=len(others) - _MOST))
     row = column.row(align=True)
@@ -74,3 +71,14 @@ def draw_body(layout: bpy.types.UILayout, context: bpy.types.Context, choices: C
     part = row.row(align=True)
     part.enabled = by_hand
     part.operator(OBJECT_OT_canonical_form_points.bl_idname, text=told("Undo All"), icon="LOOP_BACK").how = "FORGET"
+
+
+def _listed(objects: list[bpy.types.Object], points: list[BodyPoints]) -> list[tuple[bpy.types.Object, int, str]]:
+    """List the points of a body: object, vertex and name of each."""
+    return [(obj, *each) for obj, own in zip(objects, points, strict=True) for each in zip(*own, strict=True)]
+
+
+def _draw_remove(row: bpy.types.UILayout, obj: bpy.types.Object, vertex: int) -> None:
+    """Draw the button that takes a point off the body."""
+    button = row.operator(OBJECT_OT_canonical_form_points.bl_idname, text="", icon="X")
+    button.how, button.owner, button.vertex = "REMOVE", obj.name, vertex

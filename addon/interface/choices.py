@@ -18,6 +18,7 @@ from .properties import (
     DISTANCES,
     MESH_ITEMS,
     METHOD_NAMES,
+    PART_ITEMS,
     REQUEST_NAMES,
     TRANSFER_ITEMS,
     MethodProperties,
@@ -96,6 +97,13 @@ class CanonicalFormChoices(
         translation_context=CONTEXT,
         description="Keep a T-Pose, an A-Pose, a rig or data of another body that are unlikely to be right, too",
         default=False,
+    )
+    limb: EnumProperty(  # type: ignore[valid-type]
+        name="Limb",
+        translation_context=CONTEXT,
+        description="What is straightened; limbs can be chosen afterwards, too",
+        items=PART_ITEMS,
+        default="ALL",
     )
     show_points: BoolProperty(  # type: ignore[valid-type]
         name="Labels in the View",

@@ -74,8 +74,11 @@ class OBJECT_OT_canonical_form_limb(JobOperator, bpy.types.Operator):
         """Report how many patches have their pose removed."""
         self.report(
             {"INFO"},
-            told("The pose is removed from {out} of {count} patches.", out=sum(task.limbs), count=len(task.limbs)),
+            told("{out} of {count} limbs are straightened.", out=sum(task.limbs), count=len(task.limbs)),
         )
+        obj = meant_object(context)
+        if self.patch and obj is not None and obj.type == "MESH":
+            obj.data.canonical_form_patch = self.patch - 1  # the row that was clicked
         self.warn(task.warnings)
 
 

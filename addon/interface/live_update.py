@@ -20,8 +20,8 @@ from ..core import CanonicalFormError
 from .choices import choices_of, hand_over
 from .job_operator import OBJECT_OT_canonical_form_cancel, kept_stages, redraw_sidebars, user_is_busy
 from .operators import allowed, chosen_objects, request_of, takes_shown
+from .preferences import show_colours_if_wished
 from .properties import list_patches
-from .viewport import show_colours
 
 if TYPE_CHECKING:
     from ..blender.jobs.form_task import FormTask
@@ -175,7 +175,7 @@ class LiveUpdate:
         for name in task.write():
             list_patches(bpy.data.objects[name].data)
         if first:  # a separate undo step, to return to after the first change of an option
-            show_colours(context)
+            show_colours_if_wished(context)
             bpy.ops.ed.undo_push(message="Canonical Form Live Update")
         problems = task.errors
         self.state = (

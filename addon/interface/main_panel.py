@@ -9,7 +9,6 @@ from ..blender.words.wording import CONTEXT, told
 from ..core import Settings
 from ..core.method_api.costs import memory_estimate, time_estimate
 from ..core.method_api.registry import OURS
-from ..core.run.load import slowdown
 from .body_box import draw_body
 from .choices import CanonicalFormChoices, choices_of, hand_over, hand_over_rig, there
 from .live_update import OBJECT_OT_canonical_form_live
@@ -17,10 +16,10 @@ from .operators import OBJECT_OT_canonical_form
 from .pose_operators import OBJECT_OT_canonical_form_pose_like
 from .properties import chosen_value
 from .rig_operators import OBJECT_OT_canonical_form_rig
-from .sidebar import Tab, draw_progress, draw_sentence
+from .sidebar import Tab, draw_progress, draw_sentence, told_time
 
 _BIG, _LARGER = 1.5, 1.2  # heights of the buttons of wishes
-_LONG, _MUCH = 15.0, 4.0  # seconds and gigabytes that are told beforehand
+_MUCH = 4.0  # gigabytes that are told beforehand
 _IN_ROWS = ("T", "A", "OBJECT", "RIG", "FORM", "FEATURES", "PATCHES", "TRANSFER", "DISTANCE")
 
 
@@ -44,13 +43,7 @@ class VIEW3D_PT_canonical_form(Tab, bpy.types.Panel):
         draw_progress(layout, ("",))
         if choices.method != OURS:
             layout.prop(choices, "method")
-        _draw_options(layout, choices, objects)
-        live = OBJECT_OT_canonical_form_live.running()
-        if live is not None:
-            draw_sentence(layout.column(align=True), context, live.state, "TIME")
-        told_before = _estimate(choices, objects)
-        if told_before:
-            draw_sentence(layout.column(align=True), context, told_before, "TIME")
+        _draw_options(layout, context, choices, objects)
 
 
 def _draw_used(
@@ -65,15 +58,18 @@ def _draw_used(
     if len(objects) > 1:
         name = told("{name} and {more} more", name=name, more=len(objects) - 1)
     draw_sentence(column, context, name, "OUTLINER_OB_MESH")
-    rig = armature_of(objects[0])
+    column.label(text=_told_input(context, choices, objects), icon="BLANK1")  # one line, so that nothing moves
+
+
+def _told_input(context: bpy.types.Context, choices: CanonicalFormChoices, objects: list[bpy.types.Object]) -> str:
+    """Say in which pose the meshes are taken."""
     moved, frame = is_any_moved(objects), context.scene.frame_current
     if not moved or choices.mesh == "BASE":
-        said = told("As modelled: the pose is not used") if moved else told("As modelled")
-    elif rig is not None:
-        said = told("Posed by {rig}, frame {frame}", rig=rig.name, frame=frame)
-    else:
-        said = told("As shown, frame {frame}", frame=frame)
-    draw_sentence(column, context, said, "BLANK1")
+        return told("Without their pose") if moved else told("As modelled")
+    rig = armature_of(objects[0])
+    if rig is None:
+        return told("As shown at frame {frame}", frame=frame)
+    return told("Frame {frame}, by {rig}", rig=rig.name, frame=frame)
 
 
 def _draw_wishes(layout: bpy.types.UILayout, choices: CanonicalFormChoices) -> None:
@@ -96,8 +92,8 @@ def _draw_wishes(layout: bpy.types.UILayout, choices: CanonicalFormChoices) -> N
         row = row.row(align=True)
         button = row.operator(OBJECT_OT_canonical_form.bl_idname, text=told("Straighten"), icon="MOD_ARMATURE")
         hand_over(choices, button)
-        live = OBJECT_OT_canonical_form_live.running()
-        row.operator(OBJECT_OT_canonical_form_live.bl_idname, text="", icon="PLAY", depress=live is not None)
+        button.limb = choices.limb or "ALL"
+        row.prop(choices, "limb", text="")
     row = column.column()
     if not draw_progress(row, ("OBJECT",)):
         row = row.row(align=True)
@@ -137,34 +133,47 @@ def draw_pose_button(
     return button
 
 
-def _draw_options(layout: bpy.types.UILayout, choices: CanonicalFormChoices, objects: list[bpy.types.Object]) -> None:
+def _draw_options(
+    layout: bpy.types.UILayout,
+    context: bpy.types.Context,
+    choices: CanonicalFormChoices,
+    objects: list[bpy.types.Object],
+) -> None:
     """Draw what is rarely changed."""
     header, box = layout.panel("canonical_form_options", default_closed=True)
     header.label(text=told("Options"))
     if box is None:
         return
     box.use_property_split = True
-    for name in ("mesh", "result", *(("objects",) if len(objects) > 1 else ()), "quality", "preserve_detail"):
+    for name in ("mesh", "result", *(("objects",) if len(objects) > 1 else ()), "quality"):
         box.prop(choices, name)
+    seconds, memory = _estimates(choices, objects)
+    line = told("Straighten: about {time}", time=told_time(seconds))
+    if memory > _MUCH:
+        line = told("Straighten: about {time}, {memory:.0f} GB", time=told_time(seconds), memory=memory)
+    box.label(text=line, icon="TIME")  # always there, so that nothing moves under the mouse
+    box.prop(choices, "preserve_detail")
     row = box.row()
     row.active = there(choices.reference) is None
     row.prop(choices, "orientation")
-    box.prop(choices, "reference")
-    box.prop(choices, "anyway")
-    box.prop(choices, "show_points")
+    for name in ("reference", "anyway", "show_points"):
+        box.prop(choices, name)
+    live = OBJECT_OT_canonical_form_live.running()
+    box.operator(
+        OBJECT_OT_canonical_form_live.bl_idname, text=told("Live Update"), icon="RECORD_ON", depress=live is not None
+    )
+    if live is not None:
+        draw_sentence(box.column(align=True), context, live.state, "TIME")
 
 
-def _estimate(choices: CanonicalFormChoices, objects: list[bpy.types.Object]) -> str:
-    """Tell what a form takes, if that is long or much."""
+def _estimates(choices: CanonicalFormChoices, objects: list[bpy.types.Object]) -> tuple[float, float]:
+    """Estimate the seconds and the gigabytes that a form takes."""
     asked = ("method", "quality", "landmark_count", "pieces")
     settings = Settings(**{name: chosen_value(choices, name) for name in asked})
     counts = [len(obj.data.vertices) for obj in objects]
     runs = counts if choices.objects == "EACH" else [sum(counts)]
     memory = max(memory_estimate(count, settings) for count in runs)
-    seconds = slowdown() * sum(time_estimate(count, settings) for count in runs)
-    if memory > _MUCH:
-        return told("Straightening takes about {seconds:,.0f} s and {memory:.0f} GB", seconds=seconds, memory=memory)
-    return told("Straightening takes about {seconds:,.0f} s", seconds=seconds) if seconds > _LONG else ""
+    return sum(time_estimate(count, settings) for count in runs), memory
 
 
 CLASSES = (VIEW3D_PT_canonical_form,)

@@ -16,7 +16,8 @@ from ..blender.words.advice import explained
 from ..blender.words.wording import CONTEXT, counted_points, listed, told
 from ..core import CanonicalFormError
 from .job_operator import JobOperator, kept_stages
-from .properties import MethodProperties, RequestProperties, list_patches, settings_of
+from .preferences import show_colours_if_wished
+from .properties import PART_ITEMS, MethodProperties, RequestProperties, list_patches, settings_of
 from .viewport import any_result, restore_shading, show_colours
 
 if TYPE_CHECKING:
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
 
 
 class OBJECT_OT_canonical_form(JobOperator, MethodProperties, RequestProperties, bpy.types.Operator):
-    """Take the pose out of the selected meshes and keep the result as a shape key"""  # noqa: D400 (Blender's tooltip)
+    """Take the pose out of the selected meshes, or of one limb, as a shape key. Limbs can be chosen later, too"""  # noqa: D400
 
     bl_idname = "object.canonical_form"
     bl_label = "Canonical Form"
@@ -44,6 +45,13 @@ class OBJECT_OT_canonical_form(JobOperator, MethodProperties, RequestProperties,
             ("FEATURES", "Feature Points", "Feature points only"),
         ),
         default="FORM",
+    )
+    limb: EnumProperty(  # type: ignore[valid-type]
+        name="Limb",
+        translation_context=CONTEXT,
+        description="What is straightened; limbs can be chosen afterwards, too",
+        items=PART_ITEMS,
+        default="ALL",
     )
 
     @classmethod
@@ -162,6 +170,7 @@ def request_of(
         objects=owner.objects,
         reference=Reference(owner.reference).computed if owner.reference and step == "FORM" else None,
         live=live,
+        limb="" if live or step != "FORM" or owner.limb == "ALL" else owner.limb,
         keep=kept,
     )
 
@@ -275,7 +284,10 @@ def tell_results(
     if interactive:
         if context.mode == "OBJECT":  # a script continues with its own selection
             make_active([bpy.data.objects[name] for name in task.written if name not in task.taken])
-        show_colours(context)
+        if task.request.step == "PATCHES":  # there is nothing else to see
+            show_colours(context)
+        else:
+            show_colours_if_wished(context)
 
 
 def _summary(task: "FormTask") -> str:
@@ -307,8 +319,7 @@ def _told_result(report: "FormReport", seconds: float) -> str:
     if report.like is not None:
         if report.like.source == "bones":
             return told("{key}: by the bones of its rig, {seconds:.1f} s.", key=report.like.key, seconds=report.seconds)
-        return told("{key}: {confidence:.0%} match confidence, {seconds:.1f} s.", key=report.like.key,
-                    confidence=report.like.confidence, seconds=report.seconds)  # fmt: skip
+        return told("{key}: {seconds:.1f} s.", key=report.like.key, seconds=report.seconds)
     return told("{points}, {seconds:.1f} s.", points=counted_points(len(report.feature_points)), seconds=seconds)
 
 

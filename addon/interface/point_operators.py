@@ -3,6 +3,7 @@
 # no `from __future__ import annotations`: Blender reads the annotations below as properties
 
 from contextlib import ExitStack
+from typing import ClassVar
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
@@ -47,6 +48,9 @@ class OBJECT_OT_canonical_form_fix_point(bpy.types.Operator):
     )
     mirror: BoolProperty(name="Other Side, Too", translation_context=CONTEXT, description="Set its mirror image, too")  # type: ignore[valid-type]
 
+    waits_for: ClassVar[str] = ""  # the limb whose button waits for a click
+    presses: ClassVar[int] = 0  # of such buttons: only the last one waits
+
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Disable the button, with a reason, if the active object cannot be used."""
@@ -56,20 +60,25 @@ class OBJECT_OT_canonical_form_fix_point(bpy.types.Operator):
         """Wait for a click on the body."""
         if self.vertex >= 0 or context.window is None:
             return self.execute(context)
+        kind = OBJECT_OT_canonical_form_fix_point
+        kind.presses += 1
+        kind.waits_for = self.limb
+        self._press, self._mode = kind.presses, context.mode
         context.window.cursor_modal_set("EYEDROPPER")
         said = told("Click where this limb ends: {limb}. Shift: both sides. Esc: cancel", limb=self._told)
-        if context.workspace is not None:
-            context.workspace.status_text_set(said)
-        if context.area is not None and context.area.type == "VIEW_3D":
-            context.area.header_text_set(said)
+        _say(context, said)
+        _redraw(context)
         context.window_manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Take the vertex under a click; everything but clicks and Esc goes through, so that the view can be turned."""
-        if event.type in ("ESC", "RIGHTMOUSE") and event.value == "PRESS":
+        if self._press != OBJECT_OT_canonical_form_fix_point.presses:  # another button was pressed
+            return {"CANCELLED", "PASS_THROUGH"}
+        left = context.mode != self._mode  # clicks mean something else there
+        if left or (event.type in ("ESC", "RIGHTMOUSE") and event.value == "PRESS"):
             self.cancel(context)
-            return {"CANCELLED"}
+            return {"CANCELLED", "PASS_THROUGH"} if left else {"CANCELLED"}
         if event.type != "LEFTMOUSE" or event.value not in ("PRESS", "CLICK"):
             return {"PASS_THROUGH"}
         view = _view_under(context, event)
@@ -77,7 +86,7 @@ class OBJECT_OT_canonical_form_fix_point(bpy.types.Operator):
             return {"PASS_THROUGH"}
         found = _under_mouse(context, event, *view)
         if found is None:
-            self.report({"INFO"}, told("That is not on the body. Click on it, or press Esc."))
+            _say(context, told("That is not on the body. Click on it, or press Esc."))
             return {"RUNNING_MODAL"}
         self.cancel(context)
         self.owner, self.vertex, self.mirror = found.obj.name, found.vertex, event.shift
@@ -87,12 +96,10 @@ class OBJECT_OT_canonical_form_fix_point(bpy.types.Operator):
 
     def cancel(self, context: bpy.types.Context) -> None:
         """Give the mouse and the texts back."""
+        OBJECT_OT_canonical_form_fix_point.waits_for = ""
         context.window.cursor_modal_restore()
-        if context.workspace is not None:
-            context.workspace.status_text_set(None)
-        for area in context.window.screen.areas:
-            if area.type == "VIEW_3D":
-                area.header_text_set(None)
+        _say(context, None)
+        _redraw(context)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Set the point, and where it is wished that of the other side."""
@@ -173,6 +180,15 @@ class OBJECT_OT_canonical_form_points(bpy.types.Operator):
             return {"CANCELLED"}
         _redraw(context)
         return {"FINISHED"}
+
+
+def _say(context: bpy.types.Context, sentence: str | None) -> None:
+    """Say what is waited for, in the status bar and above the views; None for nothing any more."""
+    if context.workspace is not None:
+        context.workspace.status_text_set(sentence)
+    for area in context.window.screen.areas:
+        if area.type == "VIEW_3D":
+            area.header_text_set(sentence)
 
 
 def _view_under(

@@ -2,11 +2,16 @@
 
 # no `from __future__ import annotations`: Blender reads the annotations below as properties
 
+from pathlib import Path
+
 import bpy
 from bpy.props import BoolProperty
 
-from ..blender.words.wording import CONTEXT
+from ..blender.words.wording import CONTEXT, told
+from .viewport import restore_shading, show_colours
 
+_GUIDE = Path(__file__).parents[1] / "guide"  # made of the documents when the extension is packed
+_PAGES = {"First Steps": "user-guide.html", "Options": "options.html", "Troubleshooting": "troubleshooting.html"}
 PACKAGE = (__package__ or "").rpartition(".addon.")[0] or "canonical_form"  # the extension's name in Blender
 
 
@@ -15,20 +20,26 @@ class CanonicalFormPreferences(bpy.types.AddonPreferences):
 
     bl_idname = PACKAGE
 
-    switch_shading: BoolProperty(  # type: ignore[valid-type]
-        name="Show Colours after a Run",
+    show_colours: BoolProperty(  # type: ignore[valid-type]
+        name="Show Colours",
         translation_context=CONTEXT,
-        description="Switch solid shading to the colours of the result, and back when it is cleared",
-        default=True,
+        description="Show the colours of results, a limb each, in solid shading; the mesh keeps its materials",
+        default=False,
+        update=lambda own, context: show_colours(context) if own.show_colours else restore_shading(context),
     )
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw the options."""
-        self.layout.prop(self, "switch_shading")
+        """Draw the options, and where everything else is."""
+        layout = self.layout
+        layout.label(text=told("It is in the sidebar of the 3D View: press N, tab Canonical Form"), icon="INFO")
+        layout.prop(self, "show_colours")
+        row = layout.row()
+        for text, page in _PAGES.items() if _GUIDE.is_dir() else ():  # a checkout has the documents themselves
+            row.operator("wm.url_open", text=told(text), icon="HELP").url = (_GUIDE / page).as_uri()
 
 
-def switches_shading(context: bpy.types.Context) -> bool:
-    """Return whether to switch the shading of the 3D Views.
+def preferences_of(context: bpy.types.Context) -> CanonicalFormPreferences | None:
+    """Return the preferences.
 
     Parameters
     ----------
@@ -37,11 +48,24 @@ def switches_shading(context: bpy.types.Context) -> bool:
 
     Returns
     -------
-    bool
-        The preference.
+    CanonicalFormPreferences or None
+        Those of the extension; None if it was registered by a script.
     """
     entry = context.preferences.addons.get(PACKAGE)
-    return entry is None or entry.preferences is None or bool(entry.preferences.switch_shading)
+    return None if entry is None else entry.preferences
+
+
+def show_colours_if_wished(context: bpy.types.Context) -> None:
+    """Show the colours of a result, if the preferences say so.
+
+    Parameters
+    ----------
+    context : bpy.types.Context
+        Any context with windows.
+    """
+    preferences = preferences_of(context)
+    if preferences is not None and preferences.show_colours:
+        show_colours(context)
 
 
 register, unregister = bpy.utils.register_classes_factory((CanonicalFormPreferences,))

@@ -17,6 +17,7 @@ from bpy.props import (
 
 from ..blender.records.record import read_record
 from ..blender.results.result_writing import recolour_patch
+from ..blender.words.limb_words import PARTS
 from ..blender.words.wording import CONTEXT, told
 from ..core import InvalidSettingsError, Settings
 from ..core.distances.kinds import KINDS
@@ -106,6 +107,10 @@ class MethodProperties:
     }
 
 
+PART_ITEMS = (
+    ("ALL", "All Limbs", "The whole body"),
+    *((name, label, f"Only this: {label}") for name, label in PARTS.items()),
+)
 METHOD_NAMES = tuple(MethodProperties.__annotations__)
 
 

@@ -11,9 +11,10 @@ from ..blender.records.rig_record import DOUBTFUL
 from ..blender.results.companions import companions_of, slider_is_gone
 from ..blender.results.in_betweens import PROPERTY, has_in_betweens, renamed_keys
 from ..blender.results.limb_states import limbs_of
-from ..blender.words.limb_words import told_limb
+from ..blender.words.limb_words import told_part
 from ..blender.words.wording import CONTEXT, told
 from .choices import CanonicalFormChoices, choices_of, hand_over
+from .keeping_operators import OBJECT_OT_canonical_form_copy, OBJECT_OT_canonical_form_keep
 from .limb_operators import (
     OBJECT_OT_canonical_form_in_betweens,
     OBJECT_OT_canonical_form_limb,
@@ -22,6 +23,7 @@ from .limb_operators import (
 )
 from .operators import OBJECT_OT_canonical_form, OBJECT_OT_canonical_form_clear
 from .pose_operators import OBJECT_OT_canonical_form_pose_like
+from .preferences import preferences_of
 from .sidebar import Tab, draw_sentence, record_of
 
 _FOLDED = 2  # number of warnings shown without a subpanel
@@ -69,9 +71,10 @@ class VIEW3D_PT_canonical_form_result(Tab, bpy.types.Panel):
             button.count = choices.in_betweens
             row.prop(choices, "in_betweens", text="")
         row = layout.row(align=True)
-        if record.has_form and choices is not None:
-            _draw_new_object(row, choices, record)
-        row.operator(OBJECT_OT_canonical_form_clear.bl_idname, text=told("Clear"), icon="TRASH")
+        if record.has_form:
+            row.operator(OBJECT_OT_canonical_form_keep.bl_idname, text=told("Keep as Rest"))
+            row.operator(OBJECT_OT_canonical_form_copy.bl_idname, text=told("New Object"))
+        row.operator(OBJECT_OT_canonical_form_clear.bl_idname, text=told("Clear"))
 
 
 def _draw_verdict(
@@ -97,7 +100,7 @@ def _draw_verdict(
     for line in unsure:
         draw_sentence(column, context, line, "ERROR")
     if not warnings and not unsure and record.has_form:
-        column.label(text=told("Nothing looks wrong"), icon="CHECKMARK")
+        draw_sentence(column, context, told("No warnings: look from all sides"), "CHECKMARK")
     _draw_warnings(layout, context, warnings)
     if like is not None:
         draw_other_side(layout, choices, like)
@@ -114,18 +117,6 @@ def _draw_warnings(layout: bpy.types.UILayout, context: bpy.types.Context, warni
     column = inside.column(align=True)
     for warning in warnings:
         draw_sentence(column, context, warning, "ERROR")
-
-
-def _draw_new_object(layout: bpy.types.UILayout, choices: CanonicalFormChoices, record: Record) -> None:
-    """Draw the button that writes the same result to a new object."""
-    like = record.report.like
-    kind = OBJECT_OT_canonical_form if like is None else OBJECT_OT_canonical_form_pose_like
-    button = layout.operator(kind.bl_idname, text=told("New Object"), icon="DUPLICATE")
-    hand_over(choices, button)
-    if like is not None:
-        button.pose, button.like, button.anyway = like.pose, like.name, choices.anyway
-        button.side = like.side if like.side > 0 else -1
-    button.result = "OBJECT"
 
 
 def _slider(record: Record) -> str:
@@ -208,7 +199,9 @@ class VIEW3D_UL_canonical_form_patches(bpy.types.UIList):
         swatch.ui_units_x = 1.2
         swatch.enabled = not data.is_editmode  # colours cannot be written in Edit Mode
         swatch.prop(item, "colour", text="")
-        button = row.operator(OBJECT_OT_canonical_form_select_patch.bl_idname, text=_limb_of(data, index), emboss=False)
+        names = require_record(data).report.feature_names
+        text = told_part(names[index] if index < len(names) else "", index + 1)
+        button = row.operator(OBJECT_OT_canonical_form_select_patch.bl_idname, text=text, emboss=False)
         button.patch = index + 1
         if index < len(limbs):
             only = row.operator(OBJECT_OT_canonical_form_limb.bl_idname, text="", icon="SOLO_ON", emboss=False)
@@ -216,13 +209,6 @@ class VIEW3D_UL_canonical_form_patches(bpy.types.UIList):
             icon = "CHECKBOX_HLT" if limbs[index] else "CHECKBOX_DEHLT"
             toggle = row.operator(OBJECT_OT_canonical_form_limb.bl_idname, text="", icon=icon, emboss=False)
             toggle.patch, toggle.only = index + 1, False
-
-
-def _limb_of(mesh: bpy.types.Mesh, index: int) -> str:
-    """Name a patch: by its limb, else by its number."""
-    names = require_record(mesh).report.feature_names
-    name = names[index] if index < len(names) else ""
-    return told_limb(name) if name else told("Limb {number}", number=index + 1)
 
 
 class VIEW3D_PT_canonical_form_limbs(Tab, bpy.types.Panel):
@@ -249,8 +235,10 @@ class VIEW3D_PT_canonical_form_limbs(Tab, bpy.types.Panel):
         if limbs:
             row = layout.row()
             row.enabled = not all(limbs)  # always shown, so that nothing moves under the mouse
-            every = row.operator(OBJECT_OT_canonical_form_limb.bl_idname, text=told("All Limbs"), icon="CHECKBOX_HLT")
-            every.patch = 0
+            row.operator(OBJECT_OT_canonical_form_limb.bl_idname, text=told("All Limbs")).patch = 0
+        preferences = preferences_of(context)
+        if preferences is not None:
+            layout.prop(preferences, "show_colours")
 
 
 CLASSES = (VIEW3D_UL_canonical_form_patches, VIEW3D_PT_canonical_form_result, VIEW3D_PT_canonical_form_limbs)

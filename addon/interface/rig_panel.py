@@ -60,7 +60,7 @@ def _draw_made(
     for line in doubts:
         draw_sentence(column, context, line, "ERROR")
     if not doubts:
-        column.label(text=told("Nothing looks wrong"), icon="CHECKMARK")
+        draw_sentence(column, context, told("No warnings: look from all sides"), "CHECKMARK")
     draw_other_rig(layout, choices, record)
     row = layout.row(align=True)
     if record.rest is not None:

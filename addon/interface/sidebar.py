@@ -8,7 +8,7 @@ import bpy
 
 from ..blender.jobs.meant_objects import meant_object
 from ..blender.records.record import Record, read_record
-from ..blender.words.wording import told, told_stage
+from ..blender.words.wording import told
 from .job_operator import OBJECT_OT_canonical_form_cancel
 from .reading import OBJECT_OT_canonical_form_read
 
@@ -16,6 +16,7 @@ _USUAL, _SHORTEST = 35, 20  # characters in a line of the sidebar
 _CHARACTER, _MARGIN = 6.4, 55  # width of a character, and of everything next to a line, in pixels
 _MOST_LINES, _BUTTON = 2, 4  # of a sentence; characters that a button next to it takes
 _TOLD, _FIRST = 5.0, 0.05  # seconds left that are worth telling, and share of the work that tells them
+_ROUNDED, _STEP, _MINUTES = 10.0, 5.0, 90.0  # seconds: told exactly up to, in steps of, and in minutes from
 
 
 class Tab:
@@ -109,20 +110,18 @@ def draw_progress(layout: bpy.types.UILayout, wishes: Collection[str]) -> bool:
     if cancel.job is None or cancel.wish not in wishes:
         return False
     row = layout.row(align=True)
-    row.progress(factor=cancel.job.fraction, text=progress_text(cancel.job.fraction, cancel.job.stage), type="BAR")
+    row.progress(factor=cancel.job.fraction, text=progress_text(cancel.job.fraction), type="BAR")
     row.operator(cancel.bl_idname, text="", icon="X")
     return True
 
 
-def progress_text(fraction: float, stage: str) -> str:
+def progress_text(fraction: float) -> str:
     """Say how far a job is, and how long it takes still.
 
     Parameters
     ----------
     fraction : float
         Share of the work that is done.
-    stage : str
-        What is being done.
 
     Returns
     -------
@@ -131,5 +130,30 @@ def progress_text(fraction: float, stage: str) -> str:
     """
     left = OBJECT_OT_canonical_form_cancel.seconds_left(perf_counter()) if fraction > _FIRST else 0.0
     if left < _TOLD:
-        return f"{fraction:.0%}  {told_stage(stage)}"
-    return told("{done:.0%}  {seconds:.0f} s left", done=fraction, seconds=left)
+        return f"{fraction:.0%}"
+    return told("{done:.0%}  {time} left", done=fraction, time=told_time(left))
+
+
+def told_time(seconds: float) -> str:
+    """Say roughly how long something takes, so that the words do not change all the time.
+
+    Parameters
+    ----------
+    seconds : float
+        The time.
+
+    Returns
+    -------
+    str
+        In the user's language.
+
+    Examples
+    --------
+    >>> told_time(0.4), told_time(7.2), told_time(33.0), told_time(260.0)
+    ('1 s', '7 s', '35 s', '4 min')
+    """
+    if seconds >= _MINUTES:
+        return told("{minutes:.0f} min", minutes=seconds / 60)
+    if seconds > _ROUNDED:
+        seconds = _STEP * -(-seconds // _STEP)
+    return told("{seconds:.0f} s", seconds=max(seconds, 1.0))

@@ -6,21 +6,18 @@ import bpy
 
 from ..blender.records.distance_record import DISTANCES_PROPERTY
 from ..blender.records.record import RECORD_PROPERTY
-from .preferences import switches_shading
 
 _BEFORE = "canonical_form_shading"  # property of a screen: the earlier colour types of its views
 
 
 def show_colours(context: bpy.types.Context) -> None:
-    """Switch views in solid shading to the active colour attributes, if the preferences allow it.
+    """Switch views in solid shading to the active colour attributes.
 
     Parameters
     ----------
     context : bpy.types.Context
         Any context with windows.
     """
-    if not switches_shading(context):
-        return
     for window in context.window_manager.windows:
         screen = window.screen
         before = screen[_BEFORE].to_dict() if _BEFORE in screen else {}

@@ -33,12 +33,6 @@ BENDS = {"upper_arm.L": (0, 50, 10), "forearm.L": (0, 0, -40), "thigh.R": (-40, 
 QUICK: dict[str, Any] = {"max_iterations": 3, "landmark_count": 20}
 
 
-@pytest.fixture(autouse=True)
-def free_processors(monkeypatch):
-    """Let estimates of time not depend on what else the machine does."""
-    monkeypatch.setattr("addon.core.run.load._others", lambda: 0.0)
-
-
 @pytest.fixture(scope="module")
 def computed_once():
     """Forms, matches and poses are functions of meshes and options: each is computed once for all tests of a file."""

@@ -23,7 +23,6 @@ from ..objects.undeforming import positions_before
 from ..records.record import Part
 from ..results.companions import companions_of, lead, own_sliders, set_free, with_companions
 from ..results.in_betweens import animated, animated_slider, write_in_betweens
-from ..results.limb_states import limbs_by_point
 from ..results.new_objects import add_result_object
 from ..results.result_clearing import clear_results
 from ..results.result_writing import key_name, refill_key, write_results
@@ -31,7 +30,7 @@ from ..words.wording import listed, told
 from .form_result import FormResult, folded, results_of
 from .item_pose import posed_like
 from .item_settings import settings_on
-from .item_shapes import kept_limbs, shapes_of
+from .item_shapes import chosen_limbs, kept_limbs, shapes_of
 from .parted_result import on_parted_object, turned
 from .request import Request
 
@@ -61,7 +60,7 @@ class FormItem:
     leads : bool
         Whether the slider of the object is animated or moves the forms of other objects, and must be kept.
     limbs : list of dict
-        Limbs of each object that an update leaves in their pose, as from `limbs_by_point`.
+        Which limbs of each object are straightened, as from `chosen_limbs`.
     straightened : list of bool
         For each patch, whether its pose is removed; empty if that of all is.
     results : list of FormResult
@@ -116,9 +115,8 @@ class FormItem:
         leads = animated_slider(obj.data) or (len(body) > 1 and body[0] == obj)
         reading = read_object(obj, request.deformed)
         marks = read_marks(obj, len(reading.vertices))
-        limbs = [limbs_by_point(obj.data) if request.live else {}]
-        points = [request.points_for(obj, reading)]
-        return cls([reading], points, [marks], request.settings, in_betweens, leads, limbs)
+        points, limbs = request.points_for(obj, reading), chosen_limbs(obj, request)
+        return cls([reading], [points], [marks], request.settings, in_betweens, leads, [limbs])
 
     @classmethod
     def joined(cls, items: Sequence[FormItem], request: Request) -> FormItem:
@@ -206,7 +204,7 @@ class FormItem:
                 found = feature_patches(whole.vertices, whole.faces, settings, named=True, **how)
             if any(reading.mirrors for reading in self.readings):
                 found = folded(found, whole)
-            self.straightened = kept_limbs(self.limbs, whole, found)
+            self.straightened = kept_limbs(self.limbs, whole, found, request.limb)
             keep = None if request.keep is None else request.keep.part(names_of(self.readings))
             how = {"together": settings.together, "keep": keep, "cancelled": cancelled}
             shapes = shapes_of(whole, found, self.in_between_count, self.straightened, **how)

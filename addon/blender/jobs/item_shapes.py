@@ -5,10 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
+import bpy
 import numpy as np
 
+from ...core import CanonicalFormError
 from ..objects.combining import Combined
 from ..results.in_betweens import fractions_between
+from ..results.limb_states import limbs_by_point
+from ..words.limb_words import PARTS
+from ..words.wording import told
+from .request import Request
 
 if TYPE_CHECKING:
     from ...core import KeptStages
@@ -17,23 +23,52 @@ if TYPE_CHECKING:
     from ...core.run.monitor import Cancelled
 
 
-def kept_limbs(limbs: Sequence[Mapping[int | str, bool]], whole: Combined, found: AnyResult) -> list[bool]:
-    """Find the limbs again that the user has left in their pose.
+def chosen_limbs(obj: bpy.types.Object, request: Request) -> dict[int | str, bool]:
+    """Return which limbs a run is to straighten: the one that was asked for, or those that an update finds.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        The object, in Object Mode.
+    request : Request
+        What was asked for.
+
+    Returns
+    -------
+    dict of int or str to bool
+        As from `limbs_by_point`; empty for all limbs.
+    """
+    if request.limb:
+        return {name: name == request.limb for name in (*PARTS, "")}
+    return limbs_by_point(obj.data) if request.live else {}
+
+
+def kept_limbs(
+    limbs: Sequence[Mapping[int | str, bool]], whole: Combined, found: AnyResult, wanted: str = ""
+) -> list[bool]:
+    """Find the limbs that were chosen on a new form.
 
     Parameters
     ----------
     limbs : sequence of mapping
-        Of each object, as from `limbs_by_point`.
+        Of each object, as from `chosen_limbs`.
     whole : Combined
         The objects as one mesh.
     found : CanonicalForm
         Their new form.
+    wanted : str
+        The only limb that was asked for, if one was.
 
     Returns
     -------
     list of bool
         For each patch, whether its pose is removed; empty if that of all is. A limb that ends elsewhere now is known by
         its name, and one that was not there before is straightened.
+
+    Raises
+    ------
+    CanonicalFormError
+        If the limb that was asked for was not found.
     """
     if not any(limbs):
         return []
@@ -44,6 +79,13 @@ def kept_limbs(limbs: Sequence[Mapping[int | str, bool]], whole: Combined, found
         by_point = [each[point] for each, point in points if point in each]
         by_name = [each[name] for each in limbs if name in each]
         flags.append(next(iter([*by_point, *by_name]), True))
+    if wanted and not any(flags):
+        raise CanonicalFormError(
+            told(
+                "This limb was not found: {limb}. Under Body, click on its end, then on the mesh, and try again.",
+                limb=told(PARTS[wanted]),
+            )
+        )
     return [] if all(flags) else flags
 
 

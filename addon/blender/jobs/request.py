@@ -43,6 +43,8 @@ class Request:
         Of the evaluated mesh, leave out the modifiers that only refine it, so that a shape key can hold the result.
     new_object : bool
         Write the result to a new object.
+    limb : str
+        The only limb that a form straightens, as the core names it; empty for all.
     hausdorff : bool
         Also measure the Hausdorff distance.
     objects : {'TOUCHING', 'TOGETHER', 'EACH'}
@@ -67,6 +69,7 @@ class Request:
     deformed: bool = False
     unrefined: bool = False
     new_object: bool = False
+    limb: str = ""
     hausdorff: bool = False
     objects: str = "EACH"
     reference: Callable[[Cancelled | None], CanonicalForm] | None = None

@@ -8,7 +8,7 @@ import numpy as np
 from ..mesh_items.key_removal import remove_all_keys
 from ..objects.mesh_reading import Reading
 from ..objects.object_states import muted_results
-from ..records.record import read_record, write_record
+from ..records.record import Record, read_record, write_record
 from .result_clearing import clear_results
 
 
@@ -37,7 +37,50 @@ def add_result_object(obj: bpy.types.Object, reading: Reading, called: str) -> b
             )
     else:
         mesh = obj.data.copy()
-    name = f"{obj.name} {called}"
+    added = linked_beside(obj, mesh, f"{obj.name} {called}")
+    drop_results(added, read_record(obj.data))
+    mesh.vertices.foreach_set("co", reading.vertices.astype(np.float32).ravel())
+    mesh.update()
+    return added
+
+
+def drop_results(added: bpy.types.Object, record: Record | None) -> None:
+    """Remove from a copy the results of the original, changed or not, and all shape keys.
+
+    Parameters
+    ----------
+    added : bpy.types.Object
+        An object with a copy of a mesh.
+    record : Record or None
+        The record of the original; None if it has no results.
+    """
+    mesh = added.data
+    if record is not None:
+        record.keys, record.groups, record.colours = map(dict.fromkeys, (record.keys, record.groups, record.colours))
+        record.in_betweens = None
+        write_record(mesh, record)
+        clear_results(added, unconfirmed=True)
+    if mesh.shape_keys is not None:
+        remove_all_keys(added)
+
+
+def linked_beside(obj: bpy.types.Object, mesh: bpy.types.Mesh, name: str) -> bpy.types.Object:
+    """Add an object for a copy of another object's mesh.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        The other object.
+    mesh : bpy.types.Mesh
+        The copy.
+    name : str
+        Name of the new object and its mesh, if that is free.
+
+    Returns
+    -------
+    bpy.types.Object
+        The new object, with the same transform, materials and collections.
+    """
     mesh.name = name
     added = bpy.data.objects.new(name, mesh)
     editable = [each for each in obj.users_collection if each.library is None and each.override_library is None]
@@ -52,16 +95,6 @@ def add_result_object(obj: bpy.types.Object, reading: Reading, called: str) -> b
         added.parent = obj.parent
         added.matrix_parent_inverse = obj.parent.matrix_world.inverted_safe() @ obj.matrix_world
         added.matrix_basis.identity()
-    record = read_record(obj.data)
-    if record is not None:  # the copy includes the earlier result: remove it, changed or not
-        record.keys, record.groups, record.colours = map(dict.fromkeys, (record.keys, record.groups, record.colours))
-        record.in_betweens = None
-        write_record(mesh, record)
-        clear_results(added, unconfirmed=True)
-    if mesh.shape_keys is not None:
-        remove_all_keys(added)
-    mesh.vertices.foreach_set("co", reading.vertices.astype(np.float32).ravel())
-    mesh.update()
     return added
 
 
