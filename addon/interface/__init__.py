@@ -11,6 +11,7 @@ from . import (
     choices,
     commands,
     contact_operators,
+    gizmos,
     job_operator,
     keeping_operators,
     limb_operators,
@@ -49,6 +50,7 @@ _PARTS = (
     panels,
     menus,
     overlay,
+    gizmos,
     commands,
 )
 

@@ -81,7 +81,11 @@ class OBJECT_OT_canonical_form_mark(bpy.types.Operator):
             self.report({"ERROR"}, explained(error))
             return {"CANCELLED"}
         if count:
-            sentence = told("{count:,} vertices are marked: {name}. Compute again.", count=count, name=told(group))
+            sentence = told(
+                "{count:,} vertices are marked: {name}. Press T-Pose, Rig or Straighten again.",
+                count=count,
+                name=told(group),
+            )
         else:
             sentence = told("Nothing is marked any more: {name}.", name=told(group))
         self.report({"INFO"}, sentence)

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from time import perf_counter
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import bpy
 
 from ..blender.jobs.job import Job
-from ..blender.words.advice import explained
+from ..blender.jobs.meant_objects import meant_object
+from ..blender.words.advice import MENDS, explained
 from ..blender.words.wording import CONTEXT, told, told_stage
 from ..core import CancelledError, CanonicalFormError, KeptStages
 
@@ -28,6 +29,27 @@ _HOLDING_MESH = (
 )  # modal operators
 
 
+class Refusal(NamedTuple):
+    """What was asked for last and refused.
+
+    Attributes
+    ----------
+    owner : str
+        Name of the object.
+    wish : str
+        What was asked for, as operators call it.
+    sentence : str
+        Why it was refused.
+    mend : str
+        What mends it, as in `advice.MENDS`; empty if no button does.
+    """
+
+    owner: str
+    wish: str
+    sentence: str
+    mend: str
+
+
 class OBJECT_OT_canonical_form_cancel(bpy.types.Operator):
     """Stop the computation; nothing is changed"""  # noqa: D400 (Blender's tooltip)
 
@@ -40,6 +62,7 @@ class OBJECT_OT_canonical_form_cancel(bpy.types.Operator):
     wish: ClassVar[str] = ""  # what was asked for: the row of the panel that shows its progress
     began: ClassVar[float] = 0.0
     timer: ClassVar[bpy.types.Timer | None] = None
+    refused: ClassVar[Refusal | None] = None  # told in the panel until something else is asked for
     kept: ClassVar[tuple[list[str], KeptStages] | None] = (
         None  # of the objects that the last run worked on, with their names
     )
@@ -130,7 +153,11 @@ class JobOperator:
 
     def _failed(self, error: Exception) -> set[str]:
         """Report why there is no result."""
-        sentence = explained(error)
+        sentence, obj = explained(error), meant_object(bpy.context)
+        if obj is not None:
+            kind = getattr(error.args[0], "kind", "") if error.args else ""
+            refused = Refusal(obj.name, self.wish(), sentence, MENDS.get(kind, ""))
+            OBJECT_OT_canonical_form_cancel.refused = refused
         self.report({"ERROR"}, sentence)  # type: ignore[attr-defined]
         return {"CANCELLED"}
 
@@ -161,6 +188,7 @@ class JobOperator:
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Compute and write without a thread."""
         manager = context.window_manager
+        OBJECT_OT_canonical_form_cancel.refused = None
         manager.progress_begin(0, 100)
         try:
             task = self.task(context)
@@ -176,6 +204,7 @@ class JobOperator:
         """Start the computation in a thread and run modally until it ends."""
         if bpy.app.background or context.window is None:
             return self.execute(context)
+        OBJECT_OT_canonical_form_cancel.refused = None
         try:
             self._task = self.task(context)
         except (CanonicalFormError, MemoryError) as error:

@@ -12,6 +12,7 @@ from ..core.method_api.registry import OURS
 from .body_box import draw_body
 from .choices import CanonicalFormChoices, choices_of, hand_over, hand_over_rig, there
 from .live_update import OBJECT_OT_canonical_form_live
+from .mending import draw_refusal
 from .operators import OBJECT_OT_canonical_form
 from .pose_operators import OBJECT_OT_canonical_form_pose_like
 from .properties import chosen_value
@@ -41,6 +42,7 @@ class VIEW3D_PT_canonical_form(Tab, bpy.types.Panel):
         draw_body(layout, context, choices)
         _draw_wishes(layout, choices)
         draw_progress(layout, ("",))
+        draw_refusal(layout, context, choices)
         if choices.method != OURS:
             layout.prop(choices, "method")
         _draw_options(layout, context, choices, objects)

@@ -10,6 +10,7 @@ from ..blender.results.limb_states import limbs_of
 from ..blender.words.wording import CONTEXT, told
 from .choices import choices_of, hand_over, hand_over_rig, hand_over_transfer, there
 from .contact_operators import OBJECT_OT_canonical_form_mark
+from .keeping_operators import OBJECT_OT_canonical_form_copy, OBJECT_OT_canonical_form_keep
 from .limb_operators import (
     OBJECT_OT_canonical_form_in_betweens,
     OBJECT_OT_canonical_form_limb,
@@ -73,6 +74,8 @@ class VIEW3D_MT_canonical_form(bpy.types.Menu):
         layout.operator_menu_enum(OBJECT_OT_canonical_form_mark.bl_idname, "marks")
         layout.operator_menu_enum(OBJECT_OT_canonical_form_distance.bl_idname, "kind")
         layout.separator()
+        layout.operator(OBJECT_OT_canonical_form_keep.bl_idname)
+        layout.operator(OBJECT_OT_canonical_form_copy.bl_idname)
         layout.operator(OBJECT_OT_canonical_form_clear.bl_idname)
         layout.operator(OBJECT_OT_canonical_form_rig_keep.bl_idname)
         layout.operator(OBJECT_OT_canonical_form_rig_clear.bl_idname)

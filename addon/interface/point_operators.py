@@ -84,7 +84,7 @@ class OBJECT_OT_canonical_form_fix_point(bpy.types.Operator):
         view = _view_under(context, event)
         if view is None:
             return {"PASS_THROUGH"}
-        found = _under_mouse(context, event, *view)
+        found = under_mouse(context, event, *view)
         if found is None:
             _say(context, told("That is not on the body. Click on it, or press Esc."))
             return {"RUNNING_MODAL"}
@@ -208,10 +208,27 @@ def _view_under(
     return None
 
 
-def _under_mouse(
+def under_mouse(
     context: bpy.types.Context, event: bpy.types.Event, region: bpy.types.Region, view_3d: bpy.types.RegionView3D
 ) -> Picked | None:
-    """Find the vertex of the body under the mouse."""
+    """Find the vertex of the body under the mouse.
+
+    Parameters
+    ----------
+    context : bpy.types.Context
+        Whose body is meant.
+    event : bpy.types.Event
+        Where the mouse is.
+    region : bpy.types.Region
+        The view's region.
+    view_3d : bpy.types.RegionView3D
+        The view.
+
+    Returns
+    -------
+    Picked or None
+        The vertex; None beside the body.
+    """
     from bpy_extras.view3d_utils import region_2d_to_origin_3d, region_2d_to_vector_3d
 
     at = (event.mouse_x - region.x, event.mouse_y - region.y)

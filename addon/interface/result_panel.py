@@ -21,6 +21,7 @@ from .limb_operators import (
     OBJECT_OT_canonical_form_remove_in_betweens,
     OBJECT_OT_canonical_form_select_patch,
 )
+from .mending import draw_fix, draw_mends, limb_of_bone
 from .operators import OBJECT_OT_canonical_form, OBJECT_OT_canonical_form_clear
 from .pose_operators import OBJECT_OT_canonical_form_pose_like
 from .preferences import preferences_of
@@ -84,8 +85,6 @@ def _draw_verdict(
     report, like = record.report, record.report.like
     warnings = report.doubts
     unsure = [] if like is None else least_sure(like.bones)
-    if like is not None and like.source == "match" and like.confidence < _SURE:
-        unsure.append(told("The bodies are hardly alike: check the pose"))
     column = layout.column(align=True)
     frame = report.frame
     if frame is not None:
@@ -97,11 +96,14 @@ def _draw_verdict(
             )
             hand_over(choices, button)
             button.mesh = "SHOWN"
-    for line in unsure:
-        draw_sentence(column, context, line, "ERROR")
-    if not warnings and not unsure and record.has_form:
+    hardly_alike = like is not None and like.source == "match" and like.confidence < _SURE
+    draw_unsure(column, context, unsure)
+    if hardly_alike:
+        draw_sentence(column, context, told("The bodies are hardly alike: check the pose"), "ERROR")
+    if not warnings and not unsure and not hardly_alike and record.has_form:
         draw_sentence(column, context, told("No warnings: look from all sides"), "CHECKMARK")
     _draw_warnings(layout, context, warnings)
+    draw_mends(layout, context, choices, {report.mends[each] for each in warnings if each in report.mends})
     if like is not None:
         draw_other_side(layout, choices, like)
 
@@ -136,11 +138,29 @@ def least_sure(bones: dict[str, float]) -> list[str]:
     Returns
     -------
     list of str
-        One line, or none.
+        Its name, or none.
     """
     name = min(bones, key=lambda each: bones[each], default="")
-    sure = bones.get(name, 1.0)
-    return [told("Fits worst: {bone}, {sure:.0%}", bone=name, sure=sure)] if sure < DOUBTFUL else []
+    return [name] if bones.get(name, 1.0) < DOUBTFUL else []
+
+
+def draw_unsure(layout: bpy.types.UILayout, context: bpy.types.Context, bones: list[str]) -> None:
+    """Say which bones hardly fit, with the button that fixes their limbs.
+
+    Parameters
+    ----------
+    layout : bpy.types.UILayout
+        Where.
+    context : bpy.types.Context
+        Any context.
+    bones : list of str
+        Their names.
+    """
+    for bone in bones:
+        draw_sentence(layout, context, told("Check {bone}: it hardly fits", bone=bone), "ERROR")
+        limb = limb_of_bone(bone)
+        if limb:
+            draw_fix(layout, limb)
 
 
 def draw_other_side(layout: bpy.types.UILayout, choices: CanonicalFormChoices, like: LikeReport | None) -> None:

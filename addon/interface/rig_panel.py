@@ -9,7 +9,7 @@ from ..blender.words.wording import CONTEXT, told
 from .choices import CanonicalFormChoices, choices_of, hand_over_rig, hand_over_transfer, there
 from .pose_operators import OBJECT_OT_canonical_form_match_colours, OBJECT_OT_canonical_form_transfer
 from .properties import TRANSFER_ITEMS, transfer_flag
-from .result_panel import least_sure, next_side
+from .result_panel import draw_unsure, least_sure, next_side
 from .rig_operators import (
     OBJECT_OT_canonical_form_rig,
     OBJECT_OT_canonical_form_rig_clear,
@@ -57,8 +57,7 @@ def _draw_made(
     """Draw what the last rig is like, and what can be done with it."""
     column = layout.column(align=True)
     doubts = least_sure(record.confidence)
-    for line in doubts:
-        draw_sentence(column, context, line, "ERROR")
+    draw_unsure(column, context, doubts)
     if not doubts:
         draw_sentence(column, context, told("No warnings: look from all sides"), "CHECKMARK")
     draw_other_rig(layout, choices, record)

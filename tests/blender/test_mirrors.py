@@ -8,7 +8,7 @@ from addon.blender.objects.mesh_reading import read_evaluated, read_mesh
 from addon.blender.records.record import require_record
 from addon.core.mesh.connectivity import component_labels
 from addon.core.mesh.edges import vertex_pairs
-from addon.interface.overlay import feature_labels
+from addon.interface.overlay import shown_points
 from tests.meshes import shapes
 
 from .conftest import QUICK, add_object, snapshot
@@ -122,8 +122,8 @@ def test_other_mirrors_are_warned_about(half, change):
 
 def test_labels_are_on_the_form(half):
     run()
-    labels = feature_labels([half], bpy.context.evaluated_depsgraph_get())
+    labels = shown_points([half], bpy.context.evaluated_depsgraph_get())
     shown = read_evaluated(half)[0]
     assert len(labels) == len(require_record(half.data).report.feature_points)
-    for place, _, _ in labels:
-        assert np.linalg.norm(shown - np.array(place), axis=1).min() < 1e-5
+    for point in labels:
+        assert np.linalg.norm(shown - np.array(point.place), axis=1).min() < 1e-5

@@ -14,7 +14,7 @@ from addon.blender.records.record import RECORD_PROPERTY, Record, read_record, r
 from addon.blender.records.transfer_record import TRANSFERS_PROPERTY, read_transfers
 from addon.interface import panels
 from addon.interface.choices import hand_over
-from addon.interface.overlay import feature_labels
+from addon.interface.overlay import shown_points
 from addon.interface.properties import chosen_value, settings_of
 from tests.blender.conftest import QUICK, drawn
 from tests.blender.test_tools import select
@@ -203,7 +203,7 @@ def test_a_spoilt_record_is_none_or_can_be_shown_and_cleared(painted_object):
         for panel in panels.CLASSES:
             if issubclass(panel, bpy.types.Panel):
                 drawn(panel)
-        feature_labels([figure_object], bpy.context.evaluated_depsgraph_get())
+        shown_points([figure_object], bpy.context.evaluated_depsgraph_get())
         read += read_record(figure_object.data) is not None
     assert 20 < read < 300
     longer = json.dumps({**record, "more": "x" * 10**7})

@@ -13,7 +13,7 @@ from addon.blender.results.in_betweens import PROPERTY
 from addon.blender.words.limb_words import told_limb
 from addon.core import Settings, canonical_form
 from addon.interface import main_panel, result_panel
-from addon.interface.overlay import feature_labels
+from addon.interface.overlay import shown_points
 from tests.meshes import shapes
 
 from .characters import key_of, run
@@ -286,9 +286,9 @@ def test_the_panel_and_the_labels_show_the_body(character):
     run()
     bpy.context.view_layer.objects.active = character["eye"]
     assert drawn(main_panel.VIEW3D_PT_canonical_form)[0] == "eye and 4 more"
-    labels = feature_labels([*character.values()], bpy.context.evaluated_depsgraph_get())
+    labels = shown_points([*character.values()], bpy.context.evaluated_depsgraph_get())
     names = require_record(character["eye"].data).report.feature_names
-    assert sorted(label for _, _, label in labels) == sorted(
+    assert sorted(point.label for point in labels) == sorted(
         told_limb(name) if name else str(number) for number, name in enumerate(names, start=1)
     )
 

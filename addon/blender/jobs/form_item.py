@@ -284,7 +284,8 @@ class FormItem:
             )
             for obj in former
         ]
-        warnings += object_warnings(objects, self.readings[0].deformed, scaled=len(objects) > 1)
+        if request.step != "FEATURES":
+            warnings += object_warnings(objects, self.readings[0].deformed, scaled=len(objects) > 1)
         resized = [] if new else self.resized
         if resized:
             warnings.append(

@@ -14,6 +14,7 @@ from ..objects.mesh_reading import Reading
 from ..objects.object_warnings import NOTES, warnings_by_object
 from ..records.form_report import FormReport, patch_sizes
 from ..results.match_values import MatchValues
+from ..words.advice import MENDS
 from ..words.wording import listed, told
 from .request import Request
 
@@ -175,8 +176,9 @@ def _report(readings: Sequence[Reading], whole: Combined, found: AnyResult, requ
 
     report = FormReport.of(found, whole.vertices, whole.faces, request.settings, hausdorff=request.hausdorff)
     report.warnings = warnings_by_object(found.warnings, readings)
-    kinds = [each.kind for each in found.warnings]
-    report.notes = [told for told, kind in zip(report.warnings, kinds, strict=True) if kind in NOTES]
+    said = list(zip(report.warnings, (each.kind for each in found.warnings), strict=True))
+    report.notes = [sentence for sentence, kind in said if kind in NOTES]
+    report.mends = {sentence: MENDS[kind] for sentence, kind in said if kind in MENDS}
     if isinstance(found, CanonicalForm | PosedLike) and found.contacts.any():
         report.warnings.append(told("The vertex group Contacts shows where skin was parted."))
     if isinstance(found, FeaturePatches):

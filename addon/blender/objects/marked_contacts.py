@@ -145,8 +145,10 @@ def mark(obj: bpy.types.Object, group_name: str, how: str, *, seams: bool = Fals
     with object_mode(obj):
         meant = _on_seams(obj.data) if seams else selected_vertices(obj.data)
         if not len(meant) and how != "CLEAR":
+            if seams:
+                raise CanonicalFormError(told("No edge is marked as a seam."))
             raise CanonicalFormError(
-                told("No edge is marked as a seam.") if seams else told("Nothing is selected. Select in Edit Mode.")
+                told("Nothing is selected. In Edit Mode, select the edges or faces where the skin has grown together.")
             )
         group = obj.vertex_groups.get(group_name)
         if group is not None and group.lock_weight:

@@ -103,6 +103,8 @@ class FormReport:
         What the feature points are, "" for no limb with a name; empty in records of earlier versions.
     notes : list of str
         Those of the warnings that make no result doubtful: what was repaired, and what rides on the body.
+    mends : dict of str to str
+        What mends a warning, as in `advice.MENDS`, where a button of the panel does.
     """
 
     vertices: int
@@ -122,6 +124,7 @@ class FormReport:
     like: LikeReport | None = None
     feature_names: list[str] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
+    mends: dict[str, str] = field(default_factory=dict)
 
     @property
     def has_form(self) -> bool:
@@ -257,6 +260,7 @@ class FormReport:
         report.objects = listed(words, data.get("objects", []))
         report.feature_names = listed(words, data.get("feature_names", []))
         report.notes = listed(words, data.get("notes", []))
+        report.mends = named(words, data.get("mends", {}))
         if report.feature_names and len(report.feature_names) != len(points):
             raise ValueError("There is not one name for every feature point.")
         return report
@@ -293,6 +297,8 @@ class FormReport:
             data["feature_names"] = self.feature_names
         if self.notes:
             data["notes"] = self.notes
+        if self.mends:
+            data["mends"] = self.mends
         return data | {"timings": self.timings, "warnings": self.warnings}
 
 

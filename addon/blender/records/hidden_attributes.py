@@ -97,6 +97,7 @@ class HiddenAttribute(NamedTuple):
 
 
 HIDDEN_PATCHES = HiddenAttribute(".canonical_form_patch", "INT", "value", np.int32, 1)
+HIDDEN_CONTACTS = HiddenAttribute(".canonical_form_contact", "INT", "value", np.int32, 1)
 HIDDEN_FORM = HiddenAttribute(".canonical_form", "FLOAT_VECTOR", "vector", np.float32, 3)
 
 
@@ -132,3 +133,20 @@ def whole_form_of(mesh: bpy.types.Mesh) -> FloatArray | None:
     """
     values = HIDDEN_FORM.read(mesh)
     return None if values is None else values.reshape(-1, 3).astype(np.float64)
+
+
+def contacts_of(mesh: bpy.types.Mesh) -> IntArray:
+    """Read at which vertices the last run has parted skin that had grown together.
+
+    Parameters
+    ----------
+    mesh : bpy.types.Mesh
+        The mesh, with its objects in Object Mode.
+
+    Returns
+    -------
+    (c,) ndarray of int
+        Their indices; none if nothing was parted.
+    """
+    values = HIDDEN_CONTACTS.read(mesh)
+    return np.flatnonzero(values if values is not None else ()).astype(np.int64)

@@ -10,7 +10,7 @@ from ..mesh_items.fingerprints import colour_fingerprint, fingerprint, group_fin
 from ..mesh_items.key_removal import remove_all_keys, remove_drivers
 from ..mesh_items.slider import release
 from ..objects.object_states import object_mode
-from ..records.hidden_attributes import HIDDEN_FORM, HIDDEN_PATCHES
+from ..records.hidden_attributes import HIDDEN_CONTACTS, HIDDEN_FORM, HIDDEN_PATCHES
 from ..records.record import Record, read_record, remove_record
 from ..records.rig_record import read_rig, write_rig
 from .in_betweens import remove_curves, remove_in_betweens
@@ -108,7 +108,11 @@ def remove_results(
             mesh.color_attributes.remove(attribute)
         elif attribute is not None:
             left.append(name)
-    for hidden in (HIDDEN_PATCHES, HIDDEN_FORM):  # only our own names: a record may contain the name of any attribute
+    for hidden in (
+        HIDDEN_PATCHES,
+        HIDDEN_CONTACTS,
+        HIDDEN_FORM,
+    ):  # only our own names: a record may contain the name of any attribute
         if hidden.name in record.hidden and hidden.name in mesh.attributes:
             mesh.attributes.remove(mesh.attributes[hidden.name])
     remove_record(mesh)

@@ -20,7 +20,7 @@ from ..mesh_items.group_weights import fill_group
 from ..mesh_items.slider import release
 from ..objects.mesh_reading import basis_positions
 from ..records.form_key import require_form_key, unchanged_form_key
-from ..records.hidden_attributes import HIDDEN_FORM, HIDDEN_PATCHES, patches_of
+from ..records.hidden_attributes import HIDDEN_CONTACTS, HIDDEN_FORM, HIDDEN_PATCHES, patches_of
 from ..records.record import Part, Record, read_record, require_record, write_record
 from ..words.wording import listed, told
 from .in_betweens import is_animated, remove_in_betweens, value_path
@@ -137,6 +137,8 @@ def write_results(
                 record.palette = colours.palette
                 shown = _write_colours(obj, record, PATCH_COLOURS, colours.patches)
                 HIDDEN_PATCHES.write(mesh, record, found.patches)
+                if _touched(found).any():
+                    HIDDEN_CONTACTS.write(mesh, record, _touched(found))
         if carried is not None:
             _write_confidence(obj, record, carried.confidence)
             shown = _write_colours(obj, record, MATCH_COLOURS, carried.colours)

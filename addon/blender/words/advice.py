@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+import bpy
+
 from ...core import CanonicalFormError
 from ...core.run.messages import Message
 from .file_errors import sentence
@@ -12,8 +14,14 @@ from .wording import told, told_message
 _DISSOLVE = "Mesh > Clean Up > Degenerate Dissolve"
 _MERGE = "Mesh > Merge > By Distance"
 _DECIMATE = "Apply a Decimate modifier to reduce the mesh."
-_PART = "Grown Together > Part Here parts it (--part-here in a terminal)."
-_ANYWAY = "Write Anyway (--anyway in a terminal) keeps it."
+_PART = "Part Here parts it."
+_ANYWAY = "Make Anyway keeps it."
+_OTHER_SIDE = "Flip Front/Back, or Other Side, takes the next."
+_IN_TERMINAL = {  # where there are no buttons
+    _PART: "--part-here parts it.",
+    _ANYWAY: "--anyway keeps it.",
+    _OTHER_SIDE: "--side takes the next.",
+}
 ADVICE = {  # by message kind
     "repeated_corners": f"{_DISSOLVE} removes such faces.",
     "coincident_borders": f"{_MERGE} does this permanently.",
@@ -38,11 +46,16 @@ ADVICE = {  # by message kind
     "transfer_unlike": _ANYWAY,
     "stance_strained": _ANYWAY,
     "stance_limbs": "Let it rest As the Reference, or As It Stands.",
-    "match_sides": "Flip Front/Back, or Other Side (--side in a terminal), takes the next.",
+    "match_sides": _OTHER_SIDE,
     "no_axes": f"{_MERGE} may repair it.",
     "mesh_memory": _DECIMATE,
     "pair_memory": _DECIMATE,
     "distance_memory": _DECIMATE,
+}
+MENDS = {  # by message kind: which buttons of the panel mend it
+    **dict.fromkeys(("handles", "contacts_left", "contacts_left_beside", "contacts_unknown"), "PART"),
+    **dict.fromkeys(("no_pairs", "one_pair", "no_head", "unpaired_ends", "twisted"), "LIMBS"),
+    **{kind: "ANYWAY" for kind, advice in ADVICE.items() if advice == _ANYWAY},
 }
 _NO_MEMORY = "Not enough memory. Close other files, or decimate the mesh."
 
@@ -67,6 +80,8 @@ def advised(sentence: str) -> str:
     '1 vertex that belongs to no face stays where it is. Mesh > Clean Up > Delete Loose removes such vertices.'
     """
     advice = ADVICE.get(sentence.kind, "") if isinstance(sentence, Message) else ""
+    if bpy.app.background:
+        advice = _IN_TERMINAL.get(advice, advice)
     said = told_message(sentence)
     return f"{said} {told(advice)}" if advice else said
 
