@@ -66,8 +66,8 @@ class VIEW3D_GT_canonical_form_point(bpy.types.Gizmo):
         name = mate_of(point.name) if found.image else point.name
         if not name:  # a point without a name is put where it was dropped, not beside it
             bpy.ops.object.canonical_form_points(how="REMOVE", owner=point.obj.name, vertex=point.vertex)
-        bpy.ops.object.canonical_form_fix_point(
-            "INVOKE_DEFAULT", limb=name or "other", owner=found.obj.name, vertex=found.vertex
+        bpy.ops.object.canonical_form_fix_point(  # True: with an undo step
+            "INVOKE_DEFAULT", True, limb=name or "other", owner=found.obj.name, vertex=found.vertex
         )
 
 

@@ -30,6 +30,7 @@ from .rig_operators import (
     OBJECT_OT_canonical_form_rig,
     OBJECT_OT_canonical_form_rig_clear,
     OBJECT_OT_canonical_form_rig_keep,
+    OBJECT_OT_canonical_form_rig_pose,
 )
 from .sidebar import record_of
 from .tool_operators import OBJECT_OT_canonical_form_choose, OBJECT_OT_canonical_form_distance
@@ -77,6 +78,7 @@ class VIEW3D_MT_canonical_form(bpy.types.Menu):
         layout.operator(OBJECT_OT_canonical_form_keep.bl_idname)
         layout.operator(OBJECT_OT_canonical_form_copy.bl_idname)
         layout.operator(OBJECT_OT_canonical_form_clear.bl_idname)
+        layout.operator(OBJECT_OT_canonical_form_rig_pose.bl_idname)
         layout.operator(OBJECT_OT_canonical_form_rig_keep.bl_idname)
         layout.operator(OBJECT_OT_canonical_form_rig_clear.bl_idname)
 

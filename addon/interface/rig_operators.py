@@ -5,9 +5,9 @@
 from typing import TYPE_CHECKING
 
 import bpy
-from bpy.props import BoolProperty, IntProperty
+from bpy.props import BoolProperty, IntProperty, StringProperty
 
-from ..blender.jobs.meant_objects import meant_object
+from ..blender.jobs.meant_objects import meant_object, require_object
 from ..blender.objects.mesh_reading import refusal
 from ..blender.records.rig_record import read_rig
 from ..blender.words.advice import explained
@@ -158,6 +158,44 @@ class OBJECT_OT_canonical_form_rig_keep(bpy.types.Operator):
         return {"FINISHED"}
 
 
-CLASSES = (OBJECT_OT_canonical_form_rig, OBJECT_OT_canonical_form_rig_keep, OBJECT_OT_canonical_form_rig_clear)
+class OBJECT_OT_canonical_form_rig_pose(bpy.types.Operator):
+    """Put the armature that Rig made into one of its poses: that of the scan, or at rest"""  # noqa: D400
+
+    bl_idname = "object.canonical_form_rig_pose"
+    bl_label = "Pose of the Rig"
+    bl_translation_context = CONTEXT
+    bl_options = {"REGISTER", "UNDO"}
+
+    action: StringProperty(  # type: ignore[valid-type]
+        name="Action", translation_context=CONTEXT, description="Action that holds the pose; empty for the one at rest"
+    )
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Disable the button, with a reason, if there is no such armature."""
+        obj = meant_object(context)
+        nothing = obj is None or obj.type != "MESH" or read_rig(obj.data) is None
+        return allowed(cls, told("Rig has made no armature for this mesh.") if nothing else None)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Pose the armature."""
+        from ..blender.rigging.armatures import take_pose
+        from ..blender.rigging.rig_clearing import armature_given_to
+
+        armature = armature_given_to(require_object(context))
+        action = bpy.data.actions.get(self.action)
+        if armature is None or (self.action and action is None):
+            self.report({"ERROR"}, told("The armature or its pose is gone."))
+            return {"CANCELLED"}
+        take_pose(armature, action)
+        return {"FINISHED"}
+
+
+CLASSES = (
+    OBJECT_OT_canonical_form_rig,
+    OBJECT_OT_canonical_form_rig_pose,
+    OBJECT_OT_canonical_form_rig_keep,
+    OBJECT_OT_canonical_form_rig_clear,
+)
 
 register, unregister = bpy.utils.register_classes_factory(CLASSES)

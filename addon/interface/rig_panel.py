@@ -3,7 +3,7 @@
 import bpy
 
 from ..blender.jobs.meant_objects import meant_object
-from ..blender.records.rig_record import RigRecord, read_rig
+from ..blender.records.rig_record import SCAN, RigRecord, read_rig
 from ..blender.results.match_colours import source_colours
 from ..blender.words.wording import CONTEXT, told
 from .choices import CanonicalFormChoices, choices_of, hand_over_rig, hand_over_transfer, there
@@ -14,6 +14,7 @@ from .rig_operators import (
     OBJECT_OT_canonical_form_rig,
     OBJECT_OT_canonical_form_rig_clear,
     OBJECT_OT_canonical_form_rig_keep,
+    OBJECT_OT_canonical_form_rig_pose,
 )
 from .sidebar import Tab, draw_progress, draw_sentence, record_of
 
@@ -61,6 +62,11 @@ def _draw_made(
     if not doubts:
         draw_sentence(column, context, told("No warnings: look from all sides"), "CHECKMARK")
     draw_other_rig(layout, choices, record)
+    scan = next((action for action in record.actions if action.startswith(SCAN)), None)
+    if scan is not None:
+        row = layout.row(align=True)
+        row.operator(OBJECT_OT_canonical_form_rig_pose.bl_idname, text=told("At Rest")).action = ""
+        row.operator(OBJECT_OT_canonical_form_rig_pose.bl_idname, text=told("As Scanned")).action = scan
     row = layout.row(align=True)
     if record.rest is not None:
         row.operator(OBJECT_OT_canonical_form_rig_keep.bl_idname)

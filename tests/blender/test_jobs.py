@@ -192,7 +192,7 @@ def test_the_panel_shows_the_job_and_greys_the_buttons(figure_object):
     cancel.job = Job(work)
     try:
         sleep(0.2)
-        assert "42%  Embedding" in drawn(main_panel.VIEW3D_PT_canonical_form)
+        assert "42%" in drawn(main_panel.VIEW3D_PT_canonical_form)
         for name in ("canonical_form", "canonical_form_distance", "canonical_form_choose"):
             with pytest.raises(RuntimeError, match="under way"):
                 getattr(bpy.ops.object, name)()

@@ -352,13 +352,14 @@ def test_the_panel_shows_what_was_found(figure_object):
     limbs = ["Head", "Left Hand", "Right Hand", "Left Foot", "Right Foot"]
     wishes = ["T-Pose", "A-Pose", "Rig", "Straighten", "", "", "Pose Like"]
     body = ["Body", "Find the Limbs", *limbs, "Add", "Swap L/R", "Undo All"]
-    options = ["Options", "mesh", "result", "quality", "preserve_detail", "orientation", "reference", "anyway"]
-    assert drawn(main) == ["Figure", "As modelled", *body, *wishes, *options, "show_points"]
+    options = ["Options", "mesh", "result", "quality", "Straighten: about 1 s"]
+    options += ["preserve_detail", "orientation", "reference", "anyway"]
+    assert drawn(main) == ["Figure", "As modelled", *body, *wishes, *options, "show_points", "Live Update"]
     assert drawn(result) == drawn(result_panel.VIEW3D_PT_canonical_form_limbs) == []
     compute()
     lines = drawn(result)
     assert lines[0] == "Pose to Form"
-    assert lines[-2:] == ["New Object", "Clear"]
+    assert lines[-3:] == ["Keep as Rest", "New Object", "Clear"]
     assert any("feature points and patches" in line for line in drawn(research_panel.VIEW3D_PT_canonical_form_research))
     assert drawn(result_panel.VIEW3D_PT_canonical_form_limbs) == ["canonical_form_patches", "All Limbs"]
     shown = [name for panel in panels.CLASSES if issubclass(panel, bpy.types.Panel) for name in drawn(panel)]

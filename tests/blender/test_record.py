@@ -26,6 +26,7 @@ WRITTEN: dict[str, Any] = {  # with a limb in its pose and in-betweens
         "vertices": 1124,
         "faces": 2244,
         "feature_points": [1123, 997],
+        "mends": {"One pair.": "LIMBS"},
         "feature_names": ["head", ""],
         "patch_sizes": [560, 564],
         "method": "local_features",

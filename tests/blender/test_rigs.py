@@ -66,6 +66,21 @@ def test_elbows_and_knees_bend_about_their_x_axes(body, motions, lender):
         np.testing.assert_allclose(axis, rest_bends(lender)[number], atol=1e-5)
 
 
+def test_a_button_takes_the_pose_of_the_scan_and_gives_it_back(body, scan, lender):
+    bpy.ops.object.canonical_form_rig(**RIG, rest="T")
+    assert {"At Rest", "As Scanned"} <= {*drawn(VIEW3D_PT_canonical_form_rig)}
+    assert bpy.ops.object.canonical_form_rig_pose(action="Scan") == {"FINISHED"}
+    bpy.context.view_layer.update()
+    np.testing.assert_allclose(shown(body), scan, atol=2e-3)
+    data = armature_of(body).animation_data
+    assert data is None or data.action is None
+    bpy.ops.object.canonical_form_rig_pose()
+    bpy.context.view_layer.update()
+    np.testing.assert_allclose(shown(body), lender.vertices, atol=1e-5)
+    with pytest.raises(RuntimeError, match="gone"):
+        bpy.ops.object.canonical_form_rig_pose(action="Nobody")
+
+
 def test_a_body_that_rests_in_a_stance_keeps_its_scan(body, scan, lender):
     bpy.ops.object.canonical_form_rig(**RIG, rest="T")
     keys = body.data.shape_keys.key_blocks

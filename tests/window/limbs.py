@@ -41,16 +41,40 @@ def limbs(hand, figure, state, running, wait_for_the_end):
     assert apart < 0.02, "another vertex was set"
     yield from hand.picture("10-limbs-fixed")
 
+    yield from dragged(hand, obj, there)
+    moved = points_by_hand(obj.data)
+    assert moved.vertices != found.vertices, "the dot cannot be dragged"
+    assert moved.names == found.names, "another dot was dragged"
+    yield from hand.picture("10-limbs-dragged")
     yield from hand.press(
         "canonical_form_points(",
-        happened=lambda: points_by_hand(figure().data) != found,
+        happened=lambda: points_by_hand(figure().data) != moved,
         shares=(0.5,),
     )
     yield from hand.over_view()
-    for _ in range(3):
+    for _ in range(4):
         yield from hand.key("Z", ctrl=True)
         yield 0.7
     assert state(figure()) == before, "undo does not take the points back"
+
+
+def dragged(hand, obj, vertex):
+    """Drag the dot at a vertex along the surface."""
+    region, view = hand.region("WINDOW"), hand.area().spaces.active.region_3d
+    at = location_3d_to_region_2d(region, view, obj.matrix_world @ place(obj, vertex))
+    x, y = region.x + at.x, region.y + at.y
+    yield from hand.move(x - 30, y)
+    yield 0.3
+    yield from hand.move(x, y)
+    yield 0.3
+    hand.event("LEFTMOUSE", "PRESS")
+    yield 0.1
+    for step in range(1, 7):
+        yield from hand.move(x + 3 * step, y)
+        yield 0.05
+    yield from hand.picture("10-limbs-dragging", at_once=True)
+    hand.event("LEFTMOUSE", "RELEASE")
+    yield 0.7
 
 
 def place(obj, vertex):

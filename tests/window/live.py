@@ -15,12 +15,12 @@ def live(hand, figure, state):
     bpy.ops.ed.undo_push(message="Before Live")
     yield from hand.over_view()
     yield 0.5
+    header = yield from hand.unfold("canonical_form.preserve_detail", below=24)
     yield from hand.press("canonical_form_live(", happened=has_form(figure), seconds=4)
     yield 1.0
     first, detail = positions(figure()), options().preserve_detail
     yield from hand.picture("16-live")
 
-    header = yield from hand.unfold("canonical_form.preserve_detail", below=24)
     below, _ = yield from hand.find("canonical_form.preserve_detail")
     x, y = hand.below_top(below, LEFT)
     changes = [(perf_counter(), first)]

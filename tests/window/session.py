@@ -29,6 +29,7 @@ from tests.window.live import live  # noqa: E402
 from tests.window.poses import poses  # noqa: E402
 from tests.window.rigs import rigs  # noqa: E402
 
+PACKAGE_NAME = "bl_ext.user_default.canonical_form"
 MOST_GAP = 0.2  # seconds between two ticks of a timer while a large mesh is computed
 hand = Hand(PICTURES)
 ticks: list[tuple[float, bool]] = []
@@ -157,8 +158,10 @@ def session():
     assert seen == sorted(seen, key=lambda each: each[0]), "progress goes back"
     after = state(figure())
     assert form().value == 1.0
-    assert hand.area().spaces.active.shading.color_type == "VERTEX"
+    assert hand.area().spaces.active.shading.color_type == shading, "nobody has asked for colours"
     yield from hand.picture("4-computed")
+    bpy.context.preferences.addons[PACKAGE_NAME].preferences.show_colours = True
+    assert hand.area().spaces.active.shading.color_type == "VERTEX"
 
     step("drag the slider")
     below, _ = yield from hand.find('key_blocks["Canonical Form"].value')

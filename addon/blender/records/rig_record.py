@@ -13,6 +13,7 @@ from ..mesh_items.fingerprints import key_fingerprint
 from .stored_values import flag, listed, maybe, named, real, whole, words
 
 RIG_PROPERTY = "canonical_form_rig"
+SCAN = "Scan"  # begins the name of the action that holds the pose of the scan
 DOUBTFUL = 0.25  # confidence of a bone below which it is coloured, and named
 
 

@@ -84,7 +84,7 @@ def _keep(obj: bpy.types.Object) -> list[str]:
     left = remove_in_betweens(obj)
     key, before = require_form_key(mesh), key_points(mesh.shape_keys.reference_key)
     posed = obj.shape_key_add(name=POSED, from_mix=False)
-    posed.relative_key = mesh.shape_keys.reference_key
+    posed.relative_key, posed.value = mesh.shape_keys.reference_key, 0.0
     posed.points.foreach_set("co", before.ravel())
     make_basis(obj, key, {posed.name})
     record.keys.clear()

@@ -22,7 +22,7 @@ from ..objects.mesh_reading import Reading, find_object, read_object, require_un
 from ..objects.object_states import object_mode
 from ..objects.rest_reading import rigs_of
 from ..records.form_key import form_key
-from ..records.rig_record import DOUBTFUL, RigRecord, read_rig, write_rig
+from ..records.rig_record import DOUBTFUL, SCAN, RigRecord, read_rig, write_rig
 from ..results.in_betweens import PROPERTY, has_in_betweens
 from ..words.advice import all_advised
 from ..words.wording import listed, told
@@ -41,7 +41,7 @@ RESTS = {"NONE": None, "T": "T", "A": "A", "REFERENCE": "rest"}  # poses at rest
 _NAMES = {"T": "T-Pose", "A": "A-Pose", "REFERENCE": "Rest Pose"}
 _LEAST = 5e-4  # weight below which a bone holds no skin, as it may be rounded to 0
 _MISSED = 0.01  # of the body's size: error of the key of the scan that is told
-_SCAN, _RIG = "Scan", "Rig of {}"
+_RIG = "Rig of {}"
 
 
 class RigTask:
@@ -274,7 +274,7 @@ class RigTask:
         """Keep the pose of the scan, and that at rest."""
         bones, back = found.skeleton, found.to_given
         still = back._replace(heads=back.starts, turns=np.broadcast_to(np.eye(3), back.turns.shape))
-        poses = {_SCAN: back, _NAMES[self._pose]: still}
+        poses = {SCAN: back, _NAMES[self._pose]: still}
         if not self._rigify:
             return [add_pose(armature, name, bone_matrices(armature, bones, each)) for name, each in poses.items()]
         origin = np.array(armature.location)
@@ -325,7 +325,7 @@ class RigTask:
             if has_in_betweens(obj.data):
                 obj.data.shape_keys[PROPERTY] = 0.0
         before = obj.data.shape_keys.reference_key
-        for name, shape, value in zip((_NAMES[self._pose], _SCAN), shapes, (1.0, 0.0), strict=True):
+        for name, shape, value in zip((_NAMES[self._pose], SCAN), shapes, (1.0, 0.0), strict=True):
             key = obj.shape_key_add(name=f"{name} at Rest" if value else name, from_mix=False)
             record.keys[key.name] = ""  # not filled yet
             key.points.foreach_set("co", shape.astype(np.float32).ravel())
