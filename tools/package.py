@@ -2,7 +2,7 @@
 
 Downloads the scipy wheels that the manifest lists, and runs Blender's own builder, which writes one zip per platform
 to `build/`, to be installed from disk. With ``--here`` only the Linux wheels are downloaded and one zip is written to
-`build/here/`, for tests. A repository has lighter ones, of one wheel each (`by_python`).
+`build/here/`, for tests. A repository has lighter ones, of one wheel each (`by_python`). All have the artist's pages.
 """
 
 import re
@@ -14,6 +14,10 @@ import zipfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT))
+
+from tools.guide import write_guide  # noqa: E402
+
 BUILD = ROOT / "build"
 MANIFEST = ROOT / "blender_manifest.toml"
 PLATFORMS = {  # of Blender, by what names of wheels have of them
@@ -69,6 +73,7 @@ def build(wheels: list[str], platforms: list[str], output: Path, *, first: str |
             continue
         (stage / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(ROOT / name, stage / name)
+    write_guide(stage / "addon" / "guide")
     (stage / "wheels").mkdir()
     for wheel in wheels:
         shutil.copy(BUILD / "wheels" / wheel, stage / "wheels" / wheel)
@@ -119,10 +124,11 @@ def blender_builder() -> Path:
 
 
 def check_content(path: Path) -> None:
-    """Reject a zip with anything but code, languages, the manifest, the licence and wheels, or with an empty folder."""
+    """Reject a zip with anything but code, languages, guide, manifest, licence and wheels, or with an empty folder."""
     names = zipfile.ZipFile(path).namelist()
     wanted = re.compile(
         r"(__init__\.py|blender_manifest\.toml|LICENSE|addon/(?!evaluation/).+\.py|addon/languages/\w+\.json"
+        r"|addon/guide/.+\.(html|png|gif)"
         r"|wheels/.+\.whl)$"
     )
     odd = [name for name in names if not name.endswith("/") and not wanted.match(name)]

@@ -20,7 +20,7 @@ from .rig_operators import OBJECT_OT_canonical_form_rig
 from .sidebar import draw_sentence
 
 _LIMBS = ("head", "left_hand", "right_hand", "left_foot", "right_foot")
-_MOST = 3  # buttons in a row
+_MOST = 4  # buttons
 _BONES = {"hand": r"arm|hand|wrist|elbow|finger|thumb|shoulder", "foot": r"leg|thigh|shin|foot|toe|ankle|knee"}
 _SIDES = {"left_": r"left|(^|[._ -])l([._ -]|$)", "right_": r"right|(^|[._ -])r([._ -]|$)"}
 
@@ -95,9 +95,9 @@ def draw_limbs_to_fix(layout: bpy.types.UILayout, context: bpy.types.Context) ->
     points, _ = body_points(meant_meshes(context))
     known = {name for each in points for name in each.names}
     missing = [name for name in _LIMBS if name not in known][:_MOST]
-    row = layout.row(align=True)
+    grid = layout.grid_flow(row_major=True, columns=min(2, max(1, len(missing))), even_columns=True, align=True)
     for name in missing or ["other"]:
-        draw_fix(row, name)
+        draw_fix(grid, name)
 
 
 def draw_fix(layout: bpy.types.UILayout, name: str) -> None:

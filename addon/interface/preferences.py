@@ -11,7 +11,7 @@ from ..blender.words.wording import CONTEXT, told
 from .viewport import restore_shading, show_colours
 
 _GUIDE = Path(__file__).parents[1] / "guide"  # made of the documents when the extension is packed
-_PAGES = {"First Steps": "user-guide.html", "Options": "options.html", "Troubleshooting": "troubleshooting.html"}
+FIRST, OPTIONS, TROUBLE = "user-guide.html", "options.html", "troubleshooting.html"
 PACKAGE = (__package__ or "").rpartition(".addon.")[0] or "canonical_form"  # the extension's name in Blender
 
 
@@ -33,9 +33,15 @@ class CanonicalFormPreferences(bpy.types.AddonPreferences):
         layout = self.layout
         layout.label(text=told("It is in the sidebar of the 3D View: press N, tab Canonical Form"), icon="INFO")
         layout.prop(self, "show_colours")
+        if not _GUIDE.is_dir():  # a checkout has the documents themselves
+            return
         row = layout.row()
-        for text, page in _PAGES.items() if _GUIDE.is_dir() else ():  # a checkout has the documents themselves
-            row.operator("wm.url_open", text=told(text), icon="HELP").url = (_GUIDE / page).as_uri()
+        for text, page in (
+            (told("First Steps"), FIRST),
+            (told("Options"), OPTIONS),
+            (told("Troubleshooting"), TROUBLE),
+        ):
+            row.operator("wm.url_open", text=text, icon="HELP").url = (_GUIDE / page).as_uri()
 
 
 def preferences_of(context: bpy.types.Context) -> CanonicalFormPreferences | None:

@@ -75,6 +75,7 @@ class VIEW3D_PT_canonical_form_result(Tab, bpy.types.Panel):
         if record.has_form:
             row.operator(OBJECT_OT_canonical_form_keep.bl_idname, text=told("Keep as Rest"))
             row.operator(OBJECT_OT_canonical_form_copy.bl_idname, text=told("New Object"))
+            row = layout.row(align=True)
         row.operator(OBJECT_OT_canonical_form_clear.bl_idname, text=told("Clear"))
 
 

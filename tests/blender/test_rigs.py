@@ -196,7 +196,7 @@ def test_the_panel_names_the_bone_that_fits_worst_and_the_other_way(body):
     assert "Flip Front/Back" not in drawn(VIEW3D_PT_canonical_form_rig)
     bpy.ops.object.canonical_form_rig(**RIG)
     lines = drawn(VIEW3D_PT_canonical_form_rig)
-    assert "Fits worst: toe.L, 1%" in lines
+    assert "Check toe.L: it hardly fits" in lines
     assert "Flip Front/Back" in lines
     assert armature_of(body).data.bones["toe.L"].color.palette != "DEFAULT"
     assert armature_of(body).data.bones["hand.L"].color.palette == "DEFAULT"
