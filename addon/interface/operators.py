@@ -159,13 +159,14 @@ def request_of(
     from ..blender.jobs.reference import Reference
     from ..blender.jobs.request import Request
 
+    deformed = takes_shown(owner.mesh, objects) and (step == "FORM" or owner.mesh == "SHOWN")
     return Request(
         settings=settings_of(owner),
         value=owner.value,
         step=step,
         feature_group=owner.feature_group,
-        deformed=takes_shown(owner.mesh, objects) and (step == "FORM" or owner.mesh == "SHOWN"),
-        unrefined=refines(owner),
+        deformed=deformed,
+        unrefined=deformed and leaves_refining_out(owner),
         new_object=owner.result == "OBJECT",
         objects=owner.objects,
         reference=Reference(owner.reference).computed if owner.reference and step == "FORM" else None,
@@ -193,7 +194,7 @@ def takes_shown(mesh: str, objects: list[bpy.types.Object]) -> bool:
     return mesh == "SHOWN" or (mesh == "AUTO" and is_any_moved(objects))
 
 
-def refines(owner: Any) -> bool:
+def leaves_refining_out(owner: Any) -> bool:
     """Return whether what only refines a mesh is left out, so that a shape key can hold what it shows otherwise.
 
     Parameters

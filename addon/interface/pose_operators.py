@@ -13,7 +13,7 @@ from ..blender.objects.mesh_reading import refusal
 from ..blender.words.wording import CONTEXT, told
 from ..core import CanonicalFormError
 from .job_operator import JobOperator, kept_stages
-from .operators import allowed, chosen_objects, refines, takes_shown, tell_results
+from .operators import allowed, chosen_objects, leaves_refining_out, takes_shown, tell_results
 from .properties import TRANSFER_ITEMS, MethodProperties, RequestProperties, settings_of
 from .viewport import show_colours
 
@@ -95,12 +95,13 @@ class OBJECT_OT_canonical_form_pose_like(JobOperator, MethodProperties, RequestP
             raise CanonicalFormError(
                 told("{like} is the reference itself. Select the mesh that is to be posed.", like=self.like)
             )
+        deformed = takes_shown(self.mesh, objects)
         request = Request(
             settings=settings_of(self),
             value=self.value,
             feature_group=self.feature_group,
-            deformed=takes_shown(self.mesh, objects),
-            unrefined=refines(self),
+            deformed=deformed,
+            unrefined=deformed and leaves_refining_out(self),
             new_object=self.result == "OBJECT",
             objects=self.objects,
             likeness=likeness,

@@ -252,14 +252,13 @@ class VIEW3D_PT_canonical_form_limbs(Tab, bpy.types.Panel):
             "VIEW3D_UL_canonical_form_patches", "", mesh, "canonical_form_patches", mesh, "canonical_form_patch",
             rows=lines, maxrows=10,
         )  # fmt: skip
-        limbs = limbs_of(mesh)
-        if limbs:
-            row = layout.row()
-            row.enabled = not all(limbs)  # always shown, so that nothing moves under the mouse
-            row.operator(OBJECT_OT_canonical_form_limb.bl_idname, text=told("All Limbs")).patch = 0
-        preferences = preferences_of(context)
+        limbs, preferences = limbs_of(mesh), preferences_of(context)
+        row = layout.row()
+        part = row.row()
+        part.enabled = bool(limbs) and not all(limbs)  # always shown, so that nothing moves under the mouse
+        part.operator(OBJECT_OT_canonical_form_limb.bl_idname, text=told("All Limbs")).patch = 0
         if preferences is not None:
-            layout.prop(preferences, "show_colours")
+            row.prop(preferences, "show_colours", toggle=True)
 
 
 CLASSES = (VIEW3D_UL_canonical_form_patches, VIEW3D_PT_canonical_form_result, VIEW3D_PT_canonical_form_limbs)

@@ -70,3 +70,9 @@ def test_a_new_object_keeps_what_is_shown(halves):
     bpy.ops.object.canonical_form(mesh="AUTO", result="OBJECT", objects="TOGETHER", **QUICK)
     assert len(bpy.data.objects[f"{halves[0].name} Canonical Form"].data.vertices) == shown
     assert halves[0].data.shape_keys is None
+
+
+def test_of_a_base_mesh_the_warning_about_them_stays(figure_object):
+    figure_object.modifiers.new("Thicker", "SOLIDIFY")
+    bpy.ops.object.canonical_form(mesh="AUTO", **QUICK)
+    assert any("Thicker" in each for each in require_record(figure_object.data).report.warnings)
