@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 mpl.use("Agg")
 
-from tools.figures import features, fields, galleries, overview, rigs, swiss_roll, t_poses  # noqa: E402
+from tools.figures import features, fields, galleries, overview, swiss_roll, t_poses  # noqa: E402
 from tools.figures.models import models  # noqa: E402
 
 FIGURES = {
@@ -27,7 +27,6 @@ FIGURES = {
     "6-methods": galleries.draw_methods,
     "../contact-sheet": galleries.draw_contact_sheet,
     "../t-poses": t_poses.draw,
-    "../rig": rigs.draw,
 }
 
 
