@@ -191,7 +191,7 @@ class OBJECT_OT_canonical_form_live(bpy.types.Operator):
     bl_idname = "object.canonical_form_live"
     bl_label = "Canonical Form Live Update"
     bl_translation_context = CONTEXT
-    bl_options = {"UNDO"}
+    bl_options: ClassVar[set[str]] = set()  # nothing to undo: its first result has a step of its own
 
     update: ClassVar[LiveUpdate | None] = None
     timer: ClassVar[Any] = None  # the function that Blender calls repeatedly, until another file is opened

@@ -67,8 +67,8 @@ def scan_to_rig() -> list[Image.Image]:
             parts.append(bones + BEFORE * t_poses.FRONT[:, 2])
             triangles.append(corners + len(points))
             colours.append(np.tile(BALL, (len(bones), 1)))
-        seen = drawn(*map(np.concatenate, (parts, triangles)), t_poses.FRONT, 2 * SIDE, np.concatenate(colours), extent)
-        picture = Image.fromarray(seen)
+        body, corners, paint = (np.concatenate(each) for each in (parts, triangles, colours))
+        picture = Image.fromarray(drawn(body, corners, t_poses.FRONT, 2 * SIDE, paint, extent))
         ImageDraw.Draw(picture).text((24, 20), title, fill=(90, 90, 90), font=ImageFont.load_default(size=36))
         return picture
 
