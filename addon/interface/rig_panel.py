@@ -1,4 +1,4 @@
-"""The panel that says how a rig is made, what came of it, and what is transferred from another body."""
+"""The panels of what came of a rig, of how one is made, and of what is transferred from another body."""
 
 import bpy
 
@@ -19,6 +19,25 @@ from .rig_operators import (
 from .sidebar import Tab, draw_progress, draw_sentence, record_of
 
 
+class VIEW3D_PT_canonical_form_rigged(Tab, bpy.types.Panel):
+    """What the last rig is like, and what can be done with it."""
+
+    bl_label = "Rig"
+    bl_translation_context = CONTEXT
+    bl_parent_id = "VIEW3D_PT_canonical_form"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Show the panel if a rig was made."""
+        return shown_rig(context) is not None
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Draw whether it looks right, its poses, and Remove."""
+        record, choices = shown_rig(context), choices_of(context)
+        if record is not None and choices is not None:
+            _draw_made(self.layout, context, choices, record)
+
+
 class VIEW3D_PT_canonical_form_rig(Tab, bpy.types.Panel):
     """An armature for a body in any pose, and data of another body."""
 
@@ -33,15 +52,12 @@ class VIEW3D_PT_canonical_form_rig(Tab, bpy.types.Panel):
         return choices_of(context) is not None
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw what the last run made, and the choices."""
+        """Draw the choices."""
         layout, choices = self.layout, choices_of(context)
         if choices is None:
             return
         layout.use_property_split = True
         layout.use_property_decorate = False
-        record = shown_rig(context)
-        if record is not None:
-            _draw_made(layout, context, choices, record)
         layout.prop(choices, "rig_like", text=told("Bones From"))
         layout.prop(choices, "rig_rest", text=told("Rest"))
         names = layout.row()
@@ -137,4 +153,4 @@ def draw_other_rig(layout: bpy.types.UILayout, choices: CanonicalFormChoices, re
     button.side = side
 
 
-CLASSES = (VIEW3D_PT_canonical_form_rig,)
+CLASSES = (VIEW3D_PT_canonical_form_rigged, VIEW3D_PT_canonical_form_rig)

@@ -3,11 +3,13 @@
 import bpy
 import pytest
 
+from addon.blender.records.rig_record import RigRecord, write_rig
 from addon.blender.words import wording
 from addon.blender.words.advice import ADVICE
 from addon.core.run.messages import sentences
 from addon.interface import panels
 from addon.interface.catalogues import catalogues
+from addon.interface.job_operator import OBJECT_OT_canonical_form_cancel, Refusal
 from addon.interface.sidebar import draw_sentence
 from tests.blender.conftest import QUICK, Layout
 
@@ -22,7 +24,7 @@ class Row(Layout):
 
     def __init__(self, side_by_side=False):
         super().__init__([])
-        self.side_by_side, self.inside = side_by_side, []
+        self.side_by_side, self.inside, self.columns = side_by_side, [], 1
 
     def _item(self, text, icon):
         self.inside.append((text, icon not in ("NONE", "")))
@@ -47,7 +49,12 @@ class Row(Layout):
         self.inside.append(inner)
         return inner
 
-    box = grid_flow = column
+    box = column
+
+    def grid_flow(self, columns=1, **_):
+        inner = self.column()
+        inner.columns = max(columns, 1)
+        return inner
 
     def panel(self, name, **_):
         return self.row(), self.column()
@@ -69,7 +76,7 @@ def too_wide(row, room=WIDTH):
     items = [each for each in row.inside if not isinstance(each, Row) or each.inside]
     alone = [each for each in items if is_icon(each)]
     left = room - (ICON + PADDING) * len(alone) if row.side_by_side else room
-    count = max(len(items) - len(alone), 1) if row.side_by_side else 1
+    count = max(len(items) - len(alone), 1) if row.side_by_side else row.columns
     for each in items:
         if is_icon(each):
             continue
@@ -89,8 +96,8 @@ def language(request, monkeypatch):
     return request.param
 
 
-@pytest.mark.parametrize("state", ["nothing", "form", "in-betweens", "by hand", "warned"])
-def test_every_text_has_room(figure_object, language, state):
+@pytest.mark.parametrize("state", ["nothing", "form", "in-betweens", "by hand", "warned", "refused", "rigged"])
+def test_every_text_has_room(figure_object, language, state, monkeypatch):
     from addon.blender.objects.body_points import fix_point
     from addon.blender.records.record import require_record, write_record
 
@@ -104,7 +111,16 @@ def test_every_text_has_room(figure_object, language, state):
     if state == "warned":
         record = require_record(figure_object.data)
         record.report.warnings = [wording.told(each) for each in sentences()]
+        record.report.mends = dict(zip(record.report.warnings, ("PART", "LIMBS"), strict=False))
         write_record(figure_object.data, record)
+    if state == "refused":
+        refused = Refusal("Figure", "RIG", wording.told("This mesh has no faces."), "ANYWAY")
+        monkeypatch.setattr(OBJECT_OT_canonical_form_cancel, "refused", refused)
+    if state == "rigged":
+        poses = {"Scan": "", "T-Pose": ""}
+        write_rig(
+            figure_object.data, RigRecord("", "", poses, "", "T", 0, [1.0, 2.0], {"toe.L": 0.1}, [], keys={"T": ""})
+        )
     found = []
     for panel in panels.CLASSES:
         if issubclass(panel, bpy.types.Panel) and (not hasattr(panel, "poll") or panel.poll(bpy.context)):

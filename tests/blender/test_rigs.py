@@ -9,7 +9,7 @@ from addon import core
 from addon.blender.records.rig_record import RIG_PROPERTY, read_rig
 from addon.blender.rigging.rig_reading import read_rig_source
 from addon.core.rigging.fitted_rig import rest_bends
-from addon.interface.rig_panel import VIEW3D_PT_canonical_form_rig
+from addon.interface.rig_panel import VIEW3D_PT_canonical_form_rigged
 from tests.blender.conftest import add_object, drawn
 from tests.blender.rig_scenes import RIG, act, armature_of, scene, shown
 
@@ -68,7 +68,7 @@ def test_elbows_and_knees_bend_about_their_x_axes(body, motions, lender):
 
 def test_a_button_takes_the_pose_of_the_scan_and_gives_it_back(body, scan, lender):
     bpy.ops.object.canonical_form_rig(**RIG, rest="T")
-    assert {"At Rest", "As Scanned"} <= {*drawn(VIEW3D_PT_canonical_form_rig)}
+    assert {"At Rest", "As Scanned"} <= {*drawn(VIEW3D_PT_canonical_form_rigged)}
     assert bpy.ops.object.canonical_form_rig_pose(action="Scan") == {"FINISHED"}
     bpy.context.view_layer.update()
     np.testing.assert_allclose(shown(body), scan, atol=2e-3)
@@ -193,9 +193,9 @@ def test_a_spoilt_record_is_none(body):
 
 
 def test_the_panel_names_the_bone_that_fits_worst_and_the_other_way(body):
-    assert "Flip Front/Back" not in drawn(VIEW3D_PT_canonical_form_rig)
+    assert "Flip Front/Back" not in drawn(VIEW3D_PT_canonical_form_rigged)
     bpy.ops.object.canonical_form_rig(**RIG)
-    lines = drawn(VIEW3D_PT_canonical_form_rig)
+    lines = drawn(VIEW3D_PT_canonical_form_rigged)
     assert "Check toe.L: it hardly fits" in lines
     assert "Flip Front/Back" in lines
     assert armature_of(body).data.bones["toe.L"].color.palette != "DEFAULT"
