@@ -43,9 +43,8 @@ def require_fit(matched: Match, vertices: ArrayLike, faces: ArrayLike) -> None:
     """
     points, triangles = np.asarray(vertices, dtype=np.float64), np.asarray(faces, dtype=np.int64)
     areas = vertex_areas(points, triangles)
-    sure = float(areas @ matched.confidence / areas.sum())
-    if sure < _SURE:
-        raise InvalidMeshError("transfer_unlike", sure=sure)
+    if areas @ matched.confidence / areas.sum() < _SURE:
+        raise InvalidMeshError("transfer_unlike")
 
 
 def transferred(matched: Match, values: ArrayLike) -> FloatArray:

@@ -11,7 +11,7 @@ import bpy
 from ..blender.jobs.job import Job
 from ..blender.jobs.meant_objects import meant_object
 from ..blender.words.advice import MENDS, explained
-from ..blender.words.wording import CONTEXT, told, told_stage
+from ..blender.words.wording import CONTEXT, told
 from ..core import CancelledError, CanonicalFormError, KeptStages
 
 _TICK = 0.1  # seconds between two timer events
@@ -235,6 +235,7 @@ class JobOperator:
         try:
             self._job.result()
             self.written(context, self._task, self._task.write(), interactive=True)
+            redraw_sidebars(context)
         except CancelledError as error:
             self.report({"INFO"}, str(error))  # type: ignore[attr-defined]
             return {"CANCELLED"}
@@ -271,7 +272,7 @@ def _draw_status(header: bpy.types.Header, _context: bpy.types.Context) -> None:
     job = OBJECT_OT_canonical_form_cancel.job
     if job is not None:
         row = header.layout.row()
-        row.label(text=told("Canonical Form: {stage}", stage=told_stage(job.stage)))
+        row.label(text="Canonical Form")
         bar = row.row()
         bar.ui_units_x = _BAR
         bar.progress(factor=job.fraction, text=f"{job.fraction:.0%}", type="BAR")

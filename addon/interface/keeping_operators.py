@@ -5,7 +5,7 @@ import bpy
 from ..blender.jobs.meant_objects import meant_object, require_object
 from ..blender.objects.mesh_reading import refusal
 from ..blender.records.record import read_record
-from ..blender.results.kept_form import POSED, copy_of_shown, keep_form, keep_refusal
+from ..blender.results.kept_form import copy_of_shown, keep_form, keep_refusal
 from ..blender.results.new_objects import make_active
 from ..blender.words.advice import explained
 from ..blender.words.wording import CONTEXT, listed, told
@@ -34,12 +34,12 @@ class OBJECT_OT_canonical_form_keep(bpy.types.Operator):
         """Write the new Basis to all objects of the body."""
         obj = require_object(context)
         try:
-            left = keep_form(obj)
+            name, left = keep_form(obj)
         except CanonicalFormError as error:
             self.report({"ERROR"}, explained(error))
             return {"CANCELLED"}
         list_patches(obj.data)
-        self.report({"INFO"}, told("That is its shape now. The one from before is the key {key}.", key=POSED))
+        self.report({"INFO"}, told("That is its shape now. The one from before is the key {key}.", key=name))
         if left:
             self.report({"WARNING"}, told("Kept, since they may hold your changes: {left}.", left=listed(left)))
         if not any_result():

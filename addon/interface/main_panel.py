@@ -67,11 +67,11 @@ def _told_input(context: bpy.types.Context, choices: CanonicalFormChoices, objec
     """Say in which pose the meshes are taken."""
     moved, frame = is_any_moved(objects), context.scene.frame_current
     if not moved or choices.mesh == "BASE":
-        return told("Without their pose") if moved else told("As modelled")
+        return told("Input: without the pose") if moved else told("Input: as modelled")
     rig = armature_of(objects[0])
     if rig is None:
-        return told("As shown at frame {frame}", frame=frame)
-    return told("Frame {frame}, by {rig}", rig=rig.name, frame=frame)
+        return told("Input: as shown at frame {frame}", frame=frame)
+    return told("Input: frame {frame}, by {rig}", rig=rig.name, frame=frame)
 
 
 def _draw_wishes(layout: bpy.types.UILayout, choices: CanonicalFormChoices) -> None:

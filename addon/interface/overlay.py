@@ -143,6 +143,7 @@ def _draw() -> None:
         if at is not None:
             _disc(shader, at, _SMALL * scale, _PARTED)
     covered = _covered_width(context)
+    written: list[tuple[float, float, float]] = []  # x, y and width of each label
     for point in shown_points(meshes, graph):
         at = location_3d_to_region_2d(context.region, context.region_data, point.place)
         if at is None:
@@ -152,7 +153,11 @@ def _draw() -> None:
         width = _text_size(point.label, scale)
         beside = 1.8 * _DOT * scale
         room = at.x + beside + width <= context.region.width - covered
-        _write(point.label, at.x + (beside if room else -beside - width), at.y + 0.5 * _DOT * scale, scale)
+        x, y = at.x + (beside if room else -beside - width), at.y + 0.5 * _DOT * scale
+        while any(left < x + width and x < left + wide and abs(y - low) < _TEXT * scale for left, low, wide in written):
+            y += _TEXT * scale  # above the one that it would hide
+        written.append((x, y, width))
+        _write(point.label, x, y, scale)
     _draw_legend(shader, meshes, bool(contacts), scale)
 
 

@@ -90,7 +90,7 @@ def _draw_verdict(
     frame = report.frame
     if frame is not None:
         row = column.row(align=True)
-        row.label(text=told("Of frame {frame}", frame=frame))
+        row.label(text=told("Of frame {frame}; bones stay", frame=frame))
         if context.scene.frame_current != frame and report.has_form:
             button = row.operator(
                 OBJECT_OT_canonical_form.bl_idname, text=told("Again at {frame}", frame=context.scene.frame_current)
@@ -102,7 +102,7 @@ def _draw_verdict(
     if hardly_alike:
         draw_sentence(column, context, told("The bodies are hardly alike: check the pose"), "ERROR")
     if not warnings and not unsure and not hardly_alike and record.has_form:
-        draw_sentence(column, context, told("No warnings: look from all sides"), "CHECKMARK")
+        draw_sentence(column, context, told("No warnings: look from all sides"), "HIDE_OFF")
     _draw_warnings(layout, context, warnings)
     draw_mends(layout, context, choices, {report.mends[each] for each in warnings if each in report.mends})
     if like is not None:

@@ -5,7 +5,7 @@
 from typing import TYPE_CHECKING
 
 import bpy
-from bpy.props import BoolProperty, IntProperty, StringProperty
+from bpy.props import BoolProperty, IntProperty
 
 from ..blender.jobs.meant_objects import meant_object, require_object
 from ..blender.objects.mesh_reading import refusal
@@ -80,7 +80,7 @@ class OBJECT_OT_canonical_form_rig(JobOperator, MethodProperties, RigOptions, bp
         self.report(
             {"INFO"},
             told(
-                "{armature}: {bones} bones. Select it and switch to Pose Mode.",
+                "{armature}: {bones} bones. Select it, and press Ctrl+Tab to pose it.",
                 armature=task.armature,
                 bones=task.bones,
             ),
@@ -166,8 +166,11 @@ class OBJECT_OT_canonical_form_rig_pose(bpy.types.Operator):
     bl_translation_context = CONTEXT
     bl_options = {"REGISTER", "UNDO"}
 
-    action: StringProperty(  # type: ignore[valid-type]
-        name="Action", translation_context=CONTEXT, description="Action that holds the pose; empty for the one at rest"
+    scan: BoolProperty(  # type: ignore[valid-type]
+        name="As Scanned",
+        translation_context=CONTEXT,
+        description="The pose of the scan, and exactly its shape; else the pose at rest",
+        default=False,
     )
 
     @classmethod
@@ -179,12 +182,12 @@ class OBJECT_OT_canonical_form_rig_pose(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Pose the armature."""
-        from ..blender.rigging.armatures import take_pose
         from ..blender.rigging.rig_clearing import armature_given_to
+        from ..blender.rigging.rig_posing import scan_pose_of, take_pose
 
-        armature = armature_given_to(require_object(context))
-        action = bpy.data.actions.get(self.action)
-        if armature is None or (self.action and action is None):
+        obj = require_object(context)
+        armature, action = armature_given_to(obj), scan_pose_of(obj.data) if self.scan else None
+        if armature is None or (self.scan and action is None):
             self.report({"ERROR"}, told("The armature or its pose is gone."))
             return {"CANCELLED"}
         take_pose(armature, action)

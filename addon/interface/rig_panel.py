@@ -76,13 +76,12 @@ def _draw_made(
     doubts = least_sure(record.confidence)
     draw_unsure(column, context, doubts)
     if not doubts:
-        draw_sentence(column, context, told("No warnings: look from all sides"), "CHECKMARK")
+        draw_sentence(column, context, told("No warnings: look from all sides"), "HIDE_OFF")
     draw_other_rig(layout, choices, record)
-    scan = next((action for action in record.actions if action.startswith(SCAN)), None)
-    if scan is not None:
+    if any(action.startswith(SCAN) for action in record.actions):
         row = layout.row(align=True)
-        row.operator(OBJECT_OT_canonical_form_rig_pose.bl_idname, text=told("At Rest")).action = ""
-        row.operator(OBJECT_OT_canonical_form_rig_pose.bl_idname, text=told("As Scanned")).action = scan
+        row.operator(OBJECT_OT_canonical_form_rig_pose.bl_idname, text=told("At Rest")).scan = False
+        row.operator(OBJECT_OT_canonical_form_rig_pose.bl_idname, text=told("As Scanned")).scan = True
     row = layout.row(align=True)
     if record.rest is not None:
         row.operator(OBJECT_OT_canonical_form_rig_keep.bl_idname)

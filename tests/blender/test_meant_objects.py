@@ -69,17 +69,17 @@ def test_an_empty_or_nothing_active_is_refused_with_a_reason(rigged):
 def test_what_is_shown_is_taken_by_itself_where_an_armature_poses_the_mesh(rigged):
     rig, obj, _ = rigged
     panel = bpy.types.VIEW3D_PT_canonical_form
-    assert "As modelled" in drawn(panel)
+    assert "Input: as modelled" in drawn(panel)
     bpy.ops.object.mode_set(mode="EDIT")
     rig.data.edit_bones.new("Bone").tail = (0.0, 0.0, 1.0)
     bpy.ops.object.mode_set(mode="OBJECT")
-    assert "As modelled" in drawn(panel)
+    assert "Input: as modelled" in drawn(panel)
     rig.pose.bones["Bone"].location.x = 0.3
     bpy.context.view_layer.update()
-    assert f"Posed by {rig.name}, frame 1" in drawn(panel)
+    assert f"Input: frame 1, by {rig.name}" in drawn(panel)
     assert takes_shown("AUTO", [obj])
     obj.canonical_form.mesh = "BASE"
-    assert "As modelled: the pose is not used" in drawn(panel)
+    assert "Input: without the pose" in drawn(panel)
     rig.data.pose_position = "REST"
     assert not takes_shown("AUTO", [obj])
 
@@ -142,7 +142,7 @@ def test_the_form_as_shown_tells_its_frame_and_offers_another_run(figure_object)
     scene, panel = bpy.context.scene, bpy.types.VIEW3D_PT_canonical_form_result
     scene.frame_set(3)
     bpy.ops.object.canonical_form(quality="draft", mesh="SHOWN")
-    assert "Of frame 3" in drawn(panel)
+    assert "Of frame 3; bones stay" in drawn(panel)
     assert "Again at 3" not in drawn(panel)
     scene.frame_set(5)
     assert "Again at 5" in drawn(panel)

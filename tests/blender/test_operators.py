@@ -354,7 +354,7 @@ def test_the_panel_shows_what_was_found(figure_object):
     body = ["Body", "Find the Limbs", *limbs, "Add", "Swap L/R", "Undo All"]
     options = ["Options", "mesh", "result", "quality", "Straighten: about 1 s"]
     options += ["preserve_detail", "orientation", "reference", "anyway"]
-    assert drawn(main) == ["Figure", "As modelled", *body, *wishes, *options, "show_points", "Live Update"]
+    assert drawn(main) == ["Figure", "Input: as modelled", *body, *wishes, *options, "show_points", "Live Update"]
     assert drawn(result) == drawn(result_panel.VIEW3D_PT_canonical_form_limbs) == []
     compute()
     lines = drawn(result)

@@ -178,8 +178,8 @@ class Hand:
                 tried += 13
         return tried - row
 
-    def picture(self, name, at_once=False):
-        for area in self.window.screen.areas:
+    def picture(self, name, at_once=False, redrawn=True):
+        for area in self.window.screen.areas if redrawn else ():
             area.tag_redraw()
         yield 0.1 if at_once else 0.3
         if shutil.which("import"):

@@ -57,7 +57,8 @@ def session():
                 yield from done(*line.split())
             except (ValueError, TypeError, KeyError, RuntimeError) as error:
                 print(f"not understood: {line}: {error}", flush=True)
-        yield from hand.picture(f"{asked[0].stem}-taken")
+        rests = bool(lines) and lines[-1].startswith("hover")  # a redraw would take the tooltip away
+        yield from hand.picture(f"{asked[0].stem}-taken", redrawn=not rests)
         (PICTURES / f"{asked[0].stem}-taken.png").replace(PICTURES / f"{asked[0].stem}.png")  # seen whole or not at all
 
 

@@ -48,7 +48,7 @@ def keep_refusal(obj: bpy.types.Object | None) -> str | None:
     return animated(obj.data) if not has_in_betweens(obj.data) else None
 
 
-def keep_form(obj: bpy.types.Object) -> list[str]:
+def keep_form(obj: bpy.types.Object) -> tuple[str, list[str]]:
     """Make the form or the pose of a body its own shape: a new Basis. The shape from before stays as a shape key.
 
     Parameters
@@ -58,7 +58,9 @@ def keep_form(obj: bpy.types.Object) -> list[str]:
 
     Returns
     -------
-    list of str
+    name : str
+        The key of `obj` that keeps the shape from before.
+    left : list of str
         Names of results that stay because they may contain changes by the user.
 
     Raises
@@ -71,14 +73,15 @@ def keep_form(obj: bpy.types.Object) -> list[str]:
         reason = keep_refusal(each)
         if reason is not None:
             raise CanonicalFormError(reason)
-    left = []
+    names, left = {}, []
     with object_mode(obj):
         for each in body:
-            left += _keep(each)
-    return left
+            names[each], more = _keep(each)
+            left += more
+    return names[obj], left
 
 
-def _keep(obj: bpy.types.Object) -> list[str]:
+def _keep(obj: bpy.types.Object) -> tuple[str, list[str]]:
     """Make the key of one object its Basis, in Object Mode."""
     mesh, record = obj.data, require_record(obj.data)
     left = remove_in_betweens(obj)
@@ -86,9 +89,15 @@ def _keep(obj: bpy.types.Object) -> list[str]:
     posed = obj.shape_key_add(name=POSED, from_mix=False)
     posed.relative_key, posed.value = mesh.shape_keys.reference_key, 0.0
     posed.points.foreach_set("co", before.ravel())
-    make_basis(obj, key, {posed.name})
+    name = posed.name
+    make_basis(obj, key, {name, *_kept_before(mesh)})
     record.keys.clear()
-    return left + clear_results(obj)
+    return name, left + clear_results(obj)
+
+
+def _kept_before(mesh: bpy.types.Mesh) -> list[str]:
+    """Return the keys that earlier calls have added: shapes of their own, which stay where they are."""
+    return [each.name for each in mesh.shape_keys.key_blocks if each.name.partition(".")[0] == POSED]
 
 
 def copy_of_shown(obj: bpy.types.Object) -> list[bpy.types.Object]:

@@ -251,22 +251,6 @@ def add_pose(armature: bpy.types.Object, name: str, motions: Mapping[str, tuple[
     return action
 
 
-def take_pose(armature: bpy.types.Object, action: bpy.types.Action | None) -> None:
-    """Put an armature into a pose once, without assigning the action.
-
-    Parameters
-    ----------
-    armature : bpy.types.Object
-        The armature.
-    action : bpy.types.Action or None
-        An action as from `add_pose`; None for the pose at rest.
-    """
-    for bone in armature.pose.bones:
-        bone.matrix_basis = Matrix.Identity(4)
-    if action is not None:
-        armature.pose.apply_pose_from_action(action, evaluation_time=1.0)
-
-
 def bone_matrices(
     armature: bpy.types.Object, skeleton: Skeleton, motions: BoneMotions
 ) -> dict[str, tuple[Matrix, Matrix]]:

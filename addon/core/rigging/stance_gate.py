@@ -40,11 +40,11 @@ def refusal(chosen: Candidate, share: float, distortion: float = 0.0, off: float
     if share < _WHOLE:
         return InvalidMeshError("stance_parts", share=share)
     if chosen.residual > _EXPLAINED or chosen.confidence < _SURE:
-        return InvalidMeshError("stance_unlike", residual=chosen.residual)
+        return InvalidMeshError("stance_unlike")
     if chosen.skin < _LOST or off > _OFF:
         return InvalidMeshError("stance_limb")
     if distortion > _STRAINED:
-        return InvalidMeshError("stance_strained", distortion=distortion)
+        return InvalidMeshError("stance_strained")
     degrees = sum(chosen.degrees.values())
     doubts = [
         chosen.residual > _UNUSUAL["residual"],
@@ -56,7 +56,7 @@ def refusal(chosen: Candidate, share: float, distortion: float = 0.0, off: float
         off > _UNUSUAL["off"],
     ]
     if sum(doubts) >= _DOUBTS:
-        return InvalidMeshError("stance_unlikely", degrees=degrees, unlike=chosen.unlike)
+        return InvalidMeshError("stance_unlikely")
     return None
 
 

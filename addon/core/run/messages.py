@@ -50,27 +50,19 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
     "rider_stretched": "Some loose parts lie on others that move apart. They were moved rigidly.",
     # what makes a form doubtful
     "no_pairs": (
-        "Only 1 end was found. If the body has limbs, lower the prominence, or choose the points by hand.",
-        "The {count} ends that were found are no pairs, left and right. If the body has arms and legs, check the "
-        "points, and choose them by hand.",
+        "Only 1 limb was found. Fix the others by hand.",
+        "{count} limbs were found, but no pairs. Fix the missing ones by hand.",
     ),
-    "one_pair": "Only one pair of limbs was found. If the body has arms and legs, some are missing: check the points, "
-    "and choose them by hand.",
-    "no_head": "No head was found, only limbs in pairs. If the body has one, lower the prominence, or choose the "
-    "points by hand.",
+    "one_pair": "Only one pair of limbs was found. Fix the missing ones by hand.",
+    "no_head": "No head was found, only limbs in pairs. If there is one, fix it by hand.",
     "unpaired_ends": (
-        "1 end has no partner on the other side: a limb is missing there, or something counts as a limb that is none. "
-        "Check the points, and choose them by hand.",
-        "{count} ends have no partner on the other side: limbs are missing there, or something counts as a limb that "
-        "is none. Check the points, and choose them by hand.",
+        "1 limb has no partner on the other side. Fix the missing one by hand.",
+        "{count} limbs have no partner on the other side. Fix the missing ones.",
     ),
-    "twisted": "Arms and legs of the form have left and right on different sides: its trunk is twisted, or limbs are "
-    "crossed. Check the feature points, and choose them by hand.",
+    "twisted": "Left and right of arms and legs do not agree: fix the limbs by hand.",
     "handles": (
-        "The surface has a handle, like that of a mug. If skin has grown together there, such as a hand with a hip, "
-        "the form keeps the pose.",
-        "The surface has {count} handles, like that of a mug. If skin has grown together there, such as a hand with a "
-        "hip, the form keeps the pose.",
+        "The surface has a handle: skin may have grown together there.",
+        "The surface has {count} handles: skin may have grown together there.",
     ),
     "contacts_opened": (
         "Skin has probably grown together in 1 place. It was parted there.",
@@ -139,20 +131,13 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
     "stance_arrays": "The rig needs a head, a tail and a parent for each of its {bones} bones, and one weight of each "
     "for each of the {vertices} vertices.",
     "stance_limbs": "Neither the names nor the shape of these bones tell two arms and two legs.",
-    "stance_parts": "Nothing was made: the largest body is only {share:.0%} of the mesh, and the others would stay "
-    "where they are. Join what belongs together first.",
-    "stance_unlike": "Nothing was made: this body is not like the mannequin, or the match with it failed (it misses "
-    "the skin by {residual:.1%} of the size). Take the pose of a mesh of a similar body instead.",
-    "stance_unlikely": "Nothing was made: the skeleton found in this body is unlikely (joints {degrees:.0f}° beyond "
-    "what bodies can, left and right different by {unlike:.0%}). Take the pose of a mesh of a similar body instead.",
-    "stance_limb": "Nothing was made: an arm or a leg was not found, perhaps as it lies on the body. Take the pose of "
-    "a mesh of a similar body instead.",
-    "stance_strained": "Nothing was made: the skin does not follow the skeleton found in this body (edges change by "
-    "{distortion:.1%}). Take the pose of a mesh of a similar body instead.",
-    "transfer_unlike": "Nothing was transferred: the two bodies are not alike enough, or their match failed "
-    "({sure:.0%} sure). Choose a mesh with a body like this one.",
-    "rig_unlike": "Nothing was made: this body and the reference are not alike enough. Choose a reference with a body "
-    "like this one.",
+    "stance_parts": "Nothing was made: the largest body is only {share:.0%} of the mesh. Join what belongs together.",
+    "stance_unlike": "Nothing was made: this body is too unlike a human one. Take the pose of a similar mesh.",
+    "stance_unlikely": "Nothing was made: the skeleton found here is unlikely. Fix the limbs by hand.",
+    "stance_limb": "Nothing was made: an arm or a leg was not found. Fix the limbs by hand.",
+    "stance_strained": "Nothing was made: the skin does not follow the skeleton. Fix the limbs by hand.",
+    "transfer_unlike": "Nothing was transferred: these two bodies are not alike enough.",
+    "rig_unlike": "Nothing was made: this body and the reference are not alike enough.",
     "stance_doubtful": "The skeleton found in this body is unlikely. Check the pose.",
     "mannequin_arms": "The arms of the mannequin can be lowered by -90 to 90 degrees; got {value!r}.",
     "match_bodies": "This mesh has {count} bodies and the other {others}; only those that both have, the largest "

@@ -1,0 +1,68 @@
+"""Puts the armature that *Rig* made into the pose of the scan, or to rest."""
+
+from __future__ import annotations
+
+import bpy
+from mathutils import Matrix
+
+from ..mesh_items.action_curves import curves_of
+from ..records.rig_record import SCAN, read_rig, recorded_key
+from .rig_clearing import bound_to
+
+_FRAME = 1.0  # at which poses are keyed
+
+
+def scan_pose_of(mesh: bpy.types.Mesh) -> bpy.types.Action | None:
+    """Return the action that holds the pose of the scan.
+
+    Parameters
+    ----------
+    mesh : bpy.types.Mesh
+        A mesh with an armature of *Rig*.
+
+    Returns
+    -------
+    bpy.types.Action or None
+        The action; None if the mesh rests as it was scanned, or the action was removed.
+    """
+    record = read_rig(mesh)
+    names = [] if record is None else [name for name in record.actions if name.startswith(SCAN)]
+    return bpy.data.actions.get(names[0]) if names else None
+
+
+def take_pose(armature: bpy.types.Object, action: bpy.types.Action | None) -> None:
+    """Put an armature into a pose once, all its bones, and its meshes exactly into the shape of the scan.
+
+    Parameters
+    ----------
+    armature : bpy.types.Object
+        The armature.
+    action : bpy.types.Action or None
+        The pose of the scan; None for the pose at rest.
+    """
+    for bone in armature.pose.bones:
+        bone.matrix_basis = Matrix.Identity(4)
+    for curve in curves_of(action) if action is not None else ():  # Blender's own way takes selected bones only
+        _set(armature, curve.data_path, curve.array_index, curve.evaluate(_FRAME))
+    for obj in bound_to(armature):
+        record = read_rig(obj.data)
+        names = [] if record is None else [name for name in record.keys if name.startswith(SCAN)]
+        for name in names:
+            key = recorded_key(obj.data, name, record.keys[name])  # type: ignore[union-attr]
+            if key is not None:
+                key.value = float(action is not None)
+
+
+def _set(armature: bpy.types.Object, path: str, index: int, value: float) -> None:
+    """Set what a curve animates: an element of a vector, a number, or a custom property."""
+    if path.endswith('"]'):
+        owner, _, name = path.rpartition('["')
+        armature.path_resolve(owner)[name[:-2]] = value
+        return
+    owner, _, name = path.rpartition(".")
+    target = armature.path_resolve(owner)
+    now = getattr(target, name)
+    if hasattr(now, "__len__"):
+        now[index] = value
+    else:
+        setattr(target, name, value)
