@@ -37,7 +37,7 @@ _LOOKED_FOR = 0.8  # of the work, where something is computed afterwards
 _MARKED = 0.1  # the same, where nothing is searched for
 _FEWEST = 3  # feature points of a body that may be human: head and feet; a tube has two
 _WORSE = 1.1  # times as unlike a whole human: what is parted must not be
-_DETECTED = 0.4  # the same, where feature points and patches are found
+_DETECTED = 0.4  # of the work of a form: where feature points and patches are found
 _REPAIRS = ("repeated_corners", "coincident_borders", "duplicate_faces", "inconsistent_faces", "rounded_positions")
 
 
@@ -112,6 +112,8 @@ def computed_open(
     cancelled: Cancelled | None,
     rest: ArrayLike | None = None,
     known: WholeBody | None = None,
+    *,
+    formed: float = 1.0,
 ) -> Found:
     """Find contacts, and compute something on the mesh that is parted there.
 
@@ -130,6 +132,8 @@ def computed_open(
         Positions in the rest pose of a rig, as in `canonical_form`: only what was marked is parted.
     known : WholeBody, optional
         A body like it, by which contacts are found on one that is not human.
+    formed : float
+        Share of the computation that the form of the mesh is, whose beginning is looked at.
 
     Returns
     -------
@@ -148,7 +152,7 @@ def computed_open(
     require_marks(settings, len(points))
     plain = replace(settings, contacts="keep", part_here=None, keep_joined=None)
     looked_at = settings.contacts == "open" and rest is None
-    unlike = _unlike(points, corners, plain, kept, monitor, known) if looked_at else 0.0
+    unlike = _unlike(points, corners, plain, kept, monitor, known, _DETECTED * formed) if looked_at else 0.0
     if unlike <= 1.0 and settings.part_here is None:
         if keep is None:
             kept.fill()  # large meshes would fill the memory
@@ -203,14 +207,15 @@ def _unlike(
     kept: KeptStages,
     monitor: Monitor,
     whole: WholeBody | None,
+    share: float,
 ) -> float:
     """Measure how unlike a whole human the largest body is, or `whole` if it is none: above 1 it is suspect.
 
-    What that needs is kept for the run that follows.
+    What that needs is kept for the run that follows. `share`: of the work that this is.
     """
 
     def report(done: float, stage: str) -> None:
-        monitor.report(_DETECTED * done, stage)
+        monitor.report(share * done, stage)
 
     if settings.eigenpairs < ENOUGH:
         settings = replace(settings, eigenpairs=ENOUGH)
@@ -257,7 +262,7 @@ def _parted(
     both = _with_marks(found, marks)
     mesh = both.parted(cancelled=monitor.is_cancelled) if both.touched.any() else None
     if unlike > 1.0 and mesh is not None:
-        after = _unlike(mesh.vertices, mesh.faces, plain.detecting(), kept, monitor, known)
+        after = _unlike(mesh.vertices, mesh.faces, plain.detecting(), kept, monitor, known, _DETECTED)
         if both.between and after > _WORSE * unlike:
             both = _with_marks(replace(found, gone=np.zeros_like(found.gone), between=[]), marks)
             mesh = both.parted(cancelled=monitor.is_cancelled) if both.touched.any() else None

@@ -27,7 +27,7 @@ from .run.kept_stages import KeptStages
 from .run.messages import Message, message
 from .run.monitor import Cancelled, Monitor, Progress
 
-UNFOLDED = 0.8  # of the work of a match
+UNFOLDED = 0.6  # of the work of a match
 _MATCHING = {"Ways to match": 55, "Match": 45}  # stages
 _STRAINED = 0.12  # strain above which two bodies count as dissimilar: poses reach .05 to .09, people in clothes .11
 _UNLIKE = -3.5  # the same for the score, where that alone has decided; poses of a body reach -3.9 to -6
@@ -163,7 +163,10 @@ def match(
         return matched_bodies(points, corners, *others, rest=rest, keep=how["keep"]).match
 
     wanted = settings or Settings()
-    return computed_open(compute, match_on_given, vertices, faces, wanted, None, progress, cancelled, rest)
+    formed = UNFOLDED / 2
+    return computed_open(
+        compute, match_on_given, vertices, faces, wanted, None, progress, cancelled, rest, formed=formed
+    )
 
 
 def matched_bodies(

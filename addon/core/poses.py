@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from .assembly.gathering import gathered_features, shaped
 from .deformation.elastic_body import ElasticBody
 from .deformation.struts import struts_through
-from .matches import MatchedBodies, matched_bodies
+from .matches import UNFOLDED, MatchedBodies, matched_bodies
 from .matching.point_map import PointMap
 from .matching.sides import require_side
 from .matching.unfolded import Unfolded
@@ -106,7 +106,10 @@ def pose_like(
         return _pose_of(found, pose, monitor)
 
     wanted = settings or Settings()
-    return computed_open(compute, pose_on_given, vertices, faces, wanted, None, progress, cancelled, rest)
+    formed = _MATCHED * UNFOLDED / 2
+    return computed_open(
+        compute, pose_on_given, vertices, faces, wanted, None, progress, cancelled, rest, formed=formed
+    )
 
 
 def _pose_of(found: MatchedBodies, wanted: FloatArray, monitor: Monitor) -> PosedLike:

@@ -41,7 +41,8 @@ _FACING = {"Ways to face": 1}  # stages
 _MATCHED = 0.2  # of the work of a skeleton, if the mannequin has to bring two bodies together
 _LEAST = 0.1  # least belief in a point
 _POSES = ("T", "A", "rest")
-_FITTED = 0.9  # of the work
+_FITTED, _UNFOLDED = 0.88, 0.4  # of the work; of that, the forms of the body and of the reference
+UNFOLDED_BODY = _UNFOLDED / 2  # of the work of a skeleton
 _ROWS = 1 << 16  # vertices whose weights are found at once: a tenth of a second
 _FORGOTTEN = 0.01  # weights below which a bone does not hold a vertex
 _MOST_BONES = 4  # that hold a vertex
@@ -166,7 +167,8 @@ def fitted_skeleton(
 
     def unfold() -> UnfoldedPair:
         own = _own(vertices), _own(faces)  # they are kept
-        return unfolded_pair(*own, whole.vertices, whole.faces, settings, monitor, share, rest=rest, keep=kept)
+        forms = share * _UNFOLDED / UNFOLDED
+        return unfolded_pair(*own, whole.vertices, whole.faces, settings, monitor, forms, rest=rest, keep=kept)
 
     pair = kept.take("Forms", [vertices, faces, repr(settings), rest, *whole[:2]], unfold, monitor.warnings)
     here, there = pair.pairs[0]
@@ -176,7 +178,7 @@ def fitted_skeleton(
         lender = adult(whole, pair.other_surfaces[there], pair.others.bodies[there].vertices)
 
         def piece(begin: float, end: float) -> Monitor:
-            start, left = UNFOLDED * share, (1 - UNFOLDED) * share
+            start, left = _UNFOLDED * share, (1 - _UNFOLDED) * share
             return monitor.piece(start + left * begin, start + left * end, _FACING)
 
         if reference is not None:
@@ -296,7 +298,10 @@ def rig(
         def compute(points: ArrayLike, corners: ArrayLike, own: Settings, *_: object, **how: Any) -> Rigged:
             return rig(points, corners, reference, own, pose=pose, side=side, equal=equal, anyway=anyway, **how)
 
-        return computed_open(compute, rig_on_given, vertices, faces, settings, keep, progress, cancelled, rest)
+        formed = _FITTED * UNFOLDED_BODY
+        return computed_open(
+            compute, rig_on_given, vertices, faces, settings, keep, progress, cancelled, rest, formed=formed
+        )
     fitted = fitted_skeleton(vertices, faces, reference, settings, kept, monitor, _FITTED, rest=rest)
     chosen = fitted.found[index_of_side(side, len(fitted.found))]
     error = refusal(chosen, fitted.share)

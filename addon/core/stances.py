@@ -23,7 +23,7 @@ from .rigging.skeleton import Skeleton, skinned
 from .rigging.stance import ARMS_LOWERED, facing_of, stance
 from .rigging.stance_gate import pass_gate, refusal
 from .rigging.standing import stood
-from .rigs import Fitted, fitted_skeleton
+from .rigs import UNFOLDED_BODY, Fitted, fitted_skeleton
 from .run.errors import InvalidMeshError, InvalidSettingsError
 from .run.kept_stages import KeptStages
 from .run.monitor import Cancelled, Monitor, Progress
@@ -202,7 +202,10 @@ def stance_by_match(
         def compute(points: FloatArray, corners: IntArray, own: Settings, *_: object, **how: Any) -> PosedLike:
             return stance_by_match(points, corners, own, pose=pose, side=side, anyway=anyway, **how)
 
-        return computed_open(compute, pose_on_given, vertices, faces, settings, keep, progress, cancelled, rest)
+        formed = _MATCHED * UNFOLDED_BODY
+        return computed_open(
+            compute, pose_on_given, vertices, faces, settings, keep, progress, cancelled, rest, formed=formed
+        )
     monitor = Monitor(progress, cancelled)
     fitted = fitted_skeleton(vertices, faces, None, settings, kept, monitor, _MATCHED, rest=rest)
     pair, found, here = fitted.pair, fitted.found, fitted.pair.pairs[0][0]

@@ -26,7 +26,7 @@ _MAPS = 2  # matches with a reference that are completed: the second rescues wha
 _ROWS = 700  # vertices on which fits are compared
 _SAMPLES = 6000  # by which toes are measured
 GOOD = 2.0  # cost up to which no other build is tried
-_ALONE = 0.4  # of the work, then done
+_ALONE, _AGAIN = 0.55, 0.85  # of the work, after the adult, and before the likeliest are fitted in full
 _RESIDUAL, _DEGREES, _TOES = 0.005, 200.0, 0.1  # what weighs as much as each other
 _MOST_DEGREES, _MOST_TOES = 400.0, 0.2  # beyond which more tells nothing
 _SPREAD = 0.2  # residual of a vertex beyond which more tells nothing
@@ -122,19 +122,20 @@ def candidates(
     """
     some, whole = _skin(one, _ROWS), _skin(one, None)
     ways, upright = _likeliest(one, adult, monitor)
-    found = _fits(one, some, adult, upright or ways, bool(upright), monitor, enough=GOOD if fused else None)
+    enough = GOOD if fused else None
+    found = _fits(one, some, adult, upright or ways, bool(upright), monitor, (0.0, _ALONE), enough=enough)
     if fused and min(each.cost for each in found) > GOOD:
         if upright:
             left = [way for way in ways if all(way is not each for each in upright)]
-            found += _fits(one, some, adult, left, False, monitor)
+            found += _fits(one, some, adult, left, False, monitor, (_ALONE, _ALONE))
         found = [each._replace(stands=False) for each in found]
-    monitor.tick(_ALONE)
     if min(each.cost for each in found) > GOOD:
         shapes = builds()
-        for number, build in enumerate(shapes, start=1):
+        for number, build in enumerate(shapes):
             ways, upright = _likeliest(one, build, monitor)
-            found += _fits(one, some, build, upright or ways, bool(upright), monitor)
-            monitor.tick(_ALONE + (1 - _ALONE) * number / len(shapes))
+            span = [_ALONE + (_AGAIN - _ALONE) * part / len(shapes) for part in (number, number + 1)]
+            found += _fits(one, some, build, upright or ways, bool(upright), monitor, (span[0], span[1]))
+    monitor.tick(_AGAIN)
     apart = _facing_apart(sorted(found, key=lambda each: each.cost))[: 1 if fused else None]
     again = [_fit(whole, each.reference, each.found, each.turned, each.stands, monitor) for each in apart]
     return sorted(again, key=lambda each: each.cost)
@@ -196,20 +197,23 @@ def _fits(
     ways: Sequence[Side],
     stands: bool,
     monitor: Monitor,
+    span: tuple[float, float],
     *,
     enough: float | None = None,
 ) -> list[Candidate]:
     """Fit the skeleton of one reference by some matches, both ways round.
 
-    `stands`: whether they leave the body as it stands; `enough`: cost up to which no other match is tried.
+    `stands`: whether they leave the body as it stands; `span`: shares of the work that are done before and after;
+    `enough`: cost up to which no other match is tried.
     """
     quiet = Monitor(cancelled=monitor.is_cancelled)
     fits: list[Candidate] = []
     rounds = (False,) if any(map(side_of, one.limbs.named)) else (False, True)  # names tell left from right
-    for way in ways:
+    for number, way in enumerate(ways, start=1):
         if enough is None or not fits or min(each.cost for each in fits) > enough:
             found = _matched(one, reference, way, quiet)
             fits += [_fit(skin, reference, found, turned, stands, quiet) for turned in rounds]
+        monitor.tick(span[0] + (span[1] - span[0]) * number / len(ways))
     return fits
 
 
