@@ -44,8 +44,7 @@ _POSES = ("T", "A", "rest")
 _FITTED, _UNFOLDED = 0.88, 0.4  # of the work; of that, the forms of the body and of the reference
 UNFOLDED_BODY = _UNFOLDED / 2  # of the work of a skeleton
 _ROWS = 1 << 16  # vertices whose weights are found at once: a tenth of a second
-_FORGOTTEN = 0.01  # weights below which a bone does not hold a vertex
-_MOST_BONES = 4  # that hold a vertex
+_FORGOTTEN, _MOST_BONES = 0.01, 4  # weights below which a bone does not hold a vertex; most that hold one
 _UNLIKE = ("stance_unlike", "stance_unlikely")  # which speak of the mannequin
 
 
@@ -298,10 +297,8 @@ def rig(
         def compute(points: ArrayLike, corners: ArrayLike, own: Settings, *_: object, **how: Any) -> Rigged:
             return rig(points, corners, reference, own, pose=pose, side=side, equal=equal, anyway=anyway, **how)
 
-        formed = _FITTED * UNFOLDED_BODY
-        return computed_open(
-            compute, rig_on_given, vertices, faces, settings, keep, progress, cancelled, rest, formed=formed
-        )
+        opened = settings, keep, progress, cancelled, rest
+        return computed_open(compute, rig_on_given, vertices, faces, *opened, formed=_FITTED * UNFOLDED_BODY)
     fitted = fitted_skeleton(vertices, faces, reference, settings, kept, monitor, _FITTED, rest=rest)
     chosen = fitted.found[index_of_side(side, len(fitted.found))]
     error = refusal(chosen, fitted.share)
