@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 from .run.errors import (
     CancelledError,
     CanonicalFormError,
+    InvalidFileError,
     InvalidMeshError,
     InvalidSettingsError,
     SolverError,
@@ -13,10 +14,11 @@ from .run.errors import (
 )
 
 if TYPE_CHECKING:
-    from .canonical import canonical_form
+    from .canonical import canonical_form, canonical_forms
     from .contacts import find_contacts
     from .distance_fields import distance_field, heat_geodesics
     from .features import feature_patches
+    from .files.result_files import load, save
     from .fused.found_contacts import Contacts
     from .limbs import limb_shapes
     from .matches import match
@@ -30,12 +32,15 @@ if TYPE_CHECKING:
     from .stances import stance_by_bones, stance_by_match
     from .transfers import require_fit, transferred, transferred_corners, transferred_labels, transferred_shape
 
+__version__ = "1.0.0"
+
 __all__ = [
     "CancelledError",
     "CanonicalForm",
     "CanonicalFormError",
     "Contacts",
     "FeaturePatches",
+    "InvalidFileError",
     "InvalidMeshError",
     "InvalidSettingsError",
     "KeptStages",
@@ -47,17 +52,21 @@ __all__ = [
     "SolverError",
     "Stance",
     "TooLargeError",
+    "__version__",
     "canonical_form",
+    "canonical_forms",
     "distance_field",
     "feature_patches",
     "find_contacts",
     "heat_geodesics",
     "limb_shapes",
+    "load",
     "mannequin",
     "match",
     "pose_like",
     "require_fit",
     "rig",
+    "save",
     "stance_by_bones",
     "stance_by_match",
     "transferred",
@@ -78,15 +87,18 @@ _DOORS = {
     "Skeleton": "rigging.skeleton",
     "Stance": "results",
     "canonical_form": "canonical",
+    "canonical_forms": "canonical",
     "distance_field": "distance_fields",
     "feature_patches": "features",
     "find_contacts": "contacts",
     "heat_geodesics": "distance_fields",
     "limb_shapes": "limbs",
+    "load": "files.result_files",
     "mannequin": "modelling.mannequins",
     "match": "matches",
     "pose_like": "poses",
     "rig": "rigs",
+    "save": "files.result_files",
     "stance_by_bones": "stances",
     "stance_by_match": "stances",
     "require_fit": "transfers",

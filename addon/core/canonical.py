@@ -1,7 +1,10 @@
-"""The main entry point: from a mesh to its canonical form, in the order of the paper."""
+"""The main entry points: from a mesh to its canonical form, in the order of the paper, and from many meshes."""
 
 from __future__ import annotations
 
+import os
+from collections import deque
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -16,15 +19,18 @@ from .measures.form_measures import is_unchanged
 from .measures.limb_bends import limb_bends
 from .mesh.handles import handle_count
 from .method_api.catalogue import DETECTION, Method, method_named
-from .method_api.settings import Settings
+from .method_api.settings import AnySettings, Settings, settings_from
 from .numerics.arrays import FloatArray, IntArray
 from .results import CanonicalForm
+from .run.errors import CanonicalFormError
 from .run.kept_stages import KeptStages
 from .run.messages import doubts_first
 from .run.monitor import Cancelled, Monitor, Progress
 from .symmetry.trunk_twist import TWISTED, trunk_twist
 
 if TYPE_CHECKING:
+    from concurrent.futures import Future
+
     from .assembly.bodies import Bodies
     from .fused.found_contacts import Contacts
     from .fused.on_given import Given
@@ -38,13 +44,14 @@ if TYPE_CHECKING:
 def canonical_form(
     vertices: ArrayLike,
     faces: ArrayLike,
-    settings: Settings | None = None,
+    settings: AnySettings = None,
     *,
     rest: ArrayLike | None = None,
     reference: CanonicalForm | None = None,
     progress: Progress | None = None,
     cancelled: Cancelled | None = None,
     keep: KeptStages | None = None,
+    **options: Any,
 ) -> CanonicalForm:
     """Compute the canonical form of a posed mesh: its shape with the pose removed.
 
@@ -54,7 +61,7 @@ def canonical_form(
         Vertex positions, any unit of length.
     faces : (m, 3) array_like of int
         Triangles of one or several surfaces, with or without borders, in any state that docs/any-mesh.md lists.
-    settings : Settings, optional
+    settings : Settings or mapping, optional
         Options.
     rest : (n, 3) array_like of float, optional
         Positions of the same vertices in the rest pose of a rig. If given, they and not the pose tell which loose parts
@@ -69,6 +76,8 @@ def canonical_form(
         Polled at least twice a second; the computation stops when it returns True.
     keep : KeptStages, optional
         Pass the same object to successive runs on one mesh: each recomputes only what changed.
+    **options
+        Options by name, over those of `settings`: ``quality="draft"``.
 
     Returns
     -------
@@ -100,7 +109,7 @@ def canonical_form(
     ----------
     "Local Feature-Based 3D Canonical Form".
     """
-    settings = settings or Settings()
+    settings = settings_from(settings, options)
     if reference is not None:
         from .placing.reference import require_limbs
 
@@ -113,6 +122,75 @@ def canonical_form(
         known = whole_of(reference)
         return computed_open(compute, _on_given, vertices, faces, settings, keep, progress, cancelled, rest, known)
     return _form(vertices, faces, settings, rest, reference, Monitor(progress, cancelled, OPENING, keep))
+
+
+def canonical_forms(
+    meshes: Iterable[tuple[ArrayLike, ArrayLike]],
+    settings: AnySettings = None,
+    *,
+    workers: int | None = None,
+    **options: Any,
+) -> Iterator[CanonicalForm | CanonicalFormError]:
+    """Compute the canonical forms of many meshes, in several processes.
+
+    Parameters
+    ----------
+    meshes : iterable of (vertices, faces)
+        As in `canonical_form`; a generator is read as far as the work has come.
+    settings : Settings or mapping, optional
+        Options, for all of them.
+    workers : int, optional
+        Number of processes; without it, one for each processor; 1 computes in this one. A script that starts others
+        needs ``if __name__ == "__main__":``.
+    **options
+        Options by name, over those of `settings`.
+
+    Yields
+    ------
+    CanonicalForm or CanonicalFormError
+        For each mesh, in order, its form, or why there is none: an odd mesh does not stop the others.
+
+    Raises
+    ------
+    InvalidSettingsError
+        If an option does not exist, or has a value that is not allowed.
+
+    Examples
+    --------
+    >>> tetrahedron = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+    >>> meshes = [(tetrahedron, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]), (tetrahedron, [])]
+    >>> [type(each).__name__ for each in canonical_forms(meshes, workers=1, quality="draft")]
+    ['CanonicalForm', 'InvalidMeshError']
+    """
+    return _forms(meshes, settings_from(settings, options), workers or os.cpu_count() or 1)
+
+
+def _forms(
+    meshes: Iterable[tuple[ArrayLike, ArrayLike]], settings: Settings, workers: int
+) -> Iterator[CanonicalForm | CanonicalFormError]:
+    """Compute forms in processes, a few meshes ahead of what is taken."""
+    if workers == 1:
+        yield from (_form_or_error(*mesh, settings) for mesh in meshes)
+        return
+    from concurrent.futures import ProcessPoolExecutor
+    from multiprocessing import get_context
+
+    ahead: deque[Future[CanonicalForm | CanonicalFormError]] = deque()
+    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:  # threads of BLAS do not survive a fork
+        for mesh in meshes:
+            ahead.append(pool.submit(_form_or_error, *mesh, settings))
+            if len(ahead) > 2 * workers:
+                yield ahead.popleft().result()
+        while ahead:
+            yield ahead.popleft().result()
+
+
+def _form_or_error(vertices: ArrayLike, faces: ArrayLike, settings: Settings) -> CanonicalForm | CanonicalFormError:
+    """Compute a form, or return why there is none."""
+    try:
+        return canonical_form(vertices, faces, settings)
+    except CanonicalFormError as error:
+        return error
 
 
 def _like_given(

@@ -21,7 +21,7 @@ from .fused.whole_body import WholeBody, lowest_eigenvalues, whole_of
 from .mesh.edges import vertex_pairs
 from .mesh.geometry import checked_arrays
 from .method_api.catalogue import DETECTION, method_named
-from .method_api.settings import Settings
+from .method_api.settings import AnySettings, Settings, settings_from
 from .numerics.arrays import FloatArray, IntArray
 from .results import CanonicalForm, Match, PosedLike, Rigged
 from .run.kept_stages import KeptStages
@@ -44,12 +44,13 @@ _REPAIRS = ("repeated_corners", "coincident_borders", "duplicate_faces", "incons
 def find_contacts(
     vertices: ArrayLike,
     faces: ArrayLike,
-    settings: Settings | None = None,
+    settings: AnySettings = None,
     *,
     reference: CanonicalForm | None = None,
     keep: KeptStages | None = None,
     progress: Progress | None = None,
     cancelled: Cancelled | None = None,
+    **options: Any,
 ) -> Contacts:
     """Find where the skin of a body has grown together, as in scans, voxel sculpts and generated meshes.
 
@@ -64,7 +65,7 @@ def find_contacts(
         Vertex positions, any unit of length.
     faces : (m, 3) array_like of int
         Triangles, in any state that docs/any-mesh.md lists.
-    settings : Settings, optional
+    settings : Settings or mapping, optional
         Options of the form by which the mannequin is matched.
     reference : CanonicalForm, optional
         A form of the same body in another pose, or of a body like it, whose skin has not grown together.
@@ -74,6 +75,8 @@ def find_contacts(
         Called with the fraction done (0 to 1) and the name of the stage.
     cancelled : callable, optional
         Polled at least twice a second; the computation stops when it returns True.
+    **options
+        Options by name, over those of `settings`: ``quality="draft"``.
 
     Returns
     -------
@@ -97,7 +100,7 @@ def find_contacts(
     Bronstein, Bronstein and Kimmel, "Topology-Invariant Similarity of Nonrigid Shapes", 2009,
     doi:10.1007/s11263-008-0172-2, describes the weakness; docs/appendix.md tells how it was made.
     """
-    settings, kept, monitor = settings or Settings(), keep or KeptStages(), Monitor(progress, cancelled)
+    settings, kept, monitor = settings_from(settings, options), keep or KeptStages(), Monitor(progress, cancelled)
     return contacts_of(vertices, faces, settings, kept, monitor, whole_of(reference))
 
 

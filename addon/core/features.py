@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from numpy.typing import ArrayLike
 
@@ -10,7 +10,7 @@ from .assembly.body import Body, Chosen
 from .assembly.gathering import gathered_features
 from .assembly.opening import OPENING, opened
 from .method_api.catalogue import DETECTION, method_named
-from .method_api.settings import Settings
+from .method_api.settings import AnySettings, settings_from
 from .numerics.arrays import FloatArray
 from .results import FeaturePatches
 from .run.monitor import Cancelled, Monitor, Progress
@@ -23,18 +23,19 @@ if TYPE_CHECKING:
 def feature_patches(
     vertices: ArrayLike,
     faces: ArrayLike,
-    settings: Settings | None = None,
+    settings: AnySettings = None,
     *,
     rest: ArrayLike | None = None,
     named: bool = False,
     progress: Progress | None = None,
     cancelled: Cancelled | None = None,
+    **options: Any,
 ) -> FeaturePatches:
     """Find the feature points and patches of a mesh, without computing its form.
 
     Parameters
     ----------
-    vertices, faces, settings, rest, progress, cancelled
+    vertices, faces, settings, rest, progress, cancelled, **options
         As in `canonical_form`.
     named : bool
         Whether bodies whose surface hardly tells left from right, as that of a person, are unfolded to name their
@@ -63,7 +64,7 @@ def feature_patches(
     """
     from .placing.orientation import names_in_form
 
-    settings = settings or Settings()
+    settings = settings_from(settings, options)
     method = method_named(settings.method)
     settings = method.settings(settings)
     monitor = Monitor(progress, cancelled, OPENING)

@@ -19,7 +19,7 @@ from .mesh.geometry import surface_area
 from .mesh.tables import rows_in
 from .method_api.catalogue import method_named
 from .method_api.costs import require_match_memory
-from .method_api.settings import Settings
+from .method_api.settings import AnySettings, Settings, settings_from
 from .numerics.arrays import FloatArray, IntArray
 from .results import Match, MatchedSeams
 from .run.errors import errors_about
@@ -89,12 +89,13 @@ def match(
     faces: ArrayLike,
     other_vertices: ArrayLike,
     other_faces: ArrayLike,
-    settings: Settings | None = None,
+    settings: AnySettings = None,
     *,
     side: str | int = "auto",
     rest: ArrayLike | None = None,
     progress: Progress | None = None,
     cancelled: Cancelled | None = None,
+    **options: Any,
 ) -> Match:
     """Match two meshes of similar bodies, whatever their poses and triangulations.
 
@@ -108,7 +109,7 @@ def match(
         Vertices of the other mesh, in any unit.
     other_faces : (m', 3) array_like of int
         Its triangles.
-    settings : Settings, optional
+    settings : Settings or mapping, optional
         Options of both forms; chosen feature points refer to the first mesh.
     side : str or int
         "auto", or the index of one of the `Match.sides`, 0 for the likeliest, to use where left and right or front and
@@ -119,6 +120,8 @@ def match(
         Called with the fraction done (0 to 1) and the name of the stage.
     cancelled : callable, optional
         Polled at least twice a second; the computation stops when it returns True.
+    **options
+        Options by name, over those of `settings`: ``quality="draft"``.
 
     Returns
     -------
@@ -162,7 +165,7 @@ def match(
         others = (other_vertices, other_faces, own, side, monitor, 1.0)
         return matched_bodies(points, corners, *others, rest=rest, keep=how["keep"]).match
 
-    wanted = settings or Settings()
+    wanted = settings_from(settings, options)
     formed = UNFOLDED / 2
     return computed_open(
         compute, match_on_given, vertices, faces, wanted, None, progress, cancelled, rest, formed=formed

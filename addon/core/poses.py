@@ -16,7 +16,7 @@ from .matching.sides import require_side
 from .matching.unfolded import Unfolded
 from .measures.form_measures import median_distortion
 from .mesh.geometry import moved_by_frames, vertex_areas
-from .method_api.settings import Settings
+from .method_api.settings import AnySettings, Settings, settings_from
 from .numerics.arrays import FloatArray
 from .posing.symmetric_pose import mirror_planes, symmetric_pose
 from .posing.taken_pose import taken_pose
@@ -37,13 +37,14 @@ def pose_like(
     faces: ArrayLike,
     reference_vertices: ArrayLike,
     reference_faces: ArrayLike,
-    settings: Settings | None = None,
+    settings: AnySettings = None,
     *,
     side: str | int = "auto",
     reference_pose: ArrayLike | None = None,
     rest: ArrayLike | None = None,
     progress: Progress | None = None,
     cancelled: Cancelled | None = None,
+    **options: Any,
 ) -> PosedLike:
     """Transfer the pose of another mesh of a similar body to a mesh, which keeps its shape.
 
@@ -57,7 +58,7 @@ def pose_like(
         Vertices of the mesh whose pose is wanted, in any unit.
     reference_faces : (m', 3) array_like of int
         Its triangles.
-    settings : Settings, optional
+    settings : Settings or mapping, optional
         Options of both forms; chosen feature points refer to the first mesh.
     side : str or int
         As in `match`.
@@ -70,6 +71,8 @@ def pose_like(
         Called with the fraction done (0 to 1) and the name of the stage.
     cancelled : callable, optional
         Polled at least twice a second; the computation stops when it returns True.
+    **options
+        Options by name, over those of `settings`: ``quality="draft"``.
 
     Returns
     -------
@@ -105,7 +108,7 @@ def pose_like(
         found = matched_bodies(points, corners, *others, own, side, monitor, _MATCHED, rest=rest, keep=how["keep"])
         return _pose_of(found, pose, monitor)
 
-    wanted = settings or Settings()
+    wanted = settings_from(settings, options)
     formed = _MATCHED * UNFOLDED / 2
     return computed_open(
         compute, pose_on_given, vertices, faces, wanted, None, progress, cancelled, rest, formed=formed

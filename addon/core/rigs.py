@@ -20,7 +20,7 @@ from .matching.unfolded import Unfolded
 from .measures.form_measures import median_distortion
 from .mesh.closest_points import SurfacePoints
 from .mesh.geometry import surface_area, vertex_normals
-from .method_api.settings import Settings
+from .method_api.settings import AnySettings, Settings, settings_from
 from .modelling.mannequins import mannequin
 from .numerics.arrays import FloatArray
 from .results import Match, Rigged
@@ -220,7 +220,7 @@ def rig(
     vertices: ArrayLike,
     faces: ArrayLike,
     reference: ReferenceRig | None = None,
-    settings: Settings | None = None,
+    settings: AnySettings = None,
     *,
     pose: str | None = None,
     side: str | int = "auto",
@@ -230,6 +230,7 @@ def rig(
     keep: KeptStages | None = None,
     progress: Progress | None = None,
     cancelled: Cancelled | None = None,
+    **options: Any,
 ) -> Rigged:
     """Give a body in any pose a skeleton, with weights for its skin.
 
@@ -244,7 +245,7 @@ def rig(
         Triangles, in any state that docs/any-mesh.md lists.
     reference : ReferenceRig, optional
         A rigged body at rest, of a similar shape, in any unit; without one, a mannequin, which is human.
-    settings : Settings, optional
+    settings : Settings or mapping, optional
         Options of the forms; chosen feature points refer to this mesh.
     pose : {'T', 'A', 'rest'}, optional
         The pose of the mesh and its skeleton at rest: a T-pose, an A-pose, or as the reference rests; without one, that
@@ -259,10 +260,8 @@ def rig(
         Positions in the rest pose of another rig, as in `canonical_form`.
     keep : KeptStages, optional
         Results of earlier runs on this mesh, also of `stance_by_match`.
-    progress : callable, optional
-        Called with the fraction done (0 to 1) and the name of the stage.
-    cancelled : callable, optional
-        Polled at least twice a second; the computation stops when it returns True.
+    progress, cancelled, **options
+        As in `canonical_form`.
 
     Returns
     -------
@@ -291,7 +290,7 @@ def rig(
     require_side(side)
     if pose is not None and pose not in _POSES:
         raise InvalidSettingsError("rig_pose", value=pose)
-    settings, monitor, kept = settings or Settings(), Monitor(progress, cancelled), keep or KeptStages()
+    settings, monitor, kept = settings_from(settings, options), Monitor(progress, cancelled), keep or KeptStages()
     if settings.parts:
 
         def compute(points: ArrayLike, corners: ArrayLike, own: Settings, *_: object, **how: Any) -> Rigged:

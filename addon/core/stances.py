@@ -13,7 +13,7 @@ from .fused.on_given import pose_on_given
 from .matching.sides import index_of_side, require_side
 from .measures.form_measures import median_distortion
 from .mesh.geometry import checked_arrays, surface_area, vertex_areas
-from .method_api.settings import Settings
+from .method_api.settings import AnySettings, Settings, settings_from
 from .numerics.arrays import FloatArray, IntArray
 from .results import PosedLike, Stance
 from .rigging.bone_fit import known_bones
@@ -129,7 +129,7 @@ def _foot_width(across: FloatArray, weights: FloatArray, limbs: list[LimbBones])
 def stance_by_match(
     vertices: ArrayLike,
     faces: ArrayLike,
-    settings: Settings | None = None,
+    settings: AnySettings = None,
     *,
     pose: str = "T",
     side: str | int = "auto",
@@ -138,6 +138,7 @@ def stance_by_match(
     keep: KeptStages | None = None,
     progress: Progress | None = None,
     cancelled: Cancelled | None = None,
+    **options: Any,
 ) -> PosedLike:
     """Put a human body without a rig into a T-pose or an A-pose.
 
@@ -152,7 +153,7 @@ def stance_by_match(
         Vertex positions, any unit of length.
     faces : (m, 3) array_like of int
         Triangles, in any state that docs/any-mesh.md lists.
-    settings : Settings, optional
+    settings : Settings or mapping, optional
         Options of the forms; chosen feature points refer to this mesh.
     pose : {'T', 'A'}
         Arms held out sideways, or lowered by 45 degrees.
@@ -168,6 +169,8 @@ def stance_by_match(
         Called with the fraction done (0 to 1) and the name of the stage.
     cancelled : callable, optional
         Polled at least twice a second; the computation stops when it returns True.
+    **options
+        Options by name, over those of `settings`: ``quality="draft"``.
 
     Returns
     -------
@@ -196,7 +199,7 @@ def stance_by_match(
     if pose not in ARMS_LOWERED:
         raise InvalidSettingsError("stance_pose", value=pose)
     require_side(side)
-    settings, kept = settings or Settings(), keep or KeptStages()
+    settings, kept = settings_from(settings, options), keep or KeptStages()
     if settings.parts:
 
         def compute(points: FloatArray, corners: IntArray, own: Settings, *_: object, **how: Any) -> PosedLike:

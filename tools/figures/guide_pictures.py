@@ -82,6 +82,11 @@ def panels_on_a_bare_figure():
     yield from hand.fold(header, "canonical_form_mark(")
 
 
+def show_colours(shown=True):
+    """Tick the preference."""
+    bpy.context.preferences.addons["bl_ext.user_default.canonical_form"].preferences.show_colours = shown
+
+
 def lowest(obj):
     """The lowest vertex of a mesh: the tip of its right foot."""
     points = np.array([vertex.co for vertex in obj.data.vertices])
@@ -94,6 +99,7 @@ def a_fused_scan():
 
     bpy.data.batch_remove([*bpy.data.objects])
     obj = scan()
+    show_colours()
     with in_view():
         bpy.ops.view3d.view_selected()
     yield from hand.over_view()
@@ -121,6 +127,7 @@ def a_fused_scan():
     yield from hand.picture("14-part-here")
     with in_view():
         bpy.ops.object.mode_set(mode="OBJECT")
+    show_colours(False)
     bpy.data.batch_remove([*bpy.data.objects])
     figure_again()
     yield from hand.fold(header, "canonical_form_mark(")
@@ -142,6 +149,7 @@ def a_clothed_character():
     bpy.context.view_layer.update()
     armature = build(levels=3)
     armature.data.display_type = "STICK"
+    show_colours()
     yield 1.0
     for obj in bpy.context.view_layer.objects:
         obj.select_set(True)
@@ -252,6 +260,7 @@ def a_rig():
     yield from hand.over_view()
     yield 0.7
     yield from hand.picture("10-rig")
+    yield from hand.fold(header, "canonical_form.rig_rest")
     run("canonical_form_rig", rest="T")
     armature = scan.modifiers[0].object
     with in_view():
@@ -275,7 +284,6 @@ def a_rig():
     bpy.context.view_layer.update()
     build(levels=3)  # so that there is a panel
     yield 0.7
-    yield from hand.fold(header, "canonical_form.rig_rest")
 
 
 def leads(obj):

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from difflib import get_close_matches
+from typing import Any
 
 from ..numerics.arrays import IntArray
+from ..run.errors import InvalidSettingsError
 from ..symmetry.limb_names import checked_names
 from .options import Choice, option, require_allowed, vertex_list
 from .registry import OURS, declared_method
@@ -216,3 +219,45 @@ class Settings:
     def together(self) -> bool:
         """Whether loose parts that belong together are one body."""
         return self.pieces == "together"
+
+
+AnySettings = Settings | Mapping[str, Any] | None  # as doors take them
+
+
+def settings_from(settings: AnySettings, options: Mapping[str, Any]) -> Settings:
+    """Gather settings: given as such or by name, with options over them.
+
+    Parameters
+    ----------
+    settings : Settings, mapping or None
+        Settings, or options by name.
+    options : mapping
+        Options by name.
+
+    Returns
+    -------
+    Settings
+        All of them.
+
+    Raises
+    ------
+    InvalidSettingsError
+        If there is no such option, or a value is not allowed.
+
+    Examples
+    --------
+    >>> settings_from({"quality": "draft"}, {"preserve_detail": 0.25}).preserve_detail
+    0.25
+    """
+    if not isinstance(settings, Settings):
+        if settings is not None and not isinstance(settings, Mapping):
+            raise InvalidSettingsError("options_type", type=type(settings).__name__)
+        options = {**settings, **options} if settings is not None else options
+        settings = Settings()
+    names = [each.name for each in fields(Settings)]
+    for name in options:
+        if name not in names:
+            raise InvalidSettingsError(
+                "unknown_option", name=name, names=", ".join(get_close_matches(name, names) or names)
+            )
+    return replace(settings, **options) if options else settings

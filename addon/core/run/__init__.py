@@ -1,1 +1,1 @@
-"""Errors, messages, progress and cancellation, stages kept between runs, the memory limit, the load of the machine."""
+"""Errors, messages, progress and cancellation, stages kept between runs, the memory limit."""

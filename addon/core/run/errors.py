@@ -56,6 +56,10 @@ class CanonicalFormError(Exception):
         return type(self)(Message(said, self.kind, {**self.numbers, **said.numbers}, said.sentence))
 
 
+class InvalidFileError(CanonicalFormError):
+    """A file does not hold a result of this package."""
+
+
 class InvalidMeshError(CanonicalFormError):
     """No canonical form can be computed for the mesh as it is."""
 

@@ -1,0 +1,1 @@
+"""Results as files: saved, and loaded again."""
