@@ -64,11 +64,13 @@ class VIEW3D_GT_canonical_form_point(bpy.types.Gizmo):
         if cancel or point is None or found is None or (found.obj, found.vertex) == (point.obj, point.vertex):
             return
         name = mate_of(point.name) if found.image else point.name
-        if not name:  # a point without a name is put where it was dropped, not beside it
-            bpy.ops.object.canonical_form_points(how="REMOVE", owner=point.obj.name, vertex=point.vertex)
-        bpy.ops.object.canonical_form_fix_point(  # True: with an undo step
-            "INVOKE_DEFAULT", True, limb=name or "other", owner=found.obj.name, vertex=found.vertex
-        )
+        where = {"limb": name or "other", "owner": found.obj.name, "vertex": found.vertex}
+        if name:
+            bpy.ops.object.canonical_form_fix_point("INVOKE_DEFAULT", True, **where)  # True: with an undo step
+        elif bpy.ops.object.canonical_form_fix_point("INVOKE_DEFAULT", **where) == {"FINISHED"}:
+            bpy.ops.object.canonical_form_points(  # put where it was dropped, not beside it
+                "EXEC_DEFAULT", True, how="REMOVE", owner=point.obj.name, vertex=point.vertex
+            )
 
 
 class VIEW3D_GGT_canonical_form_points(bpy.types.GizmoGroup):

@@ -151,13 +151,17 @@ class JobOperator:
             Whether the operator was called from a button.
         """
 
+    def _begin(self, context: bpy.types.Context) -> None:
+        """Remember whom a refusal will be about; another object may be active by then."""
+        obj = meant_object(context)
+        self._owner = "" if obj is None else obj.name
+        OBJECT_OT_canonical_form_cancel.refused = None
+
     def _failed(self, error: Exception) -> set[str]:
         """Report why there is no result."""
-        sentence, obj = explained(error), meant_object(bpy.context)
-        if obj is not None:
-            kind = getattr(error.args[0], "kind", "") if error.args else ""
-            refused = Refusal(obj.name, self.wish(), sentence, MENDS.get(kind, ""))
-            OBJECT_OT_canonical_form_cancel.refused = refused
+        sentence = explained(error)
+        kind = getattr(error.args[0], "kind", "") if error.args else ""
+        OBJECT_OT_canonical_form_cancel.refused = Refusal(self._owner, self.wish(), sentence, MENDS.get(kind, ""))
         self.report({"ERROR"}, sentence)  # type: ignore[attr-defined]
         return {"CANCELLED"}
 
@@ -188,7 +192,7 @@ class JobOperator:
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Compute and write without a thread."""
         manager = context.window_manager
-        OBJECT_OT_canonical_form_cancel.refused = None
+        self._begin(context)
         manager.progress_begin(0, 100)
         try:
             task = self.task(context)
@@ -204,7 +208,7 @@ class JobOperator:
         """Start the computation in a thread and run modally until it ends."""
         if bpy.app.background or context.window is None:
             return self.execute(context)
-        OBJECT_OT_canonical_form_cancel.refused = None
+        self._begin(context)
         try:
             self._task = self.task(context)
         except (CanonicalFormError, MemoryError) as error:
@@ -337,8 +341,8 @@ def kept_stages(objects: Sequence[bpy.types.Object]) -> KeptStages | None:
 
 @bpy.app.handlers.persistent
 def _forget(*_: object) -> None:
-    """Drop the stages kept from another file."""
-    OBJECT_OT_canonical_form_cancel.kept = None
+    """Drop what is kept from another file."""
+    OBJECT_OT_canonical_form_cancel.kept = OBJECT_OT_canonical_form_cancel.refused = None
 
 
 def user_is_busy(context: bpy.types.Context) -> bool:

@@ -82,7 +82,7 @@ class OBJECT_OT_canonical_form_fix_point(bpy.types.Operator):
         if event.type != "LEFTMOUSE" or event.value not in ("PRESS", "CLICK"):
             return {"PASS_THROUGH"}
         view = _view_under(context, event)
-        if view is None:
+        if view is None or JobOperator.busy() is not None:  # points do not change under a run
             return {"PASS_THROUGH"}
         found = under_mouse(context, event, *view)
         if found is None:

@@ -190,7 +190,8 @@ class OBJECT_OT_canonical_form_rig_pose(bpy.types.Operator):
         if armature is None or (self.scan and action is None):
             self.report({"ERROR"}, told("The armature or its pose is gone."))
             return {"CANCELLED"}
-        take_pose(armature, action)
+        if take_pose(armature, action):
+            self.report({"WARNING"}, told("Bones were renamed or deleted: they stay at rest, and the key Scan off."))
         return {"FINISHED"}
 
 

@@ -4,7 +4,7 @@ import bpy
 import numpy as np
 import pytest
 
-from addon.blender.records.record import require_record
+from addon.blender.records.record import require_record, write_record
 
 from .conftest import QUICK, snapshot
 from .test_limbs import keys_of, points_of
@@ -129,6 +129,54 @@ def test_groups_and_colours_of_an_edited_mesh_do_not_pile_up(figure_object, agai
     assert groups_and_colours(figure_object) == (written if again is compute else before)
 
 
+def edited(obj, operator):
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="SELECT" if operator == "subdivide" else "DESELECT")
+    bpy.ops.object.mode_set(mode="OBJECT")
+    if operator != "subdivide":
+        obj.data.vertices[7].select = True
+    bpy.ops.object.mode_set(mode="EDIT")
+    getattr(bpy.ops.mesh, operator)()
+    bpy.ops.object.mode_set(mode="OBJECT")
+
+
+@pytest.mark.parametrize("operator", ["subdivide", "dissolve_verts"])
+@pytest.mark.parametrize("painted", ["group", "colours"])
+def test_what_was_painted_stays_on_an_edited_mesh(figure_object, operator, painted):
+    compute()
+    if painted == "group":
+        figure_object.vertex_groups["Patch 1"].add([30, 31, 32], 0.25, "REPLACE")
+    else:
+        for number in range(30, 60):
+            figure_object.data.color_attributes["Patches"].data[number].color = (0.0, 0.0, 0.0, 1.0)
+    edited(figure_object, operator)
+    bpy.ops.object.canonical_form_clear()
+    kept = "Patch 1" if painted == "group" else "Patches"
+    assert kept in groups_and_colours(figure_object)
+
+
+def test_a_record_from_elsewhere_takes_nothing_away_on_an_edited_mesh(figure_object):
+    compute()
+    figure_object.vertex_groups.new(name="Mine").add([1], 1.0, "REPLACE")
+    record = require_record(figure_object.data)
+    record.groups["Mine"], record.hidden[".canonical_form_patch"] = "x", "y"
+    write_record(figure_object.data, record)
+    bpy.ops.object.canonical_form_clear()
+    assert "Mine" in figure_object.vertex_groups
+
+
+def test_modifiers_go_on_using_a_group_that_makes_room(figure_object):
+    compute()
+    figure_object.vertex_groups["Patch 2"].add([0, 1, 2], 0.25, "REPLACE")
+    figure_object.modifiers.new("Smooth", "SMOOTH").vertex_group = "Patch 2"
+    own = figure_object.vertex_groups.new(name="Canonical Form")  # of another kind than the key of that name
+    own.add([4], 1.0, "REPLACE")
+    keys_of(figure_object)["Canonical Form"].data[0].co.x += 1.0
+    compute()
+    assert figure_object.modifiers["Smooth"].vertex_group == "Patch 2 (kept)"
+    assert "Canonical Form" in figure_object.vertex_groups
+
+
 def test_what_was_changed_by_hand_makes_room_for_the_new(figure_object):
     compute()
     names = keys_of(figure_object).keys()
@@ -136,8 +184,8 @@ def test_what_was_changed_by_hand_makes_room_for_the_new(figure_object):
     figure_object.data.color_attributes["Patches"].data[0].color = (0.5, 0.5, 0.5, 1.0)
     keys_of(figure_object)["Canonical Form"].data[0].co.x += 1.0
     compute()
-    kept = {"Patch 2 (kept)", "Patches (kept)", "Canonical Form (kept)"}
-    assert {"Patch 2", "Patches", *kept} <= {*groups_and_colours(figure_object), *keys_of(figure_object).keys()}
+    kept = {"Patch 2 (kept)", "Patches", "Canonical Form (kept)"}  # materials find colours by their names
+    assert {"Patch 2", "Patches.001", *kept} <= {*groups_and_colours(figure_object), *keys_of(figure_object).keys()}
     assert {*keys_of(figure_object).keys()} == {*names, "Canonical Form (kept)"}
     (name,) = require_record(figure_object.data).keys
     assert name == "Canonical Form"

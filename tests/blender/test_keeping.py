@@ -1,11 +1,13 @@
 """A result kept: as the mesh's own shape, or as a new object of what is shown."""
 
+from typing import Any
+
 import bpy
 import numpy as np
 import pytest
 
 from addon.blender.objects.mesh_reading import read_evaluated
-from addon.blender.results.kept_form import keep_refusal
+from addon.blender.results.kept_form import KEPT_PROPERTY, keep_refusal
 from tests.blender.characters import activate
 from tests.blender.conftest import QUICK, add_object, snapshot
 from tests.blender.rig_scenes import rigged_halves
@@ -21,8 +23,9 @@ def key_of(obj, name):
 
 def ours(obj):
     """Names of groups, colours, attributes and properties that a run writes."""
-    return [name for name in (*obj.vertex_groups.keys(), *obj.data.color_attributes.keys(), *obj.data.keys())
-            if name.startswith(("Patch", "Feature", "Auto", "Match", "canonical_form"))]  # fmt: skip
+    names = (*obj.vertex_groups.keys(), *obj.data.color_attributes.keys(), *obj.data.keys())
+    begins = ("Patch", "Feature", "Auto", "Match", "canonical_form")
+    return [name for name in names if name.startswith(begins) and name != KEPT_PROPERTY]
 
 
 def test_the_form_becomes_the_shape_and_the_pose_stays_as_a_key(figure_object):
@@ -69,7 +72,7 @@ def test_a_pose_of_several_objects_is_kept_on_each(blender, lender):
     assert [obj.data.shape_keys.key_blocks.keys() for obj in objects] == [["Basis", "Posed"]] * 2
 
 
-@pytest.mark.parametrize("why", ["nothing", "rigged", "animated"])
+@pytest.mark.parametrize("why", ["nothing", "rigged", "a twin rigged", "animated", "half", "muted", "masked"])
 def test_what_cannot_be_kept_is_refused_and_nothing_changes(figure_object, lender, why):
     obj = figure_object
     if why == "rigged":
@@ -77,12 +80,29 @@ def test_what_cannot_be_kept_is_refused_and_nothing_changes(figure_object, lende
         activate(obj)
     if why != "nothing":
         bpy.ops.object.canonical_form(mesh="AUTO", **QUICK)
+    key: Any = None if why == "nothing" else obj.data.shape_keys.key_blocks["Canonical Form"]
     if why == "animated":
-        obj.data.shape_keys.key_blocks["Canonical Form"].keyframe_insert("value", frame=1)
+        key.keyframe_insert("value", frame=1)
+    elif why == "half":
+        key.value = 0.5
+    elif why == "muted":
+        key.mute = True
+    elif why == "masked":
+        key.vertex_group = obj.vertex_groups[0].name
+    elif why == "a twin rigged":
+        twin = bpy.data.objects.new("Twin", obj.data)
+        bpy.context.scene.collection.objects.link(twin)
+        rig = bpy.data.objects.new("Rig", bpy.data.armatures.new("Rig"))
+        twin.modifiers.new("Armature", "ARMATURE").object = rig
     before = snapshot(obj)
-    with pytest.raises(
-        RuntimeError, match={"nothing": "no shape key", "rigged": "New Object", "animated": "animated"}[why]
-    ):
+    said = {
+        "nothing": "no shape key",
+        "animated": "animated",
+        "half": "in full",
+        "muted": "in full",
+        "masked": "in full",
+    }
+    with pytest.raises(RuntimeError, match=said.get(why, "New Object")):
         bpy.ops.object.canonical_form_keep()
     assert snapshot(obj) == before
 
@@ -119,3 +139,20 @@ def test_without_a_result_there_is_nothing_to_copy(figure_object):
     add_object("Other", *[np.array(each) for each in ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])])
     with pytest.raises(RuntimeError, match="no canonical form"):
         bpy.ops.object.canonical_form_copy()
+
+
+def test_kept_shapes_are_known_again_and_keys_of_that_name_are_not_taken_for_them(figure_object):
+    first = shape(figure_object)
+    figure_object.shape_key_add(name="Basis")
+    smile = figure_object.shape_key_add(name="Posed.smile")
+    smile.data[5].co.z += 0.1
+    bpy.ops.object.canonical_form(**QUICK)
+    bpy.ops.object.canonical_form_keep()
+    keys = figure_object.data.shape_keys.key_blocks
+    moved = np.linalg.norm(key_of(figure_object, "Posed.smile") - key_of(figure_object, "Basis"), axis=1)
+    assert np.flatnonzero(moved > 1e-5).tolist() == [5]
+    keys["Posed"].name = "Before"
+    bpy.ops.object.canonical_form_pose_like(pose="T", anyway=True, **QUICK)
+    bpy.ops.object.canonical_form_keep()
+    assert np.array_equal(key_of(figure_object, "Before"), first)
+    assert keys.keys() == ["Basis", "Posed.smile", "Before", "Posed"]

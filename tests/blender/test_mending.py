@@ -8,11 +8,12 @@ from addon.blender.records.record import require_record
 from addon.core import CanonicalFormError
 from addon.core.run.messages import message
 from addon.interface import main_panel, result_panel
-from addon.interface.job_operator import OBJECT_OT_canonical_form_cancel, Refusal
+from addon.interface.job_operator import JobOperator, OBJECT_OT_canonical_form_cancel, Refusal
 from addon.interface.mending import limb_of_bone
 from tests.blender.characters import activate
-from tests.blender.conftest import QUICK, drawn
+from tests.blender.conftest import QUICK, add_object, drawn
 from tests.blender.rig_scenes import rigged_halves
+from tests.meshes import shapes
 
 MAIN, RESULT = main_panel.VIEW3D_PT_canonical_form, result_panel.VIEW3D_PT_canonical_form_result
 
@@ -107,3 +108,24 @@ def test_a_limb_that_was_not_found_is_told_and_nothing_is_written(figure_object)
     with pytest.raises(RuntimeError, match=r"This limb was not found: Right Leg\."):
         bpy.ops.object.canonical_form(**QUICK, limb="right_foot")
     assert figure_object.data.shape_keys is None
+
+
+def test_a_refusal_is_forgotten_with_its_file_and_is_of_the_object_that_was_meant(figure_object):
+    from addon.interface.job_operator import _forget
+
+    class Asked(JobOperator):
+        def report(self, *_):
+            pass
+
+        def wish(self):
+            return "T"
+
+    asked = Asked()
+    asked._begin(bpy.context)
+    add_object("Other", *shapes.figure(12))
+    asked._failed(CanonicalFormError("stance_limb"))
+    assert OBJECT_OT_canonical_form_cancel.refused is not None
+    assert OBJECT_OT_canonical_form_cancel.refused.owner == "Figure"
+    assert "Make Anyway" not in drawn(MAIN)
+    _forget()
+    assert OBJECT_OT_canonical_form_cancel.refused is None

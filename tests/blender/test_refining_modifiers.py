@@ -7,8 +7,9 @@ import pytest
 from addon.blender.objects.mesh_reading import read_evaluated
 from addon.blender.records.record import require_record
 from tests.blender.characters import activate
-from tests.blender.conftest import QUICK
+from tests.blender.conftest import QUICK, add_object
 from tests.blender.rig_scenes import rigged_halves
+from tests.meshes import shapes
 
 
 @pytest.fixture
@@ -76,3 +77,21 @@ def test_of_a_base_mesh_the_warning_about_them_stays(figure_object):
     figure_object.modifiers.new("Thicker", "SOLIDIFY")
     bpy.ops.object.canonical_form(mesh="AUTO", **QUICK)
     assert any("Thicker" in each for each in require_record(figure_object.data).report.warnings)
+
+
+def test_modifiers_that_others_follow_stay_on(figure_object):
+    """What is bound to the finer mesh would show the base mesh without it."""
+    cage = add_object("Cage", *shapes.figure(12))
+    bpy.context.view_layer.objects.active = figure_object
+    figure_object.modifiers.new("Finer", "SUBSURF").levels = 1
+    bound = figure_object.modifiers.new("Bound", "SURFACE_DEFORM")
+    bound.target = cage
+    bpy.ops.object.surfacedeform_bind(modifier="Bound")
+    assert bound.is_bound
+    cage.location.x += 0.5
+    activate(figure_object)
+    bpy.context.view_layer.update()
+    shown = read_evaluated(figure_object)[0]
+    bpy.ops.object.canonical_form(mesh="AUTO", **QUICK)
+    added = bpy.data.objects["Figure Canonical Form"]
+    assert np.allclose([vertex.co for vertex in added.data.vertices], shown, atol=1e-5)

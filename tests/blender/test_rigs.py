@@ -90,6 +90,18 @@ def test_a_button_takes_the_pose_of_the_scan_and_gives_it_back(body, scan, lende
         bpy.ops.object.canonical_form_rig_pose(scan=True)
 
 
+def test_bones_that_are_gone_are_told_and_the_others_take_the_pose(body, scan, capsys):
+    bpy.ops.object.canonical_form_rig(**RIG, rest="T")
+    armature = armature_of(body)
+    armature.data.bones["toe.L"].name = "Mine"
+    assert bpy.ops.object.canonical_form_rig_pose(scan=True) == {"FINISHED"}
+    assert "renamed or deleted" in capsys.readouterr().out
+    assert body.data.shape_keys.key_blocks["Scan"].value == 0.0
+    turned = [bone.name for bone in armature.pose.bones if not np.allclose(bone.matrix_basis, np.eye(4), atol=1e-4)]
+    assert "forearm.L" in turned
+    assert "Mine" not in turned
+
+
 def test_a_body_that_rests_in_a_stance_keeps_its_scan(body, scan, lender):
     bpy.ops.object.canonical_form_rig(**RIG, rest="T")
     keys = body.data.shape_keys.key_blocks

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from itertools import takewhile
 
 import bpy
 
@@ -95,7 +96,7 @@ def muted_results(meshes: Iterable[bpy.types.Mesh]) -> Iterator[None]:
 
 @contextmanager
 def unrefined(objects: Iterable[bpy.types.Object]) -> Iterator[None]:
-    """Switch off the modifiers that only refine a surface, so that a shape key can hold what the others show.
+    """Switch off the last modifiers, if they only refine a surface, so that a shape key can hold what the others show.
 
     Parameters
     ----------
@@ -110,7 +111,8 @@ def unrefined(objects: Iterable[bpy.types.Object]) -> Iterator[None]:
     layer, switched = bpy.context.view_layer, []
     try:
         for obj in objects:
-            found = [each for each in obj.modifiers if each.show_viewport and each.type in _REFINING]
+            shown = [each for each in obj.modifiers if each.show_viewport]
+            found = list(takewhile(lambda each: each.type in _REFINING, reversed(shown)))  # others may be bound to them
             for each in found:
                 each.show_viewport = False
             switched += found

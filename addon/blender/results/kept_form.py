@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import json
+
 import bpy
 
 from ...core import CanonicalFormError
+from ..mesh_items.fingerprints import key_fingerprint
 from ..mesh_items.key_points import key_points
 from ..objects.movers import armature_of
 from ..objects.object_states import object_mode
 from ..records.form_key import form_key, require_form_key
 from ..records.record import read_record, require_record
 from ..records.rig_record import read_rig
+from ..records.stored_values import named, words
 from ..words.wording import told
 from .bare_copies import drop_own_properties
 from .companions import companions_of
@@ -19,8 +23,11 @@ from .new_basis import make_basis
 from .new_objects import drop_results, linked_beside
 from .result_clearing import clear_results
 from .result_writing import key_name
+from .variants import shown_value
 
 POSED = "Posed"  # the key that keeps the shape from before
+KEPT_PROPERTY = "canonical_form_kept"  # of a mesh: fingerprints of these keys, by name
+_FULL = 0.999  # value of a slider from which a result is shown in full
 
 
 def keep_refusal(obj: bpy.types.Object | None) -> str | None:
@@ -41,10 +48,14 @@ def keep_refusal(obj: bpy.types.Object | None) -> str | None:
         return told("There is no shape key of a form or a pose to keep.")
     if read_rig(obj.data) is not None:
         return told("Rig has made an armature for it: keep its rest instead, or remove it first.")
-    if record.report.frame is not None or armature_of(obj) is not None:
-        return told(
-            "A rig or modifiers move {name}, and would move the new shape again. Use New Object.", name=obj.name
-        )
+    sharing = [each for each in bpy.data.objects if each.data == obj.data]
+    moved = [each.name for each in sharing if armature_of(each) is not None]
+    if record.report.frame is not None or moved:
+        name = next(iter(moved), obj.name)
+        return told("A rig or modifiers move {name}, and would move the new shape again. Use New Object.", name=name)
+    key = require_form_key(obj.data)
+    if key.mute or key.vertex_group or shown_value(obj.data) < _FULL:
+        return told("The result is not shown in full: set its slider to 1 first. New Object copies what you see.")
     return animated(obj.data) if not has_in_betweens(obj.data) else None
 
 
@@ -90,14 +101,23 @@ def _keep(obj: bpy.types.Object) -> tuple[str, list[str]]:
     posed.relative_key, posed.value = mesh.shape_keys.reference_key, 0.0
     posed.points.foreach_set("co", before.ravel())
     name = posed.name
-    make_basis(obj, key, {name, *_kept_before(mesh)})
+    kept = _kept_before(mesh)
+    make_basis(obj, key, {name, *kept})
+    prints = {each: key_fingerprint(mesh.shape_keys.key_blocks[each]) for each in (*kept, name)}
+    mesh[KEPT_PROPERTY] = json.dumps(prints)
     record.keys.clear()
     return name, left + clear_results(obj)
 
 
 def _kept_before(mesh: bpy.types.Mesh) -> list[str]:
-    """Return the keys that earlier calls have added: shapes of their own, which stay where they are."""
-    return [each.name for each in mesh.shape_keys.key_blocks if each.name.partition(".")[0] == POSED]
+    """Return the keys that earlier calls have added, renamed or not: shapes of their own, which stay where they are."""
+    text = mesh.get(KEPT_PROPERTY)
+    try:
+        prints = named(words, json.loads(text)) if isinstance(text, str) else {}
+    except (ValueError, TypeError, RecursionError):  # from a stranger's file
+        prints = {}
+    keys = mesh.shape_keys.key_blocks if prints else ()
+    return [key.name for key in keys if key_fingerprint(key) in prints.values() or prints.get(key.name)]
 
 
 def copy_of_shown(obj: bpy.types.Object) -> list[bpy.types.Object]:

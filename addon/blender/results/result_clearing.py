@@ -13,6 +13,7 @@ from ..objects.object_states import object_mode
 from ..records.hidden_attributes import HIDDEN_CONTACTS, HIDDEN_FORM, HIDDEN_PATCHES
 from ..records.record import Record, read_record, remove_record
 from ..records.rig_record import read_rig, write_rig
+from .edited_results import is_made_up, is_ours_by_name
 from .in_betweens import remove_curves, remove_in_betweens
 
 
@@ -94,16 +95,16 @@ def remove_results(
     if not keep_key:
         left += _remove_keys(obj, record, unconfirmed)
     found = group_fingerprints(obj, record.groups)
-    edited = HIDDEN_PATCHES.is_changed(mesh, record)  # then Blender has made up weights and colours for new vertices
+    made_up = is_made_up(obj, record)
     for name, known in record.groups.items():
-        if name in found and ((edited and known) or _is_ours(known, found[name], unconfirmed)):
+        if name in found and (_is_ours(known, found[name], unconfirmed) or (made_up and is_ours_by_name(name))):
             obj.vertex_groups.remove(obj.vertex_groups[name])
         elif name in found:
             left.append(name)
     for name, known in record.colours.items():
         attribute = mesh.color_attributes.get(name)
         if attribute is not None and (
-            (edited and known) or _is_ours(known, colour_fingerprint(attribute), unconfirmed)
+            _is_ours(known, colour_fingerprint(attribute), unconfirmed) or (made_up and is_ours_by_name(name))
         ):
             mesh.color_attributes.remove(attribute)
         elif attribute is not None:

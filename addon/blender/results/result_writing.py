@@ -234,16 +234,29 @@ def recolour_patch(mesh: bpy.types.Mesh, number: int, colour: tuple[float, float
 
 
 def _put_aside(obj: bpy.types.Object, old: Record, names: list[str]) -> list[str]:
-    """Rename what the user has changed, so that new results get the names of the old ones; return the new names."""
-    mesh, renamed = obj.data, []
-    written = {**old.keys, **old.groups, **old.colours}
+    """Rename keys and groups that the user has changed, so that new ones get their names; return the new names.
+
+    Colours keep their names, by which materials find them.
+    """
+    mesh, renamed = obj.data, {}
     keys = mesh.shape_keys.key_blocks if mesh.shape_keys is not None else {}
-    for name in names:
-        there = [items[name] for items in (keys, obj.vertex_groups, mesh.color_attributes) if name in items]
-        for item in there if written.get(name) else ():  # a made-up record may name anything
-            item.name = KEPT.format(name)
-        renamed.append(there[0].name if there else name)
-    return renamed
+    for items, written in ((keys, old.keys), (obj.vertex_groups, old.groups)):
+        for name in [each for each in names if written.get(each) and each in items]:  # a made-up record may name any
+            items[name].name = KEPT.format(name)
+            renamed[name] = items[KEPT.format(name)].name if KEPT.format(name) in items else KEPT.format(name)
+            if items == obj.vertex_groups:
+                _follow(obj, name, renamed[name])
+    return [renamed.get(name, name) for name in names]
+
+
+def _follow(obj: bpy.types.Object, group: str, called: str) -> None:
+    """Let modifiers and masks of keys that use a renamed vertex group use it still."""
+    keys = obj.data.shape_keys.key_blocks if obj.data.shape_keys is not None else ()
+    for owner in (*obj.modifiers, *keys):
+        for each in owner.bl_rna.properties:
+            named = each.type == "STRING" and not each.is_readonly and each.identifier.startswith("vertex_group")
+            if named and getattr(owner, each.identifier) == group:
+                setattr(owner, each.identifier, called)
 
 
 def _is_same_surface(obj: bpy.types.Object, old: Record, found: AnyResult, colours: Colours) -> bool:

@@ -30,7 +30,7 @@ def scan_pose_of(mesh: bpy.types.Mesh) -> bpy.types.Action | None:
     return bpy.data.actions.get(names[0]) if names else None
 
 
-def take_pose(armature: bpy.types.Object, action: bpy.types.Action | None) -> None:
+def take_pose(armature: bpy.types.Object, action: bpy.types.Action | None) -> list[str]:
     """Put an armature into a pose once, all its bones, and its meshes exactly into the shape of the scan.
 
     Parameters
@@ -39,18 +39,38 @@ def take_pose(armature: bpy.types.Object, action: bpy.types.Action | None) -> No
         The armature.
     action : bpy.types.Action or None
         The pose of the scan; None for the pose at rest.
+
+    Returns
+    -------
+    list of str
+        What of the pose could not be taken, as bones were renamed or deleted: paths of the animation.
     """
+    missing, values = [], []
+    for curve in curves_of(action) if action is not None else ():  # Blender's own way takes selected bones only
+        if _resolves(armature, curve.data_path):
+            values.append((curve.data_path, curve.array_index, curve.evaluate(_FRAME)))
+        else:
+            missing.append(curve.data_path)
     for bone in armature.pose.bones:
         bone.matrix_basis = Matrix.Identity(4)
-    for curve in curves_of(action) if action is not None else ():  # Blender's own way takes selected bones only
-        _set(armature, curve.data_path, curve.array_index, curve.evaluate(_FRAME))
+    for value in values:
+        _set(armature, *value)
     for obj in bound_to(armature):
         record = read_rig(obj.data)
-        names = [] if record is None else [name for name in record.keys if name.startswith(SCAN)]
-        for name in names:
-            key = recorded_key(obj.data, name, record.keys[name])  # type: ignore[union-attr]
+        for name, known in record.keys.items() if record is not None else ():
+            key = recorded_key(obj.data, name, known) if name.startswith(SCAN) else None
             if key is not None:
-                key.value = float(action is not None)
+                key.value = float(action is not None and not missing)
+    return list(dict.fromkeys(missing))
+
+
+def _resolves(armature: bpy.types.Object, path: str) -> bool:
+    """Return whether an armature has what a curve animates."""
+    try:
+        armature.path_resolve(path)
+    except ValueError:
+        return False
+    return True
 
 
 def _set(armature: bpy.types.Object, path: str, index: int, value: float) -> None:
