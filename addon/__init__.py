@@ -1,6 +1,10 @@
 """Canonical Form: takes the pose out of a mesh. Everything that `core` exports can also be imported from here."""
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .core import *  # noqa: F403
+    from .core import __version__ as __version__
 
 
 def register() -> None:
@@ -22,6 +26,6 @@ def __getattr__(name: str) -> Any:
     from importlib import import_module
 
     core = import_module(".core", __name__)
-    if name in core.__all__:
+    if name in core.__all__ or name == "__version__":
         return getattr(core, name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

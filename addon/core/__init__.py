@@ -52,7 +52,6 @@ __all__ = [
     "SolverError",
     "Stance",
     "TooLargeError",
-    "__version__",
     "canonical_form",
     "canonical_forms",
     "distance_field",

@@ -75,7 +75,7 @@ def save(path: str | os.PathLike[str], result: Any) -> Path:
     ('form.npz', True)
     """
     if type(result).__name__ not in _RESULTS:
-        raise InvalidFileError("file_kind", kind=type(result).__name__, kinds=", ".join(_RESULTS))
+        raise InvalidFileError("file_kind", type=type(result).__name__, kinds=", ".join(_RESULTS))
     arrays: dict[str, np.ndarray] = {}
     stored = {"format": FORMAT, "result": _stored(result, "", arrays)}
     target = Path(path)
@@ -114,7 +114,13 @@ def load(path: str | os.PathLike[str]) -> Any:
 
     Examples
     --------
-    See `save`.
+    >>> import tempfile
+    >>> from addon.core import match
+    >>> tetrahedron, faces = [[0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 3]], [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]
+    >>> found = match(tetrahedron, faces, tetrahedron, faces)
+    >>> again = load(save(Path(tempfile.mkdtemp()) / "match.npz", found))
+    >>> bool((again.vertices == found.vertices).all()), again.sides == found.sides
+    (True, True)
     """
     try:
         with np.load(path, allow_pickle=False) as file:
@@ -153,7 +159,7 @@ def _stored(value: Any, name: str, arrays: dict[str, np.ndarray]) -> Any:
         return inside if isinstance(value, list) else {"tuple": inside}
     if value is None or isinstance(value, str | bool | int | float):
         return value
-    raise InvalidFileError("file_kind", kind=known, kinds=", ".join(_KINDS))
+    raise InvalidFileError("file_kind", type=known, kinds=", ".join(_KINDS))
 
 
 def _below(name: str, part: object) -> str:

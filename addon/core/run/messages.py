@@ -89,12 +89,12 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
     ),
     "more_warnings": "There are {count} more warnings like these about other parts.",
     # files of results
-    "file_kind": "Only results can be saved ({kinds}); got {kind}.",
+    "file_kind": "Only results can be saved ({kinds}); got {type}.",
     "file_later": "This file was written by a later version. Update Canonical Form to load it.",
     "file_damaged": "{name} does not hold a result of Canonical Form, or is damaged.",
     # settings and choices
     "unknown_option": "There is no option {name!r}. Options: {names}.",
-    "options_type": "settings must be Settings, or a dictionary of options by name; got {type}.",
+    "options_type": "Options must be Settings, or a dictionary by name; got {type}.",
     "setting_range": "{name} must be {range}; got {value!r}.",
     "unknown_method": "method must be one of {names}; got {value!r}.",
     "unknown_kind": "kind must be one of {names}; got {value!r}.",
