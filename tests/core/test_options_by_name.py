@@ -37,11 +37,11 @@ def test_no_other_door_takes_settings():
 
 def test_the_three_ways_are_one(figure):
     forms = [
-        canonical_form(*figure, settings=Settings(**QUICK)),
-        canonical_form(*figure, settings=QUICK),
+        canonical_form(figure[0], figure[1], Settings(**QUICK)),
+        canonical_form(figure[0], figure[1], QUICK),
         canonical_form(*figure, **QUICK),
-        canonical_form(*figure, settings={"quality": "normal", "landmark_count": 40}, quality="draft"),
-        canonical_form(*figure, settings=Settings(landmark_count=40), quality="draft"),
+        canonical_form(figure[0], figure[1], {"quality": "normal", "landmark_count": 40}, quality="draft"),
+        canonical_form(figure[0], figure[1], Settings(landmark_count=40), quality="draft"),
     ]
     for each in forms[1:]:
         np.testing.assert_array_equal(each.vertices, forms[0].vertices)
@@ -59,7 +59,7 @@ def test_the_three_ways_are_one(figure):
 )
 def test_what_is_wrong_is_said(figure, settings, options, says):
     with pytest.raises(InvalidSettingsError, match=says):
-        canonical_form(*figure, settings=settings, **options)
+        canonical_form(figure[0], figure[1], settings, **options)
     with pytest.raises(InvalidSettingsError, match=says):
         canonical_forms([], settings, **options)  # before the first is asked for
 
