@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from .core import *  # noqa: F403
     from .core import __version__ as __version__
+    from .evaluation.plotting import plot as plot
 
 
 def register() -> None:
@@ -22,9 +23,11 @@ def unregister() -> None:
 
 
 def __getattr__(name: str) -> Any:
-    """Import a name of the core on first access: ``from canonical_form import Settings``."""
+    """Import a name of the core, or `plot`, on first access: ``from canonical_form import Settings``."""
     from importlib import import_module
 
+    if name == "plot":  # not part of the Blender extension
+        return import_module(".evaluation.plotting", __name__).plot
     core = import_module(".core", __name__)
     if name in core.__all__ or name == "__version__":
         return getattr(core, name)
