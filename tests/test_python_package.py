@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 import tarfile
@@ -128,6 +129,13 @@ def test_a_notebook_runs_from_top_to_bottom(installed, tmp_path, notebook):
         "match-and-transfer": "assert np.median(missed) < 0.01 and agree > 0.98, (np.median(missed), agree)",
     }
     without_blender(installed, f"{code}\n{checks[notebook.stem]}", tmp_path)
+
+
+def test_the_page_for_python_runs_as_it_stands(installed, tmp_path):
+    page = (ROOT / "docs" / "python.md").read_text(encoding="utf-8")
+    examples = re.findall(r"```python\n(.*?)```", page, flags=re.DOTALL)
+    assert len(examples) == page.count("```python") > 3
+    assert "(30346, 3)" in without_blender(installed, "\n".join(examples), tmp_path)
 
 
 def test_plot_says_what_is_wrong(installed):

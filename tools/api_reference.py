@@ -19,9 +19,10 @@ sys.path.insert(0, str(ROOT))
 TARGET = ROOT / "docs" / "api"
 HEAD = """# API of the core
 
-`addon.core` needs numpy and scipy only, and no Blender. Arrays in, arrays out. The doors, what they give back,
-`Settings` and the errors are imported from `addon.core`; everything else from the module it is listed under. These
-pages are made from the docstrings by `make docs`; [notation](../notation.md) lists symbols, shapes and names of maps.
+`canonical_form.core` needs numpy and scipy only, and no Blender. Arrays in, arrays out. The doors, what they give back,
+`Settings` and the errors are imported from `canonical_form`; everything else from the module it is listed under. In a
+checkout that is not installed, the package is called `addon`. [For Python](../python.md) is where to start. These pages
+are made from the docstrings by `make docs`; [notation](../notation.md) lists symbols, shapes and names of maps.
 
 | page | what is in it |
 | --- | --- |
@@ -39,7 +40,12 @@ def pages() -> dict[str, str]:
         purpose = (package.__doc__ or "").strip()
         found[f"{room}.md"] = page(f"# Room `{room}`\n\n{purpose}\n", package)
         rows.append(f"| [{room}]({room}.md) | {' '.join(purpose.split())} |\n")
-    return {"README.md": HEAD + "".join(rows), **found}
+    return {"README.md": HEAD + "".join(rows), **{name: installed(text) for name, text in found.items()}}
+
+
+def installed(text: str) -> str:
+    """Call the package as it is called where it is installed."""
+    return re.sub(r"\baddon\.core\b", "canonical_form.core", text)
 
 
 def page(head: str, package: ModuleType) -> str:
