@@ -69,7 +69,7 @@ def build(wheels: list[str], platforms: list[str], output: Path, *, first: str |
         cwd=ROOT, capture_output=True, text=True, check=True,
     ).stdout.split()  # fmt: skip
     for name in tracked:
-        if name.startswith("addon/evaluation/"):  # for research, from the source code
+        if name.startswith("addon/evaluation/") or name.endswith("py.typed"):  # for Python, from the source code
             continue
         (stage / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(ROOT / name, stage / name)

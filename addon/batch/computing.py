@@ -100,7 +100,9 @@ def _computed(head: Line, opened: OpenFile, body: Body, wanted: Wanted, referenc
         name = f"{Path(head['input']).name} {head['object']} (about {memory:.1f} GB)"
         with stage_line(name, wanted.stages) as progress:
             report = opened.compute(body, head.get("frame"), reference, progress)
-        return {**head, "memory_estimate": memory, **report.as_json()}
+        figures = report.as_json()
+        figures.pop("mends", None)  # of the panel
+        return {**head, "memory_estimate": memory, **figures}
     except Exception as error:  # any error, as other meshes follow
         return failure(head, error, explained(error))
 

@@ -145,9 +145,9 @@ def canonical_forms(
     **options
         Options by name, over those of `settings`.
 
-    Yields
-    ------
-    CanonicalForm or CanonicalFormError
+    Returns
+    -------
+    iterator of CanonicalForm or CanonicalFormError
         For each mesh, in order, its form, or why there is none: an odd mesh does not stop the others.
 
     Raises

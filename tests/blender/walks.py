@@ -45,6 +45,7 @@ class Walk(RigSteps):
     def __init__(self, package, arrays, seed, undo=False):
         self.read_record = import_module(f"{package}.blender.records.record").read_record
         self.fingerprints = import_module(f"{package}.blender.mesh_items.fingerprints")
+        self.is_made_up = import_module(f"{package}.blender.results.edited_results").is_made_up
         self.core = import_module(f"{package}.core")
         super().__init__(package)
         self.form_task = import_module(f"{package}.blender.jobs.form_task")
@@ -139,6 +140,9 @@ class Walk(RigSteps):
         found["colours"] = {name for name, known in record.colours.items()
                             if name in mesh.color_attributes
                             and known in (None, colour_fingerprint(mesh.color_attributes[name]))}  # fmt: skip
+        if self.is_made_up(obj, record):  # by Blender, for other vertices
+            found["groups"] |= {name for name in record.groups if name in obj.vertex_groups}
+            found["colours"] |= {name for name in record.colours if name in mesh.color_attributes}
         return {kind: names | bound[kind] for kind, names in found.items()}
 
     def view(self):
@@ -156,7 +160,7 @@ class Walk(RigSteps):
         points = np.empty(3 * len(mesh.vertices), dtype=np.float32)
         (mesh.shape_keys.reference_key.data if mesh.shape_keys else mesh.vertices).foreach_get("co", points)
         keys = mesh.shape_keys.key_blocks if mesh.shape_keys else []
-        groups = {group.index: group.name for group in obj.vertex_groups
+        groups = {group.index: group.name.replace(" (kept)", "") for group in obj.vertex_groups  # they make room
                   if group.name not in ours["groups"] and not group.name.startswith(measured)}  # fmt: skip
         return {
             "basis": points.tobytes(),

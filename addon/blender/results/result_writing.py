@@ -234,18 +234,16 @@ def recolour_patch(mesh: bpy.types.Mesh, number: int, colour: tuple[float, float
 
 
 def _put_aside(obj: bpy.types.Object, old: Record, names: list[str]) -> list[str]:
-    """Rename keys and groups that the user has changed, so that new ones get their names; return the new names.
+    """Rename groups that the user has changed, so that new ones get their names; return the new names.
 
-    Colours keep their names, by which materials find them.
+    Keys and colours keep theirs, by which animation and materials find them.
     """
-    mesh, renamed = obj.data, {}
-    keys = mesh.shape_keys.key_blocks if mesh.shape_keys is not None else {}
-    for items, written in ((keys, old.keys), (obj.vertex_groups, old.groups)):
-        for name in [each for each in names if written.get(each) and each in items]:  # a made-up record may name any
-            items[name].name = KEPT.format(name)
-            renamed[name] = items[KEPT.format(name)].name if KEPT.format(name) in items else KEPT.format(name)
-            if items == obj.vertex_groups:
-                _follow(obj, name, renamed[name])
+    renamed = {}
+    for name in [each for each in names if old.groups.get(each) and each in obj.vertex_groups]:  # a record may lie
+        group = obj.vertex_groups[name]
+        group.name = KEPT.format(name)
+        renamed[name] = group.name
+        _follow(obj, name, group.name)
     return [renamed.get(name, name) for name in names]
 
 

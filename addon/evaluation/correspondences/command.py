@@ -6,7 +6,8 @@ import argparse
 import sys
 from collections.abc import Iterator
 from contextlib import closing
-from typing import TextIO
+from pathlib import Path
+from typing import Any, TextIO
 
 from ...core import CanonicalFormError
 from ...scheduling.attempts import Failure, give_memory_back
@@ -21,11 +22,14 @@ from ..arguments import (
     require_packages,
     require_workers,
 )
-from ..dataset import shapes_in
+from ..dataset import Shape, shapes_in
 from ..reading import Reader
 from ..store import Store, code_version, digest, file_digest
-from .matchers import MATCHERS, Matcher, chosen_matchers, installed
+from .matchers import MATCHERS, Matcher, Mesh, chosen_matchers, installed
 from .pairs import Pair, Poses, pairs_of
+from .published import Landmarked, landmarked_meshes, listed_pairs
+from .published_report import write_published
+from .published_work import measured
 from .report import Result, write_report
 from .work import matched
 
@@ -54,6 +58,8 @@ def _evaluate(options: argparse.Namespace, output: TextIO) -> bool:
     needed = ["matplotlib", "tqdm", "threadpoolctl", *(name for each in matchers for name in each.packages)]
     require_packages([*needed, *(["distributed"] if options.scheduler else [])])
     require_workers(options.workers)
+    if options.truth is not None:
+        return _evaluate_published(options, [each.name for each in matchers], output)
     if options.poses < 1:
         raise CanonicalFormError("--poses must be at least 1.")
     shapes = shapes_in(options.dataset, options.classes)
@@ -66,6 +72,72 @@ def _evaluate(options: argparse.Namespace, output: TextIO) -> bool:
     for path in write_report(store, results, matchers, left_out, poses):
         print(path, file=output, flush=True)
     return not any(isinstance(each.outcome, str) for each in results)
+
+
+def _evaluate_published(options: argparse.Namespace, matchers: list[str], output: TextIO) -> bool:
+    """Run the evaluation on a published benchmark."""
+    require_packages(["pygeodesic"] if options.exact else [])
+    truth = next((each for each in (options.dataset / options.truth, options.truth) if each.is_dir()), options.truth)
+    if not truth.is_dir():
+        raise CanonicalFormError(f"{truth} is no folder.")
+    meshes = landmarked_meshes(options.dataset, truth)
+    pairs = listed_pairs(meshes, options.pairs)[: options.first or None]
+    own_folder(options.output, [*(each.path for each in meshes), *filter(None, [options.pairs])])
+    store, how = Store(options.output), (options.points, options.exact)
+    outcomes = _published_results(store, pairs, matchers, how, options)
+    for path in write_published(store, outcomes, matchers, exact=options.exact):
+        print(path, file=output, flush=True)
+    return not any(isinstance(each, str) for each in outcomes.values())
+
+
+def _published_results(
+    store: Store,
+    pairs: list[tuple[Landmarked, Landmarked]],
+    matchers: list[str],
+    how: tuple[int, bool],
+    options: argparse.Namespace,
+) -> dict[tuple[str, str, str], Any]:
+    """Match the pairs that have no result yet."""
+    from tqdm import tqdm
+
+    wanted = {(one.name, other.name, matcher): (one, other) for one, other in pairs for matcher in matchers}
+    keys = {
+        name: digest(file_digest(one.path), file_digest(other.path), name[2], repr(how), code_version())
+        for name, (one, other) in wanted.items()
+    }
+    called = {name: f"published/{name[2]}/{name[0]}@{name[1]}" for name in wanted}
+    failed: dict[tuple[str, str, str], str] = {
+        name: f"Their .vts files have {len(one.truth)} and {len(other.truth)} lines."
+        for name, (one, other) in wanted.items()
+        if len(one.truth) != len(other.truth)
+    }
+    missing = [name for name in wanted if name not in failed and not store.has(called[name], keys[name])]
+    with closing(Reader()) as reader:
+        poses = Poses(reader)
+
+        def work() -> Iterator[tuple[object, Work]]:
+            for name in missing:
+                one, other = wanted[name]
+                meshes = (_read(poses, each.path) for each in (one, other))
+                yield name, (measured, (*meshes, one.truth, other.truth, other.mirrored, name[2], *how))
+
+        progress = tqdm(
+            total=len(wanted), initial=len(wanted) - len(missing), unit="match", desc="Matches", **bar_style()
+        )
+        with progress as bar, crew(options.workers, options.scheduler) as hired:
+            for name, outcome in hired.results(work()) if missing else ():
+                if isinstance(outcome, Failure):
+                    failed[name] = outcome.reason  # type: ignore[index]
+                else:
+                    store.keep_comparison(called[name], keys[name], *outcome)  # type: ignore[index]
+                    give_memory_back()
+                bar.update()
+    return {name: failed.get(name) or store.comparison(called[name], keys[name]) or "No result." for name in wanted}
+
+
+def _read(poses: Poses, path: Path) -> Mesh:
+    """Read a mesh of a benchmark, each once."""
+    return poses.mesh(Shape("", path.stem, path))
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -82,6 +154,13 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--poses", type=int, default=5, metavar="N", help="poses of a class, evenly chosen (default: %(default)s)"
     )
+    folder_of_truth = "a published benchmark, matched as it comes: folder of NAME.vts with the vertices that correspond"
+    parser.add_argument("--truth", type=Path, metavar="DIR", help=folder_of_truth)
+    parser.add_argument("--pairs", type=Path, metavar="FILE", help="with --truth: two names a line (default: all)")
+    parser.add_argument("--first", type=int, default=0, metavar="N", help="with --truth: the first N pairs only")
+    points = "with --truth: true points measured; 0: all (default: %(default)s)"
+    parser.add_argument("--points", type=int, default=300, metavar="N", help=points)
+    parser.add_argument("--exact", action="store_true", help="with --truth: exact geodesics, by pygeodesic")
     parser.add_argument("--across", action="store_true", help="match classes that share their vertices, too")
     add_workers(parser)
     return parser

@@ -1,0 +1,169 @@
+"""The task of a worker on a published benchmark: match one pair as it comes, and measure it at the true points."""
+
+from __future__ import annotations
+
+import time
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...core.distances.heat import HeatMethod
+from ...core.mesh.closest_points import closest_points
+from ...core.mesh.geometry import surface_area, vertex_areas
+from ...core.numerics.arrays import FloatArray, IntArray
+from ...core.surface.delaunay import intrinsic_delaunay
+from ...core.surface.laplacian import stiffness
+from ...core.surface.triangulation import triangulated
+from ..work import one_thread
+from .matchers import MATCHERS, Mesh
+
+CURVE = np.linspace(0.0, 0.25, 51)  # sqrt(area): error bounds of the Princeton curve
+
+
+class Measured(NamedTuple):
+    """Result of one pair and one method of matching.
+
+    Attributes
+    ----------
+    row : dict
+        ``error``, ``mirrored`` (the error from the other side), ``flip``, ``coverage``, ``dirichlet``, ``seconds``.
+    arrays : dict of str to ndarray
+        ``curve``: the share of points with at most each error of `CURVE`.
+    """
+
+    row: dict[str, Any]
+    arrays: dict[str, np.ndarray]
+
+
+def measured(
+    one: Mesh,
+    other: Mesh,
+    truth: IntArray,
+    other_truth: IntArray,
+    other_mirrored: IntArray | None,
+    matcher: str,
+    samples: int,
+    exact: bool,
+) -> Measured:
+    """Match a mesh with another, and measure the match at points whose truth is known.
+
+    Parameters
+    ----------
+    one, other : Mesh
+        The meshes, as they come.
+    truth, other_truth : (k,) ndarray of int
+        Vertices that correspond.
+    other_mirrored : (k,) ndarray of int or None
+        The same on the other side of the other mesh.
+    matcher : str
+        Name of the method of matching.
+    samples : int
+        Number of these vertices to measure at, evenly chosen; 0 for all.
+    exact : bool
+        Whether distances are exact, by pygeodesic, or of the heat method, which is faster and blurs small ones.
+
+    Returns
+    -------
+    Measured
+        The figures.
+
+    Raises
+    ------
+    CanonicalFormError
+        If a mesh cannot be matched.
+    """
+    with one_thread():
+        began = time.perf_counter()
+        found = MATCHERS[matcher].match(one, other)
+        seconds = time.perf_counter() - began
+        places = np.einsum("ij,ijk->ik", found.weights, other.vertices[found.corners])
+        count = len(truth)
+        some = np.arange(count) if not 0 < samples < count else np.linspace(0, count - 1, samples).round().astype(int)
+        errors = distances_to(other, other_truth[some], places[truth[some]], exact)
+        apart = (
+            None if other_mirrored is None else distances_to(other, other_mirrored[some], places[truth[some]], exact)
+        )
+    row = {
+        "error": float(errors.mean()),
+        "mirrored": None if apart is None else float(apart.mean()),
+        "flip": None if apart is None else bool(apart.mean() < errors.mean()),
+        "coverage": coverage(other, places),
+        "dirichlet": dirichlet_energy(one, other, places),
+        "seconds": seconds,
+    }
+    return Measured(row, {"curve": (errors[None] <= CURVE[:, None]).mean(axis=1)})
+
+
+def distances_to(mesh: Mesh, sources: IntArray, places: FloatArray, exact: bool) -> FloatArray:
+    """Measure how far each of some places on a mesh is from a vertex of its own.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The mesh, connected.
+    sources : (s,) ndarray of int
+        The vertices.
+    places : (s, 3) ndarray of float
+        The places, on the mesh or close to it.
+    exact : bool
+        As in `measured`.
+
+    Returns
+    -------
+    (s,) ndarray of float
+        Geodesic distances in units of sqrt(area).
+    """
+    found = closest_points(*mesh, places)
+    corners = mesh.faces[found.faces]
+    if exact:
+        from pygeodesic.geodesic import PyGeodesicAlgorithmExact
+
+        algorithm = PyGeodesicAlgorithmExact(mesh.vertices, mesh.faces)
+        at = np.array(
+            [algorithm.geodesicDistances([source], None)[0][own] for source, own in zip(sources, corners, strict=True)]
+        )
+    else:
+        heat = HeatMethod(intrinsic_delaunay(triangulated(*mesh)))
+        at = np.take_along_axis(heat.distances(sources).T, corners, axis=1)
+    return np.asarray(np.einsum("ij,ij->i", found.weights, at) / np.sqrt(surface_area(*mesh)))
+
+
+def coverage(mesh: Mesh, places: FloatArray) -> float:
+    """Return the share of a mesh's area whose vertices are the nearest of some place.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The mesh.
+    places : (n, 3) ndarray of float
+        The places.
+
+    Returns
+    -------
+    float
+        From 0 to 1.
+    """
+    from scipy.spatial import cKDTree
+
+    areas = vertex_areas(*mesh)
+    hit = np.unique(cKDTree(mesh.vertices).query(places)[1])
+    return float(areas[hit].sum() / areas.sum())
+
+
+def dirichlet_energy(one: Mesh, other: Mesh, places: FloatArray) -> float:
+    """Return how much a match stretches: 1 for an isometry, more for a map that is not smooth.
+
+    Parameters
+    ----------
+    one, other : Mesh
+        The meshes.
+    places : (n, 3) ndarray of float
+        Where the vertices of the first lie on the other.
+
+    Returns
+    -------
+    float
+        ½ ∫ |∇f|² over the area of the other mesh.
+    """
+    energy = 0.5 * float(np.sum(places * (stiffness(triangulated(*one)) @ places)))
+    return energy / float(surface_area(*other))
