@@ -1,4 +1,4 @@
-"""Entry points for distances from source vertices, each useful by itself: the figures of the paper's section 3.3."""
+"""Entry points for distances from source vertices, each useful by itself: the figures of the paper's section 4."""
 
 from __future__ import annotations
 

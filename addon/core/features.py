@@ -60,7 +60,7 @@ def feature_patches(
 
     References
     ----------
-    The paper, sections 3.1 and 3.2.
+    The paper, section 4.
     """
     from .placing.orientation import names_in_form
 

@@ -1,4 +1,4 @@
-"""The Auto Diffusion Function (paper section 3.1, equation 7)."""
+"""The Auto Diffusion Function (paper section 4, equation 7)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Feature points: the prominent maxima of the Auto Diffusion Function (paper section 3.1)."""
+"""Feature points: the prominent maxima of the Auto Diffusion Function (paper section 4)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Geodesic distance by the upwind scheme of fast marching, to compare the heat method with (paper section 3.3)."""
+"""Geodesic distance by the upwind scheme of fast marching, to compare the heat method with (paper section 4)."""
 
 from __future__ import annotations
 

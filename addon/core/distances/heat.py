@@ -1,4 +1,4 @@
-"""Geodesic distance by the heat method (paper section 3.3)."""
+"""Geodesic distance by the heat method (paper section 4)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Geodesic distances between the vertices of a patch (paper section 3.3)."""
+"""Geodesic distances between the vertices of a patch (paper section 4)."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def all_geodesics(
     done: float = 0.0,
     share: float = 1.0,
 ) -> FloatArray:
-    """Measure geodesic distances between all vertices of a patch by the heat method (paper section 3.3).
+    """Measure geodesic distances between all vertices of a patch by the heat method (paper section 4).
 
     `surface`: the patch, connected, with its natural (Neumann) border; `smooth`: diffusion time of smoothed
     distances; see `HeatMethod`; `done, share`: the fraction of the present stage that is done before, and that this

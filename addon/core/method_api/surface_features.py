@@ -158,7 +158,7 @@ def detected(
 
     References
     ----------
-    The paper, sections 3.1 and 3.2.
+    The paper, section 4.
     """
     monitor.check()
     whole_points, centre, unit = of_unit_area(points, faces)

@@ -24,7 +24,7 @@ _LETTER = {"quality": "full", "diffusion_time": 0.1, "contacts": "keep"}
 
 
 def _form(found: SurfaceFeatures, settings: Settings, monitor: Monitor, *, closed: bool) -> MethodResult:
-    """Unfold a surface as in the paper, sections 3.2 to 3.4; the start is the input, so no mirror image is chosen."""
+    """Unfold a surface as in the paper, section 4; the start is the input, so no mirror image is chosen."""
     surface, features, spectrum = found.surface, found.features, found.spectrum
     count = len(surface.points)
     patches = patches_of(found.cells, surface.faces, len(features), closed=closed)

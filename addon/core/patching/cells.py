@@ -1,4 +1,4 @@
-"""Patches: geodesic Voronoi cells of the feature points, open as published or closed (paper section 3.2)."""
+"""Patches: geodesic Voronoi cells of the feature points, open as published or closed (paper section 4)."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def patches_of(cells: IntArray, faces: IntArray, count: int, *, closed: bool = T
 
     References
     ----------
-    The paper, section 3.2.
+    The paper, section 4.
     """
     found = []
     for index in range(count):

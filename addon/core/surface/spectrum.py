@@ -1,4 +1,4 @@
-"""Eigenpairs of the Laplace-Beltrami operator (paper section 3.1)."""
+"""Eigenpairs of the Laplace-Beltrami operator (paper section 4)."""
 
 from __future__ import annotations
 
