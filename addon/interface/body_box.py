@@ -40,7 +40,9 @@ def draw_body(layout: bpy.types.UILayout, context: bpy.types.Context, choices: C
     if not draw_progress(column, ("FEATURES",)):
         part = column.row(align=True)
         part.enabled = not by_hand
-        button = part.operator(OBJECT_OT_canonical_form.bl_idname, text=told("Find the Limbs"), icon="VIEWZOOM")
+        button = part.operator(
+            OBJECT_OT_canonical_form.bl_idname, text=told("Find the Limbs (optional)"), icon="VIEWZOOM"
+        )
         hand_over(choices, button)
         button.step = "FEATURES"
     for names in (*_ROWS, *((("tail",),) if "tail" in known else ())):

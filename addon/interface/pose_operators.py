@@ -23,10 +23,10 @@ if TYPE_CHECKING:
 
 _DESCRIPTIONS = {
     "OBJECT": "Put the selected meshes into the pose of the reference, and keep the result as a shape key",
-    "T": "Put the selected meshes into a T-pose, as a shape key. Limbs are found by itself; Keep as Rest makes it the "
-    "real shape",
-    "A": "Put the selected meshes into an A-pose, as a shape key. Limbs are found by itself; Keep as Rest makes it the "
-    "real shape",
+    "T": "Put the selected meshes into a T-pose, as a shape key. Limbs are found automatically; Keep as Rest makes "
+    "it the real shape",
+    "A": "Put the selected meshes into an A-pose, as a shape key. Limbs are found automatically; Keep as Rest makes "
+    "it the real shape",
 }
 
 

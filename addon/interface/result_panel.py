@@ -90,7 +90,7 @@ def _draw_verdict(
     frame = report.frame
     if frame is not None:
         row = column.row(align=True)
-        row.label(text=told("Of frame {frame}; bones stay", frame=frame))
+        row.label(text=told("Of frame {frame} (bones stay posed)", frame=frame))
         if context.scene.frame_current != frame and report.has_form:
             button = row.operator(
                 OBJECT_OT_canonical_form.bl_idname, text=told("Again at {frame}", frame=context.scene.frame_current)

@@ -79,6 +79,7 @@ def _draw_made(
         draw_sentence(column, context, told("No warnings: look from all sides"), "HIDE_OFF")
     draw_other_rig(layout, choices, record)
     if any(action.startswith(SCAN) for action in record.actions):
+        draw_sentence(column, context, told("It stands at rest. As Scanned brings its pose back"), "INFO")
         row = layout.row(align=True)
         row.operator(OBJECT_OT_canonical_form_rig_pose.bl_idname, text=told("At Rest")).scan = False
         row.operator(OBJECT_OT_canonical_form_rig_pose.bl_idname, text=told("As Scanned")).scan = True
@@ -152,4 +153,5 @@ def draw_other_rig(layout: bpy.types.UILayout, choices: CanonicalFormChoices, re
     button.side = side
 
 
-CLASSES = (VIEW3D_PT_canonical_form_rigged, VIEW3D_PT_canonical_form_rig)
+MADE = (VIEW3D_PT_canonical_form_rigged,)  # beside what came of a form
+CLASSES = (VIEW3D_PT_canonical_form_rig,)

@@ -142,7 +142,7 @@ def test_the_form_as_shown_tells_its_frame_and_offers_another_run(figure_object)
     scene, panel = bpy.context.scene, bpy.types.VIEW3D_PT_canonical_form_result
     scene.frame_set(3)
     bpy.ops.object.canonical_form(quality="draft", mesh="SHOWN")
-    assert "Of frame 3; bones stay" in drawn(panel)
+    assert "Of frame 3 (bones stay posed)" in drawn(panel)
     assert "Again at 3" not in drawn(panel)
     scene.frame_set(5)
     assert "Again at 5" in drawn(panel)
