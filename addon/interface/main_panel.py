@@ -45,6 +45,7 @@ class VIEW3D_PT_canonical_form(Tab, bpy.types.Panel):
         draw_refusal(layout, context, choices)
         if choices.method != OURS:
             layout.prop(choices, "method")
+        _draw_options(layout, context, choices, objects)
 
 
 def _draw_used(
@@ -134,44 +135,37 @@ def draw_pose_button(
     return button
 
 
-class VIEW3D_PT_canonical_form_options(Tab, bpy.types.Panel):
-    """What is rarely changed."""
-
-    bl_label = "Options"
-    bl_translation_context = CONTEXT
-    bl_parent_id = "VIEW3D_PT_canonical_form"
-    bl_options = {"DEFAULT_CLOSED"}
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Show the panel if there is something that they apply to."""
-        return choices_of(context) is not None and bool(meant_meshes(context))
-
-    def draw(self, context: bpy.types.Context) -> None:
-        """Draw the options, about how long a form takes, and Live Update."""
-        box, choices, objects = self.layout, choices_of(context), meant_meshes(context)
-        if choices is None:
-            return
-        box.use_property_decorate = False
-        box.use_property_split = True
-        for name in ("mesh", "result", *(("objects",) if len(objects) > 1 else ()), "quality"):
-            box.prop(choices, name)
-        seconds, memory = _estimates(choices, objects)
-        line = told("Straighten: about {time}", time=told_time(seconds))
-        if memory > _MUCH:
-            line = told("Straighten: about {time}, {memory:.0f} GB", time=told_time(seconds), memory=memory)
-        box.label(text=line, icon="TIME")  # always there, so that nothing moves under the mouse
-        box.prop(choices, "preserve_detail")
-        row = box.row()
-        row.active = there(choices.reference) is None
-        row.prop(choices, "orientation")
-        for name in ("reference", "anyway", "show_points"):
-            box.prop(choices, name)
-        live = OBJECT_OT_canonical_form_live.running()
-        kind = OBJECT_OT_canonical_form_live.bl_idname
-        box.operator(kind, text=told("Live Update"), icon="RECORD_ON", depress=live is not None)
-        if live is not None:
-            draw_sentence(box.column(align=True), context, live.state, "TIME")
+def _draw_options(
+    layout: bpy.types.UILayout,
+    context: bpy.types.Context,
+    choices: CanonicalFormChoices,
+    objects: list[bpy.types.Object],
+) -> None:
+    """Draw what is rarely changed."""
+    header, box = layout.panel("canonical_form_options", default_closed=True)
+    header.label(text=told("Options"))
+    if box is None:
+        return
+    box.use_property_split = True
+    for name in ("mesh", "result", *(("objects",) if len(objects) > 1 else ()), "quality"):
+        box.prop(choices, name)
+    seconds, memory = _estimates(choices, objects)
+    line = told("Straighten: about {time}", time=told_time(seconds))
+    if memory > _MUCH:
+        line = told("Straighten: about {time}, {memory:.0f} GB", time=told_time(seconds), memory=memory)
+    box.label(text=line, icon="TIME")  # always there, so that nothing moves under the mouse
+    box.prop(choices, "preserve_detail")
+    row = box.row()
+    row.active = there(choices.reference) is None
+    row.prop(choices, "orientation")
+    for name in ("reference", "anyway", "show_points"):
+        box.prop(choices, name)
+    live = OBJECT_OT_canonical_form_live.running()
+    box.operator(
+        OBJECT_OT_canonical_form_live.bl_idname, text=told("Live Update"), icon="RECORD_ON", depress=live is not None
+    )
+    if live is not None:
+        draw_sentence(box.column(align=True), context, live.state, "TIME")
 
 
 def _estimates(choices: CanonicalFormChoices, objects: list[bpy.types.Object]) -> tuple[float, float]:
@@ -185,4 +179,3 @@ def _estimates(choices: CanonicalFormChoices, objects: list[bpy.types.Object]) -
 
 
 CLASSES = (VIEW3D_PT_canonical_form,)
-OPTIONS = (VIEW3D_PT_canonical_form_options,)  # below what came of a run

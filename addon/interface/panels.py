@@ -7,8 +7,6 @@ from . import main_panel, research_panel, result_panel, rig_panel, tool_panels
 CLASSES = (
     *main_panel.CLASSES,
     *result_panel.CLASSES,
-    *rig_panel.MADE,
-    *main_panel.OPTIONS,
     *rig_panel.CLASSES,
     *tool_panels.CLASSES,
     *research_panel.CLASSES,

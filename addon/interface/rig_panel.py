@@ -153,5 +153,4 @@ def draw_other_rig(layout: bpy.types.UILayout, choices: CanonicalFormChoices, re
     button.side = side
 
 
-MADE = (VIEW3D_PT_canonical_form_rigged,)  # beside what came of a form
-CLASSES = (VIEW3D_PT_canonical_form_rig,)
+CLASSES = (VIEW3D_PT_canonical_form_rigged, VIEW3D_PT_canonical_form_rig)

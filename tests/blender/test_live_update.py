@@ -150,7 +150,7 @@ def test_the_button_starts_and_stops_it(figure_object, chosen, monkeypatch):
     assert kind.execute(button, bpy.context) == {"FINISHED"}
     live = kind.running()
     assert live is not None
-    assert any("Live" in line for line in drawn(main_panel.VIEW3D_PT_canonical_form_options))
+    assert any("Live" in line for line in drawn(main_panel.VIEW3D_PT_canonical_form))
     settle(live)
     timer = kind.timer
     assert kind.execute(button, bpy.context) == {"FINISHED"}
