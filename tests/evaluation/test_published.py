@@ -87,7 +87,7 @@ def test_distances_are_over_the_root_of_the_area(exact):
     ball = Mesh(*shapes.sphere(4))
     quarter = (np.pi / 2) / np.sqrt(surface_area(*ball))
     top, side = ball.vertices[:, 2].argmax(), ball.vertices[:, 0].argmax()
-    apart = distances_to(ball, np.array([top, top]), ball.vertices[[side, top]], exact)
+    (apart,) = distances_to(ball, np.array([top, top]), [ball.vertices[[side, top]]], exact)
     assert apart[0] == pytest.approx(quarter, rel=0.02)
     assert apart[1] == pytest.approx(0.0, abs=1e-6 if exact else 0.02)
 
@@ -129,6 +129,7 @@ def test_the_command_writes_tables_and_curves(benchmark, tmp_path):
     assert len(rows) == 3
     for row in rows:
         assert float(row["error"]) < 0.05
+        assert float(row["points"]) < 0.05
         assert row["flip"] == row["failure"] == ""
         assert 0.7 < float(row["coverage"]) <= 1.0
     (curve,) = list(csv.DictReader((tmp_path / "published-curves.csv").read_text(encoding="utf-8").splitlines()))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -26,7 +27,8 @@ class Measured(NamedTuple):
     Attributes
     ----------
     row : dict
-        ``error``, ``mirrored`` (the error from the other side), ``flip``, ``coverage``, ``dirichlet``, ``seconds``.
+        ``error`` (of the nearest vertices, as published ones are), ``points`` (of the points between them),
+        ``mirrored`` (the error from the other side), ``flip``, ``coverage``, ``dirichlet``, ``seconds``.
     arrays : dict of str to ndarray
         ``curve``: the share of points with at most each error of `CURVE`.
     """
@@ -79,12 +81,15 @@ def measured(
         places = np.einsum("ij,ijk->ik", found.weights, other.vertices[found.corners])
         count = len(truth)
         some = np.arange(count) if not 0 < samples < count else np.linspace(0, count - 1, samples).round().astype(int)
-        errors = distances_to(other, other_truth[some], places[truth[some]], exact)
-        apart = (
-            None if other_mirrored is None else distances_to(other, other_mirrored[some], places[truth[some]], exact)
-        )
+        there = places[truth[some]]
+        vertices = other.vertices[nearest_vertices(other, there)]
+        errors, points = distances_to(other, other_truth[some], [vertices, there], exact)
+        apart = None
+        if other_mirrored is not None:
+            (apart,) = distances_to(other, other_mirrored[some], [vertices], exact)
     row = {
         "error": float(errors.mean()),
+        "points": float(points.mean()),
         "mirrored": None if apart is None else float(apart.mean()),
         "flip": None if apart is None else bool(apart.mean() < errors.mean()),
         "coverage": coverage(other, places),
@@ -94,7 +99,7 @@ def measured(
     return Measured(row, {"curve": (errors[None] <= CURVE[:, None]).mean(axis=1)})
 
 
-def distances_to(mesh: Mesh, sources: IntArray, places: FloatArray, exact: bool) -> FloatArray:
+def distances_to(mesh: Mesh, sources: IntArray, places: Sequence[FloatArray], exact: bool) -> list[FloatArray]:
     """Measure how far each of some places on a mesh is from a vertex of its own.
 
     Parameters
@@ -103,29 +108,37 @@ def distances_to(mesh: Mesh, sources: IntArray, places: FloatArray, exact: bool)
         The mesh, connected.
     sources : (s,) ndarray of int
         The vertices.
-    places : (s, 3) ndarray of float
-        The places, on the mesh or close to it.
+    places : sequence of (s, 3) ndarray of float
+        The places, on the mesh or close to it; several for each vertex.
     exact : bool
         As in `measured`.
 
     Returns
     -------
-    (s,) ndarray of float
-        Geodesic distances in units of sqrt(area).
+    list of (s,) ndarray of float
+        Geodesic distances in units of sqrt(area), for each of `places`.
     """
-    found = closest_points(*mesh, places)
-    corners = mesh.faces[found.faces]
     if exact:
         from pygeodesic.geodesic import PyGeodesicAlgorithmExact
 
         algorithm = PyGeodesicAlgorithmExact(mesh.vertices, mesh.faces)
-        at = np.array(
-            [algorithm.geodesicDistances([source], None)[0][own] for source, own in zip(sources, corners, strict=True)]
-        )
+        fields = np.array([algorithm.geodesicDistances([source], None)[0] for source in sources])
     else:
-        heat = HeatMethod(intrinsic_delaunay(triangulated(*mesh)))
-        at = np.take_along_axis(heat.distances(sources).T, corners, axis=1)
-    return np.asarray(np.einsum("ij,ij->i", found.weights, at) / np.sqrt(surface_area(*mesh)))
+        fields = HeatMethod(intrinsic_delaunay(triangulated(*mesh))).distances(sources).T
+    measured_at = []
+    for each in places:
+        found = closest_points(*mesh, each)
+        at = np.take_along_axis(fields, mesh.faces[found.faces], axis=1)
+        measured_at.append(np.einsum("ij,ij->i", found.weights, at) / np.sqrt(surface_area(*mesh)))
+    return measured_at
+
+
+def nearest_vertices(mesh: Mesh, places: FloatArray) -> IntArray:
+    """Return the vertex of a mesh that is nearest to each place, (s,)."""
+    from scipy.spatial import cKDTree
+
+    found: IntArray = cKDTree(mesh.vertices).query(places)[1]
+    return found
 
 
 def coverage(mesh: Mesh, places: FloatArray) -> float:
@@ -143,10 +156,8 @@ def coverage(mesh: Mesh, places: FloatArray) -> float:
     float
         From 0 to 1.
     """
-    from scipy.spatial import cKDTree
-
     areas = vertex_areas(*mesh)
-    hit = np.unique(cKDTree(mesh.vertices).query(places)[1])
+    hit = np.unique(nearest_vertices(mesh, places))
     return float(areas[hit].sum() / areas.sum())
 
 
