@@ -5,8 +5,9 @@ import numpy as np
 import pytest
 
 from addon.blender.records.record import require_record, write_record
+from tests.meshes import shapes
 
-from .conftest import QUICK, snapshot
+from .conftest import QUICK, add_object, snapshot
 from .test_limbs import keys_of, points_of
 
 pytestmark = pytest.mark.usefixtures("computed_once")
@@ -82,8 +83,17 @@ def test_a_pose_does_not_take_an_animated_form_away(figure_object):
     assert len(figure_object.data.shape_keys.animation_data.drivers) == 1
 
 
+def posed_like_another(obj):
+    """A pose of its own figure is quick: no build is looked for."""
+    add_object("Other", *shapes.figure(15))
+    bpy.context.view_layer.objects.active = obj
+    for each in bpy.data.objects:
+        each.select_set(each == obj)
+    bpy.ops.object.canonical_form_pose_like(pose="OBJECT", like="Other", **QUICK)
+
+
 def test_a_new_colour_of_a_patch_leaves_those_of_the_match(figure_object):
-    bpy.ops.object.canonical_form_pose_like(pose="T", anyway=True, **QUICK)
+    posed_like_another(figure_object)
     mesh = figure_object.data
 
     def colours(name):
@@ -97,8 +107,8 @@ def test_a_new_colour_of_a_patch_leaves_those_of_the_match(figure_object):
     assert (colours("Patches") != patches).any()
 
 
-def test_quotes_in_a_name_do_not_hide_a_key(figure_object, arrays):
-    bpy.ops.object.canonical_form_pose_like(pose="T", anyway=True, **QUICK)
+def test_quotes_in_a_name_do_not_hide_a_key(figure_object):
+    posed_like_another(figure_object)
     keys = figure_object.data.shape_keys
     bpy.ops.object.canonical_form_in_betweens(count=2)
     between = keys.key_blocks[-1]

@@ -152,7 +152,7 @@ def test_kept_shapes_are_known_again_and_keys_of_that_name_are_not_taken_for_the
     moved = np.linalg.norm(key_of(figure_object, "Posed.smile") - key_of(figure_object, "Basis"), axis=1)
     assert np.flatnonzero(moved > 1e-5).tolist() == [5]
     keys["Posed"].name = "Before"
-    bpy.ops.object.canonical_form_pose_like(pose="T", anyway=True, **QUICK)
+    bpy.ops.object.canonical_form(**QUICK)
     bpy.ops.object.canonical_form_keep()
     assert np.array_equal(key_of(figure_object, "Before"), first)
     assert keys.keys() == ["Basis", "Posed.smile", "Before", "Posed"]

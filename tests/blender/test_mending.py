@@ -39,7 +39,6 @@ def test_missing_limbs_are_offered_beside_the_warning(figure_object):
 @pytest.mark.parametrize(
     ("kind", "wish", "buttons"),
     [
-        ("stance_limb", "T", {"Make Anyway", "Left Hand"}),
         ("stance_unlikely", "RIG", {"Make Anyway", "Left Hand"}),
         ("handles", "FORM", {"Part Here"}),
         ("no_faces", "T", set()),

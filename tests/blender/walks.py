@@ -117,8 +117,6 @@ class Walk(RigSteps):
         """Run an operator as a button does: with a step to undo where there is a window."""
         return operator("EXEC_DEFAULT", self.undo, **options)
 
-    # the user's data
-
     def ours(self, obj=None):
         """Name the items that are unchanged since the last run wrote them, by kind."""
         obj = obj or self.obj
@@ -136,13 +134,11 @@ class Walk(RigSteps):
         if basis and basis in keys and record.basis_fingerprint in (None, key_fingerprint(keys[basis])):
             found["keys"].add(basis)
         groups = self.fingerprints.group_fingerprints(obj, record.groups)
-        found["groups"] = {name for name in groups if record.groups[name] in (None, groups[name])}
-        found["colours"] = {name for name, known in record.colours.items()
-                            if name in mesh.color_attributes
-                            and known in (None, colour_fingerprint(mesh.color_attributes[name]))}  # fmt: skip
-        if self.is_made_up(obj, record):  # by Blender, for other vertices
-            found["groups"] |= {name for name in record.groups if name in obj.vertex_groups}
-            found["colours"] |= {name for name in record.colours if name in mesh.color_attributes}
+        made_up = self.is_made_up(obj, record)  # by Blender, for other vertices
+        found["groups"] = {name for name in groups if made_up or record.groups[name] in (None, groups[name])}
+        colours_of = mesh.color_attributes
+        found["colours"] = {name for name, known in record.colours.items() if name in colours_of
+                            and (made_up or known in (None, colour_fingerprint(colours_of[name])))}  # fmt: skip
         return {kind: names | bound[kind] for kind, names in found.items()}
 
     def view(self):
