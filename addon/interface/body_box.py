@@ -34,8 +34,8 @@ def draw_body(layout: bpy.types.UILayout, context: bpy.types.Context, choices: C
         return
     objects = meant_meshes(context)
     points, by_hand = body_points(objects)
-    known = {name for each in points for name in each.names if name}
-    nothing = not any(each.vertices for each in points)
+    listed = _listed(objects, points)
+    owners = {name: (obj, vertex) for obj, vertex, name in reversed(listed) if name}
     column = box.column(align=True)
     if not draw_progress(column, ("FEATURES",)):
         part = column.row(align=True)
@@ -45,20 +45,20 @@ def draw_body(layout: bpy.types.UILayout, context: bpy.types.Context, choices: C
         )
         hand_over(choices, button)
         button.step = "FEATURES"
-    for names in (*_ROWS, *((("tail",),) if "tail" in known else ())):
+    for names in (*_ROWS, *((("tail",),) if "tail" in owners else ())):
         row = column.row(align=True)
         for name in names:
-            icon = _MISSING if name not in known else _BY_HAND if by_hand else _FOUND
+            icon = _MISSING if name not in owners else _BY_HAND if by_hand else _FOUND
             button = row.operator(
                 OBJECT_OT_canonical_form_fix_point.bl_idname,
                 text=told_limb(name),
-                icon="BLANK1" if nothing else icon,
+                icon=icon if listed else "BLANK1",
                 depress=name == OBJECT_OT_canonical_form_fix_point.waits_for,
             )
             button.limb = name
         if names == ("tail",):
-            _draw_remove(row, *next(each for each in _listed(objects, points) if each[2] == "tail")[:2])
-    others = [(obj, vertex) for obj, vertex, name in _listed(objects, points) if name not in LIMBS]
+            _draw_remove(row, *owners["tail"])
+    others = [(obj, vertex) for obj, vertex, name in listed if name not in LIMBS]
     for number, (obj, vertex) in enumerate(others[:_MOST], start=1):
         row = column.row(align=True)
         row.label(text=told("Other {number}", number=number), icon=_BY_HAND if by_hand else _FOUND)
@@ -68,7 +68,7 @@ def draw_body(layout: bpy.types.UILayout, context: bpy.types.Context, choices: C
     row = column.row(align=True)
     row.operator(OBJECT_OT_canonical_form_fix_point.bl_idname, text=told("Add"), icon="ADD").limb = "other"
     part = row.row(align=True)
-    part.enabled = not nothing
+    part.enabled = bool(listed)
     part.operator(OBJECT_OT_canonical_form_points.bl_idname, text=told("Swap L/R"), icon="ARROW_LEFTRIGHT").how = "SWAP"
     part = row.row(align=True)
     part.enabled = by_hand

@@ -4,14 +4,13 @@ import bpy
 
 from ..blender.jobs.meant_objects import meant_object, require_object
 from ..blender.objects.mesh_reading import refusal
-from ..blender.records.record import read_record
 from ..blender.results.kept_form import copy_of_shown, keep_form, keep_refusal
 from ..blender.results.new_objects import make_active
 from ..blender.words.advice import explained
 from ..blender.words.wording import CONTEXT, listed, told
 from ..core import CanonicalFormError
 from .job_operator import JobOperator
-from .operators import allowed
+from .operators import allowed, result_refusal
 from .properties import list_patches
 from .viewport import any_result, restore_shading
 
@@ -58,10 +57,7 @@ class OBJECT_OT_canonical_form_copy(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Disable the button, with a reason, if there is no result."""
-        obj = meant_object(context)
-        nothing = obj is None or obj.type != "MESH" or read_record(obj.data) is None
-        reason = told("The active object has no canonical form.") if nothing else refusal(obj)
-        return allowed(cls, JobOperator.busy() or reason)
+        return allowed(cls, JobOperator.busy() or result_refusal(meant_object(context)))
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Add a copy of each object of the body."""

@@ -95,10 +95,7 @@ class OBJECT_OT_canonical_form_clear(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Disable the button, with a reason, if there is nothing to clear."""
-        obj = meant_object(context)
-        nothing = obj is None or obj.type != "MESH" or read_record(obj.data) is None
-        reason = told("The active object has no canonical form.") if nothing else refusal(obj)
-        return allowed(cls, JobOperator.busy() or reason)
+        return allowed(cls, JobOperator.busy() or result_refusal(meant_object(context)))
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Remove the results, including those of companions."""
@@ -254,6 +251,24 @@ def allowed(operator: type, reason: str | None) -> bool:
     if reason is not None:
         operator.poll_message_set(reason)  # type: ignore[attr-defined]
     return reason is None
+
+
+def result_refusal(obj: bpy.types.Object | None) -> str | None:
+    """Return why there is no result of an object to work with.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object or None
+        The object that is meant.
+
+    Returns
+    -------
+    str or None
+        A sentence for the user; None if there is one.
+    """
+    if obj is None or obj.type != "MESH" or read_record(obj.data) is None:
+        return told("The active object has no canonical form.")
+    return refusal(obj)
 
 
 def tell_results(

@@ -98,11 +98,7 @@ class OBJECT_OT_canonical_form_rig_clear(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Disable the button, with a reason, if there is nothing to remove."""
-        obj = meant_object(context)
-        nothing = obj is None or obj.type != "MESH" or read_rig(obj.data) is None
-        return allowed(
-            cls, JobOperator.busy() or (told("Rig has made no armature for this mesh.") if nothing else None)
-        )
+        return allowed(cls, JobOperator.busy() or _no_rig(meant_object(context)))
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Remove it from all objects that it moves."""
@@ -176,9 +172,7 @@ class OBJECT_OT_canonical_form_rig_pose(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Disable the button, with a reason, if there is no such armature."""
-        obj = meant_object(context)
-        nothing = obj is None or obj.type != "MESH" or read_rig(obj.data) is None
-        return allowed(cls, told("Rig has made no armature for this mesh.") if nothing else None)
+        return allowed(cls, _no_rig(meant_object(context)))
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Pose the armature."""
@@ -193,6 +187,12 @@ class OBJECT_OT_canonical_form_rig_pose(bpy.types.Operator):
         if take_pose(armature, action):
             self.report({"WARNING"}, told("Bones were renamed or deleted: they stay at rest, and the key Scan off."))
         return {"FINISHED"}
+
+
+def _no_rig(obj: bpy.types.Object | None) -> str | None:
+    """Return that *Rig* has made no armature for an object; None if it has."""
+    there = obj is not None and obj.type == "MESH" and read_rig(obj.data) is not None
+    return None if there else told("Rig has made no armature for this mesh.")
 
 
 CLASSES = (

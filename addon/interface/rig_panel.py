@@ -3,7 +3,7 @@
 import bpy
 
 from ..blender.jobs.meant_objects import meant_object
-from ..blender.records.rig_record import SCAN, RigRecord, read_rig
+from ..blender.records.rig_record import RigRecord, read_rig
 from ..blender.results.match_colours import source_colours
 from ..blender.words.wording import CONTEXT, told
 from .choices import CanonicalFormChoices, choices_of, hand_over_rig, hand_over_transfer, there
@@ -78,7 +78,7 @@ def _draw_made(
     if not doubts:
         draw_sentence(column, context, told("No warnings: look from all sides"), "HIDE_OFF")
     draw_other_rig(layout, choices, record)
-    if any(action.startswith(SCAN) for action in record.actions):
+    if record.scan is not None:
         draw_sentence(column, context, told("It stands at rest. As Scanned brings its pose back"), "INFO")
         row = layout.row(align=True)
         row.operator(OBJECT_OT_canonical_form_rig_pose.bl_idname, text=told("At Rest")).scan = False

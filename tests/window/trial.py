@@ -10,7 +10,6 @@ window. Places are pixels of the picture, from its top left corner::
     key NAME [shift] [ctrl] [alt]            type TEXT            wait SECONDS            end
 """
 
-import os
 import sys
 from pathlib import Path
 
@@ -109,6 +108,4 @@ def place(words):
     return float(words[0]), hand.window.height - float(words[1])
 
 
-if __name__ == "__main__":
-    os.environ.setdefault("LANG", "C.UTF-8")
-    drive(session(), "TRIAL ENDED", PICTURES)
+drive(session(), "TRIAL ENDED", PICTURES)

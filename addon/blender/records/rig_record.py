@@ -71,6 +71,11 @@ class RigRecord:
         """Name and fingerprint of the key that holds the pose at rest; None if the mesh rests as it is."""
         return None if self.pose == "NONE" else next(iter(self.keys.items()), None)
 
+    @property
+    def scan(self) -> str | None:
+        """Name of the action that holds the pose of the scan; None if the mesh rests as it was scanned."""
+        return next((name for name in self.actions if name.startswith(SCAN)), None)
+
 
 _TAKE: dict[str, Callable[[Any], Any]] = {
     "token": words,

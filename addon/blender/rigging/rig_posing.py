@@ -26,8 +26,7 @@ def scan_pose_of(mesh: bpy.types.Mesh) -> bpy.types.Action | None:
         The action; None if the mesh rests as it was scanned, or the action was removed.
     """
     record = read_rig(mesh)
-    names = [] if record is None else [name for name in record.actions if name.startswith(SCAN)]
-    return bpy.data.actions.get(names[0]) if names else None
+    return None if record is None or record.scan is None else bpy.data.actions.get(record.scan)
 
 
 def take_pose(armature: bpy.types.Object, action: bpy.types.Action | None) -> list[str]:

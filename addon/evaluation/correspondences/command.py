@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Mapping
 from contextlib import closing
 from pathlib import Path
 from typing import Any, TextIO
@@ -98,41 +98,30 @@ def _published_results(
     options: argparse.Namespace,
 ) -> dict[tuple[str, str, str], Any]:
     """Match the pairs that have no result yet."""
-    from tqdm import tqdm
-
-    wanted = {(one.name, other.name, matcher): (one, other) for one, other in pairs for matcher in matchers}
-    keys = {
-        name: digest(file_digest(one.path), file_digest(other.path), name[2], repr(how), code_version())
-        for name, (one, other) in wanted.items()
+    wanted = {
+        f"published/{matcher}/{one.name}@{other.name}": (one, other, matcher)
+        for one, other in pairs
+        for matcher in matchers
     }
-    called = {name: f"published/{name[2]}/{name[0]}@{name[1]}" for name in wanted}
-    failed: dict[tuple[str, str, str], str] = {
+    keys = {
+        name: digest(file_digest(one.path), file_digest(other.path), matcher, repr(how), code_version())
+        for name, (one, other, matcher) in wanted.items()
+    }
+    unlike = {
         name: f"Their .vts files have {len(one.truth)} and {len(other.truth)} lines."
-        for name, (one, other) in wanted.items()
+        for name, (one, other, _) in wanted.items()
         if len(one.truth) != len(other.truth)
     }
-    missing = [name for name in wanted if name not in failed and not store.has(called[name], keys[name])]
     with closing(Reader()) as reader:
         poses = Poses(reader)
 
-        def work() -> Iterator[tuple[object, Work]]:
-            for name in missing:
-                one, other = wanted[name]
-                meshes = (_read(poses, each.path) for each in (one, other))
-                yield name, (measured, (*meshes, one.truth, other.truth, other.mirrored, name[2], *how))
+        def work(name: str) -> Work:
+            one, other, matcher = wanted[name]
+            meshes = (_read(poses, each.path) for each in (one, other))
+            return measured, (*meshes, one.truth, other.truth, other.mirrored, matcher, *how)
 
-        progress = tqdm(
-            total=len(wanted), initial=len(wanted) - len(missing), unit="match", desc="Matches", **bar_style()
-        )
-        with progress as bar, crew(options.workers, options.scheduler) as hired:
-            for name, outcome in hired.results(work()) if missing else ():
-                if isinstance(outcome, Failure):
-                    failed[name] = outcome.reason  # type: ignore[index]
-                else:
-                    store.keep_comparison(called[name], keys[name], *outcome)  # type: ignore[index]
-                    give_memory_back()
-                bar.update()
-    return {name: failed.get(name) or store.comparison(called[name], keys[name]) or "No result." for name in wanted}
+        outcomes = _outcomes(store, keys, work, options, unlike)
+    return {(one.name, other.name, matcher): outcomes[name] for name, (one, other, matcher) in wanted.items()}
 
 
 def _read(poses: Poses, path: Path) -> Mesh:
@@ -170,35 +159,43 @@ def _results(
     store: Store, pairs: list[Pair], matchers: list[Matcher], poses: Poses, options: argparse.Namespace
 ) -> list[Result]:
     """Match the pairs that have no result yet."""
+    wanted = {f"matches/{matcher.name}/{pair.name}": (pair, matcher) for pair in pairs for matcher in matchers}
+    keys = {
+        name: digest(file_digest(pair.one.path), file_digest(pair.other.path), matcher.name, code_version())
+        for name, (pair, matcher) in wanted.items()
+    }
+
+    def work(name: str) -> Work:
+        pair, matcher = wanted[name]
+        one, other = poses.mesh(pair.one), poses.mesh(pair.other)
+        return matched, (one, other, matcher.name, pair.one.label == pair.other.label)
+
+    outcomes = _outcomes(store, keys, work, options, {})
+    return [Result(pair, matcher, outcomes[name]) for name, (pair, matcher) in wanted.items()]
+
+
+def _outcomes(
+    store: Store,
+    keys: Mapping[str, str],
+    work: Callable[[str], Work],
+    options: argparse.Namespace,
+    refused: Mapping[str, str],
+) -> dict[str, Any]:
+    """Do the work of each match that is neither stored under its key nor refused; return results, or why there is none.
+
+    The workers' results are kept as they come, so that a run that was stopped goes on where it was.
+    """
     from tqdm import tqdm
 
-    wanted = {
-        f"matches/{matcher.name}/{pair.name}": (
-            pair,
-            matcher,
-            digest(file_digest(pair.one.path), file_digest(pair.other.path), matcher.name, code_version()),
-        )
-        for pair in pairs
-        for matcher in matchers
-    }
-    missing = {name: each for name, each in wanted.items() if not store.has(name, each[2])}
-    failed: dict[str, str] = {}
-
-    def work() -> Iterator[tuple[object, Work]]:
-        for name, (pair, matcher, _) in missing.items():
-            one, other = poses.mesh(pair.one), poses.mesh(pair.other)
-            yield name, (matched, (one, other, matcher.name, pair.one.label == pair.other.label))
-
-    progress = tqdm(total=len(wanted), initial=len(wanted) - len(missing), unit="match", desc="Matches", **bar_style())
+    missing = [name for name in keys if name not in refused and not store.has(name, keys[name])]
+    failed = dict(refused)
+    progress = tqdm(total=len(keys), initial=len(keys) - len(missing), unit="match", desc="Matches", **bar_style())
     with progress as bar, crew(options.workers, options.scheduler) as hired:
-        for name, outcome in hired.results(work()) if missing else ():
+        for name, outcome in hired.results((name, work(name)) for name in missing) if missing else ():
             if isinstance(outcome, Failure):
                 failed[str(name)] = outcome.reason
             else:
-                store.keep_comparison(str(name), wanted[str(name)][2], *outcome)
+                store.keep_comparison(str(name), keys[str(name)], *outcome)
                 give_memory_back()
             bar.update()
-    return [
-        Result(pair, matcher, failed.get(name) or store.comparison(name, key) or "No result.")
-        for name, (pair, matcher, key) in wanted.items()
-    ]
+    return {name: failed.get(name) or store.comparison(name, key) or "No result." for name, key in keys.items()}

@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...core.distances.heat import HeatMethod
-from ...core.mesh.closest_points import closest_points
 from ...core.mesh.geometry import surface_area, vertex_areas
 from ...core.numerics.arrays import FloatArray, IntArray
-from ...core.surface.delaunay import intrinsic_delaunay
 from ...core.surface.laplacian import stiffness
 from ...core.surface.triangulation import triangulated
 from ..work import one_thread
 from .matchers import MATCHERS, Mesh
+from .work import distances_to
 
 CURVE = np.linspace(0.0, 0.25, 51)  # sqrt(area): error bounds of the Princeton curve
 
@@ -62,7 +59,7 @@ def measured(
     samples : int
         Number of these vertices to measure at, evenly chosen; 0 for all.
     exact : bool
-        Whether distances are exact, by pygeodesic, or of the heat method, which is faster and blurs small ones.
+        As in `distances_to`.
 
     Returns
     -------
@@ -97,40 +94,6 @@ def measured(
         "seconds": seconds,
     }
     return Measured(row, {"curve": (errors[None] <= CURVE[:, None]).mean(axis=1)})
-
-
-def distances_to(mesh: Mesh, sources: IntArray, places: Sequence[FloatArray], exact: bool) -> list[FloatArray]:
-    """Measure how far each of some places on a mesh is from a vertex of its own.
-
-    Parameters
-    ----------
-    mesh : Mesh
-        The mesh, connected.
-    sources : (s,) ndarray of int
-        The vertices.
-    places : sequence of (s, 3) ndarray of float
-        The places, on the mesh or close to it; several for each vertex.
-    exact : bool
-        As in `measured`.
-
-    Returns
-    -------
-    list of (s,) ndarray of float
-        Geodesic distances in units of sqrt(area), for each of `places`.
-    """
-    if exact:
-        from pygeodesic.geodesic import PyGeodesicAlgorithmExact
-
-        algorithm = PyGeodesicAlgorithmExact(mesh.vertices, mesh.faces)
-        fields = np.array([algorithm.geodesicDistances([source], None)[0] for source in sources])
-    else:
-        fields = HeatMethod(intrinsic_delaunay(triangulated(*mesh))).distances(sources).T
-    measured_at = []
-    for each in places:
-        found = closest_points(*mesh, each)
-        at = np.take_along_axis(fields, mesh.faces[found.faces], axis=1)
-        measured_at.append(np.einsum("ij,ij->i", found.weights, at) / np.sqrt(surface_area(*mesh)))
-    return measured_at
 
 
 def nearest_vertices(mesh: Mesh, places: FloatArray) -> IntArray:

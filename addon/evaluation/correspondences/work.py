@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,7 +12,7 @@ from ...core.distances.heat import HeatMethod
 from ...core.measures.crossings import crossings
 from ...core.mesh.closest_points import closest_points
 from ...core.mesh.geometry import surface_area
-from ...core.numerics.arrays import FloatArray
+from ...core.numerics.arrays import FloatArray, IntArray
 from ...core.surface.delaunay import intrinsic_delaunay
 from ...core.surface.triangulation import triangulated
 from ..remeshing import thinned
@@ -136,7 +137,43 @@ def geodesic_errors(places: FloatArray, mesh: Mesh, samples: int = _SAMPLES) -> 
     """
     count = len(mesh.vertices)
     some = np.random.default_rng(1).choice(count, min(samples, count), replace=False)
-    heat = HeatMethod(intrinsic_delaunay(triangulated(*mesh)))
-    found = closest_points(*mesh, places[some])
-    at = np.take_along_axis(heat.distances(some).T, mesh.faces[found.faces], axis=1)
-    return np.asarray(np.einsum("ij,ij->i", found.weights, at) / np.sqrt(surface_area(*mesh)))
+    return distances_to(mesh, some, [places[some]], exact=False)[0]
+
+
+def distances_to(mesh: Mesh, sources: IntArray, places: Sequence[FloatArray], exact: bool) -> list[FloatArray]:
+    """Measure how far each of some places on a mesh is from a vertex of its own.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The mesh, connected.
+    sources : (s,) ndarray of int
+        The vertices.
+    places : sequence of (s, 3) ndarray of float
+        The places, on the mesh or close to it; several for each vertex.
+    exact : bool
+        Whether distances are exact, by pygeodesic, or of the heat method, which is faster and blurs small ones.
+
+    Returns
+    -------
+    list of (s,) ndarray of float
+        Geodesic distances in units of sqrt(area), for each of `places`.
+
+    Raises
+    ------
+    SolverError
+        If the mesh is not connected.
+    """
+    if exact:
+        from pygeodesic.geodesic import PyGeodesicAlgorithmExact
+
+        algorithm = PyGeodesicAlgorithmExact(mesh.vertices, mesh.faces)
+        fields = np.array([algorithm.geodesicDistances([source], None)[0] for source in sources])
+    else:
+        fields = HeatMethod(intrinsic_delaunay(triangulated(*mesh))).distances(sources).T
+    measured_at = []
+    for each in places:
+        found = closest_points(*mesh, each)
+        at = np.take_along_axis(fields, mesh.faces[found.faces], axis=1)
+        measured_at.append(np.einsum("ij,ij->i", found.weights, at) / np.sqrt(surface_area(*mesh)))
+    return measured_at

@@ -11,6 +11,7 @@ from addon.core.surface.triangulation import corner_lengths, face_areas
 from tests.meshes.families import torus
 from tests.meshes.remeshing import resized
 from tools.benchmarks.experiment import Row, experiment
+from tools.benchmarks.measuring import exact_distances
 from tools.benchmarks.mesh_sets import Body, generated
 
 Mesh = tuple[np.ndarray, np.ndarray]
@@ -64,14 +65,11 @@ def heat(body: Body, _: None) -> Iterator[Row]:
     mannequin, evenly meshed; the same with its vertices moved along the surface, and with a vertex more in every
     triangle, near a corner; and a torus of long triangles.
     """
-    from pygeodesic.geodesic import PyGeodesicAlgorithmExact
-
     vertices, faces = body.first
     lengths = corner_lengths(vertices, faces)
     quality = 4 * np.sqrt(3) * face_areas(lengths) / np.sum(lengths**2, axis=1)
     sources = np.linspace(0, len(vertices) - 1, SOURCES).round().astype(np.int64)
-    exact = PyGeodesicAlgorithmExact(vertices, faces)
-    true = np.stack([exact.geodesicDistances(np.array([source]))[0] for source in sources], axis=1)
+    true = exact_distances(vertices, faces, sources)
     far = true > NEAREST * true.max(axis=0)
     error = np.abs(heat_geodesics(vertices, faces, sources) - true)[far] / true[far]
     yield {

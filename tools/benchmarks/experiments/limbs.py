@@ -19,6 +19,7 @@ from addon.core.posing.articulation import Articulation
 from addon.core.posing.limb_amounts import limb_amounts
 from tests.meshes import shapes, tubes
 from tools.benchmarks.experiment import Row, experiment
+from tools.benchmarks.measuring import exact_distances
 from tools.benchmarks.mesh_sets import Body, folders, generated, largest_pieces
 
 HEAT_SOURCES, STRESS_STEPS = 20, 300
@@ -31,8 +32,6 @@ def features(body: Body, _: None) -> Iterator[Row]:
     diameter; *heat error*: mean relative error of heat geodesics against exact ones, 20 sources; *largest
     increase* of the stress of *Local Features* in one of 300 steps, never above 0.
     """
-    from pygeodesic import geodesic
-
     names, poses, faces = body.poses
     settings = Settings(method="local_features", max_iterations=STRESS_STEPS)
     sources = np.random.default_rng(7).choice(len(poses[0]), HEAT_SOURCES, replace=False)
@@ -41,8 +40,7 @@ def features(body: Body, _: None) -> Iterator[Row]:
         form = canonical_form(pose, faces, settings)
         if first is None:
             first = heat_geodesics(pose, faces, form.feature_points)
-        exact = geodesic.PyGeodesicAlgorithmExact(pose, faces)
-        true = np.stack([exact.geodesicDistances(np.array([source]))[0] for source in sources], axis=1)
+        true = exact_distances(pose, faces, sources)
         heat, away = heat_geodesics(pose, faces, sources), true > 0
         yield {
             "pose": name,
