@@ -225,7 +225,7 @@ class OBJECT_OT_canonical_form_live(bpy.types.Operator):
             return {"CANCELLED"}
         choices = choices_of(context)
         if choices is not None and choices.result == "OBJECT":
-            self.report({"ERROR"}, told("Live update changes a shape key. Set Result to Shape Key."))
+            self.report({"ERROR"}, told("Live update changes a shape key. Set Written As to Shape Key."))
             return {"CANCELLED"}
         kind.end()
         kind.update = LiveUpdate(context)

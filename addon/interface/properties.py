@@ -134,7 +134,7 @@ class RequestProperties:
         default="BASE",
     )
     result: EnumProperty(  # type: ignore[valid-type]
-        name="Result",
+        name="Written As",
         translation_context=CONTEXT,
         description="Where the form is written",
         items=(

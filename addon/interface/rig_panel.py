@@ -2,9 +2,11 @@
 
 import bpy
 
-from ..blender.jobs.meant_objects import meant_object
+from ..blender.jobs.meant_objects import meant_object, require_object
 from ..blender.records.rig_record import RigRecord, read_rig
 from ..blender.results.match_colours import source_colours
+from ..blender.rigging.rig_clearing import armature_given_to
+from ..blender.rigging.rig_posing import scan_pose_of, taken_pose
 from ..blender.words.wording import CONTEXT, told
 from .choices import CanonicalFormChoices, choices_of, hand_over_rig, hand_over_transfer, there
 from .pose_operators import OBJECT_OT_canonical_form_match_colours, OBJECT_OT_canonical_form_transfer
@@ -79,14 +81,20 @@ def _draw_made(
         draw_sentence(column, context, told("No warnings: look from all sides"), "HIDE_OFF")
     draw_other_rig(layout, choices, record)
     if record.scan is not None:
-        draw_sentence(column, context, told("It stands at rest. As Scanned brings its pose back"), "INFO")
-        row = layout.row(align=True)
-        row.operator(OBJECT_OT_canonical_form_rig_pose.bl_idname, text=told("At Rest")).scan = False
-        row.operator(OBJECT_OT_canonical_form_rig_pose.bl_idname, text=told("As Scanned")).scan = True
+        _draw_poses(layout, require_object(context))
     row = layout.row(align=True)
     if record.rest is not None:
         row.operator(OBJECT_OT_canonical_form_rig_keep.bl_idname)
     row.operator(OBJECT_OT_canonical_form_rig_clear.bl_idname, icon="X")
+
+
+def _draw_poses(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
+    """Draw the poses of the rig; that which it is in is pressed."""
+    armature = armature_given_to(obj)
+    pose = "" if armature is None else taken_pose(armature, scan_pose_of(obj.data))
+    row, kind = layout.row(align=True), OBJECT_OT_canonical_form_rig_pose
+    row.operator(kind.bl_idname, text=told("At Rest"), depress=pose == "REST").scan = False
+    row.operator(kind.bl_idname, text=told("As Scanned"), depress=pose == "SCAN").scan = True
 
 
 def _draw_transfer(layout: bpy.types.UILayout, context: bpy.types.Context, choices: CanonicalFormChoices) -> None:

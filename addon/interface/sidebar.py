@@ -1,5 +1,6 @@
 """Shared by all panels of the sidebar: their tab, what they show, sentences over lines, and progress."""
 
+import re
 import textwrap
 from collections.abc import Collection
 from time import perf_counter
@@ -14,6 +15,7 @@ from .reading import OBJECT_OT_canonical_form_read
 
 _USUAL, _SHORTEST = 35, 20  # characters in a line of the sidebar
 _CHARACTER, _MARGIN = 6.4, 55  # width of a character, and of everything next to a line, in pixels
+_END = re.compile(r"(?<=[.!?]) ")  # of a sentence
 _MOST_LINES, _BUTTON = 2, 4  # of a sentence; characters that a button next to it takes
 _TOLD, _FIRST = 5.0, 0.05  # seconds left that are worth telling, and share of the work that tells them
 _ROUNDED, _STEP, _MINUTES = 10.0, 5.0, 90.0  # seconds: told exactly up to, in steps of, and in minutes from
@@ -45,7 +47,7 @@ def record_of(context: bpy.types.Context) -> Record | None:
 
 
 def draw_sentence(layout: bpy.types.UILayout, context: bpy.types.Context, sentence: str, icon: str = "NONE") -> None:
-    """Draw a sentence over two lines at most; what is longer can be read on a click, or as a tooltip.
+    """Draw what is said over two lines at most: its first sentence, and a button that tells the rest.
 
     Parameters
     ----------
@@ -54,7 +56,7 @@ def draw_sentence(layout: bpy.types.UILayout, context: bpy.types.Context, senten
     context : bpy.types.Context
         Whose region is as wide as it is.
     sentence : str
-        The sentence, in the user's language.
+        One or several sentences, in the user's language.
     icon : str
         The icon of the first line.
     """
@@ -63,7 +65,8 @@ def draw_sentence(layout: bpy.types.UILayout, context: bpy.types.Context, senten
         for number, line in enumerate(lines):
             layout.label(text=line, icon="BLANK1" if number and icon != "NONE" else icon)
         return
-    lines = textwrap.wrap(sentence, line_length(context) - _BUTTON, max_lines=_MOST_LINES, placeholder=" …")
+    first = _END.split(sentence, maxsplit=1)[0]  # what it is; what to do about it is told by the button
+    lines = textwrap.wrap(first, line_length(context) - _BUTTON, max_lines=_MOST_LINES, placeholder=" …")
     for number, line in enumerate(lines):
         row = layout.row(align=True)
         row.label(text=line, icon="BLANK1" if number and icon != "NONE" else icon)

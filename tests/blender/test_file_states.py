@@ -313,7 +313,7 @@ def test_a_run_works_or_refuses_and_changes_nothing_else(figure_object, state, t
     ("state", "words"),
     [
         ("non-uniform scale", "scale of Figure is not uniform"),
-        ("armature in pose", "bend the form as they bend the mesh: Rig"),
+        ("armature in pose", "pose that you see: Rig of"),
         ("mirror modifier", None),
         ("subdivision modifier", None),
         ("multires", None),
@@ -344,7 +344,7 @@ def test_a_warning_tells_of_other_keys_that_bend_the_form(figure_object):
     bpy.ops.object.canonical_form(**QUICK)
     told = [each for each in require_record(figure_object.data).report.warnings if "shape keys" in each]
     assert len(told) == 1
-    assert "bend the form as they bend the mesh: Bends. Set" in told[0]
+    assert "pose that you see: Bends of" in told[0]
     figure_object.data.shape_keys.key_blocks["Bends"].value = 0.0
     for _ in range(2):  # the second time with the form of the first, which bends
         bpy.ops.object.canonical_form(**QUICK)

@@ -145,7 +145,7 @@ def test_the_button_starts_and_stops_it(figure_object, chosen, monkeypatch):
     monkeypatch.setattr("addon.interface.live_update.bpy", SimpleNamespace(**{**vars(bpy), **vars(window)}))
     chosen.result = "OBJECT"
     assert kind.execute(button, bpy.context) == {"CANCELLED"}
-    assert "Set Result to Shape Key" in told[0]
+    assert "Set Written As to Shape Key" in told[0]
     chosen.result = "KEY"
     assert kind.execute(button, bpy.context) == {"FINISHED"}
     live = kind.running()

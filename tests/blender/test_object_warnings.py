@@ -67,7 +67,7 @@ def test_what_bends_a_form_after_the_fact_is_told_and_nothing_else(state, bend, 
     bpy.context.view_layer.update()
     bpy.ops.object.canonical_form(**QUICK)
     warnings = require_record(figure_object.data).report.warnings
-    assert any(f"bend the form as they bend the mesh: {name}." in each for each in warnings) == bend
+    assert any(f"pose that you see: {name} of" in each for each in warnings) == bend
 
 
 @pytest.mark.parametrize("turned", [True, False])

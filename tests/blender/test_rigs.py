@@ -7,6 +7,7 @@ from mathutils import Matrix
 
 from addon import core
 from addon.blender.records.rig_record import RIG_PROPERTY, read_rig
+from addon.blender.rigging.rig_posing import taken_pose
 from addon.blender.rigging.rig_reading import read_rig_source
 from addon.core.rigging.fitted_rig import rest_bends
 from addon.interface.rig_panel import VIEW3D_PT_canonical_form_rigged
@@ -70,6 +71,8 @@ def test_a_button_takes_the_pose_of_the_scan_and_gives_it_back(body, scan, lende
     bpy.ops.object.canonical_form_rig(**RIG, rest="T")
     assert {"At Rest", "As Scanned"} <= {*drawn(VIEW3D_PT_canonical_form_rigged)}
     armature = armature_of(body)
+    action = bpy.data.actions["Scan"]
+    assert taken_pose(armature, action) == "REST"
     bpy.context.view_layer.objects.active = armature
     bpy.ops.object.mode_set(mode="POSE")
     bpy.ops.pose.select_all(action="DESELECT")
@@ -79,6 +82,10 @@ def test_a_button_takes_the_pose_of_the_scan_and_gives_it_back(body, scan, lende
     bpy.context.view_layer.update()
     assert body.data.shape_keys.key_blocks["Scan"].value == 1.0
     np.testing.assert_allclose(shown(body), scan, atol=2e-3)
+    assert taken_pose(armature, action) == "SCAN"
+    some.rotation_quaternion.x += 0.1
+    bpy.context.view_layer.update()
+    assert taken_pose(armature, action) == ""
     data = armature_of(body).animation_data
     assert data is None or data.action is None
     bpy.ops.object.canonical_form_rig_pose()

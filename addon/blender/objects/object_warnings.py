@@ -59,8 +59,8 @@ def object_warnings(objects: Sequence[bpy.types.Object], deformed: bool, *, scal
         if scale.max() > 1.001 * scale.min():
             warnings.append(
                 told(
-                    "The scale of {name} is not uniform, and the form was computed on the mesh without "
-                    "it. Apply the scale (Ctrl+A > Scale) and run again for the form of what you see.",
+                    "The scale of {name} is not uniform: apply it (Ctrl+A > Scale). The form was computed without it; "
+                    "run again for the form of what you see.",
                     name=obj.name,
                 )
             )
@@ -70,8 +70,8 @@ def object_warnings(objects: Sequence[bpy.types.Object], deformed: bool, *, scal
     if keys:
         warnings.append(
             told(
-                "Other shape keys of {name} bend the form as they bend the mesh: {keys}. Set their values to 0, or set "
-                "Mesh to As Shown to take out the pose that you see.",
+                "Other shape keys bend the form as they bend the mesh. Set their values to 0, or set Mesh to As Shown "
+                "to take out the pose that you see: {keys} of {name}.",
                 name=names,
                 keys=keys,
             )
@@ -80,8 +80,8 @@ def object_warnings(objects: Sequence[bpy.types.Object], deformed: bool, *, scal
     if bending:
         warnings.append(
             told(
-                "Some modifiers of {name} bend the form as they bend the mesh: {bending}. Set Mesh "
-                "to As Shown to take out the pose that you see.",
+                "Some modifiers bend the form as they bend the mesh. Set Mesh to As Shown to take out the pose that "
+                "you see: {bending} of {name}.",
                 name=names,
                 bending=bending,
             )
@@ -90,8 +90,8 @@ def object_warnings(objects: Sequence[bpy.types.Object], deformed: bool, *, scal
     if adding:
         warnings.append(
             told(
-                "Some modifiers of {name} add to the mesh or hide parts of it, and the form is of it without them: "
-                "{adding}. Apply them, or set Mesh to As Shown.",
+                "Some modifiers add to the mesh or hide parts of it. The form is of it without them. Apply them, or "
+                "set Mesh to As Shown: {adding} of {name}.",
                 name=names,
                 adding=adding,
             )
@@ -113,7 +113,7 @@ def warnings_by_object(warnings: Sequence[Message], readings: Sequence[Reading])
     -------
     list of str
         Translated sentences with advice. If there are several objects, those about the repair of a mesh and about
-        loose vertices begin with the names of the objects.
+        loose vertices end with the names of the objects.
     """
     from ...core.mesh.repair import repaired
 
@@ -125,7 +125,7 @@ def warnings_by_object(warnings: Sequence[Message], readings: Sequence[Reading])
             for kind in (kind for kind, count in found.items() if count):
                 names.setdefault(kind, []).append(reading.name)
     about = [listed(names.get(warning.kind, [])) for warning in warnings]
-    return [f"{of}: {advised(each)}" if of else advised(each) for of, each in zip(about, warnings, strict=True)]
+    return [f"{advised(each)} ({of})" if of else advised(each) for of, each in zip(about, warnings, strict=True)]
 
 
 def turned_key_warnings(objects: Sequence[bpy.types.Object], forms: Sequence[FloatArray]) -> list[str]:

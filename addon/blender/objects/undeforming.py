@@ -127,7 +127,7 @@ def _solved(obj: bpy.types.Object, evaluated: Evaluate, positions: FloatArray, w
     raise CanonicalFormError(
         told(
             "The modifiers of {name} do not follow its vertices closely enough for a shape key of "
-            "what is shown. Choose Result: New Object.",
+            "what is shown. Choose Written As: New Object.",
             name=obj.name,
         )
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import bpy
+import numpy as np
 from mathutils import Matrix
 
 from ..mesh_items.action_curves import curves_of
@@ -10,6 +11,7 @@ from ..records.rig_record import SCAN, read_rig, recorded_key
 from .rig_clearing import bound_to
 
 _FRAME = 1.0  # at which poses are keyed
+_SAME = 1e-4  # of a rotation, or of a unit: what rounding does to a pose
 
 
 def scan_pose_of(mesh: bpy.types.Mesh) -> bpy.types.Action | None:
@@ -61,6 +63,35 @@ def take_pose(armature: bpy.types.Object, action: bpy.types.Action | None) -> li
             if key is not None:
                 key.value = float(action is not None and not missing)
     return list(dict.fromkeys(missing))
+
+
+def taken_pose(armature: bpy.types.Object, action: bpy.types.Action | None) -> str:
+    """Tell which of its poses an armature is in.
+
+    Parameters
+    ----------
+    armature : bpy.types.Object
+        The armature.
+    action : bpy.types.Action or None
+        The pose of the scan.
+
+    Returns
+    -------
+    {'REST', 'SCAN', ''}
+        The pose at rest, that of the scan, or neither.
+    """
+    turned = np.array([bone.matrix_basis for bone in armature.pose.bones])  # (bones, 4, 4)
+    if np.abs(turned - np.eye(4)).max() <= _SAME:
+        return "REST"
+    for curve in curves_of(action) if action is not None else ():
+        try:
+            now = armature.path_resolve(curve.data_path)
+        except ValueError:  # a bone was renamed or deleted
+            return ""
+        value = now[curve.array_index] if hasattr(now, "__len__") else now
+        if abs(value - curve.evaluate(_FRAME)) > _SAME:
+            return ""
+    return "" if action is None else "SCAN"
 
 
 def _resolves(armature: bpy.types.Object, path: str) -> bool:

@@ -27,17 +27,17 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
         "1 face was left out: it repeats a vertex.",
         "{count:,} faces were left out: they repeat a vertex.",
     ),
-    "coincident_borders": "Borders coincide: {count:,} vertices were treated as one with others at their position.",
+    "coincident_borders": "Borders coincide: {count:,} vertices were taken as joined.",
     "duplicate_faces": (
         "1 face was left out: it is a duplicate.",
         "{count:,} faces were left out: they are duplicates.",
     ),
     "inconsistent_faces": (
-        "1 face was flipped to match the orientation of its neighbours.",
-        "{count:,} faces were flipped to match the orientation of their neighbours.",
+        "1 face was flipped to agree with its neighbours.",
+        "{count:,} faces were flipped to agree with their neighbours.",
     ),
-    "rounded_positions": "The mesh lies so far from its origin that its positions are rounded to {share:.1%} of its "
-    "size. Move it to the origin before modelling or scanning detail.",
+    "rounded_positions": "The mesh lies so far from its origin that it loses detail. Positions are rounded to "
+    "{share:.1%} of its size. Move it to the origin before modelling or scanning detail.",
     # its pieces
     "too_many_pieces": "The mesh has {count:,} loose parts, more than {most:,}. Merge what belongs together, or "
     "delete or separate the small parts, and run again.",
@@ -46,7 +46,7 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
     "join parts that should move together first.",
     "several_bodies": "The mesh has {count} bodies that do not touch, or only touch. Each has its own feature "
     "points and form and stays in place.",
-    "small_pieces_ride": "Small loose parts ({count:,}) follow the larger part that lies nearest.",
+    "small_pieces_ride": "Small loose parts ({count:,}) follow the nearest larger part.",
     "rider_stretched": "Some loose parts lie on others that move apart. They were moved rigidly.",
     # what makes a form doubtful
     "no_pairs": (
@@ -59,21 +59,21 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
         "1 limb has no partner on the other side. Fix the missing one by hand.",
         "{count} limbs have no partner on the other side. Fix the missing ones.",
     ),
-    "twisted": "Left and right of arms and legs do not agree: fix the limbs by hand.",
+    "twisted": "Left and right of the limbs disagree: fix them by hand.",
     "handles": (
-        "The surface has a handle: skin may have grown together there.",
-        "The surface has {count} handles: skin may have grown together there.",
+        "Skin may have grown together: the surface has a handle.",
+        "Skin may have grown together: the surface has {count} handles.",
     ),
     "contacts_opened": (
         "Skin has probably grown together in 1 place. It was parted there.",
         "Skin has probably grown together in {count} places. It was parted there.",
     ),
-    "contacts_largest": "Where skin has grown together was looked for on the largest body only.",
-    "contacts_left": "Some arms or legs have probably grown together with the body still.",
-    "contacts_left_beside": "Beside the reference, some limbs have probably grown together, or it is another body.",
-    "contacts_unknown": "Whether skin has grown together is not known: the reference is too unlike this body.",
-    "part_here_nothing": "No face and no edge is marked with all of its vertices: nothing was parted.",
-    "part_here_all": "All vertices of a piece are marked: nothing was parted there. Mark only where parts meet.",
+    "contacts_largest": "Only the largest body was searched for skin in contact.",
+    "contacts_left": "Some limbs have probably grown together with the body.",
+    "contacts_left_beside": "Some limbs have probably grown together. Or the reference is another body.",
+    "contacts_unknown": "The reference is too unlike this body. Whether skin has grown together is not known.",
+    "part_here_nothing": "Nothing was parted: mark whole edges or faces.",
+    "part_here_all": "A piece is marked as a whole: nothing was parted there. Mark only where parts meet.",
     "part_here_loose": (
         "The marks cut 1 piece off. If it is not to come off, unmark some of its rim.",
         "The marks cut {count} pieces off. If they are not to come off, unmark some of their rims.",
@@ -103,31 +103,30 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
     "feature_twice": "feature_points contains a vertex twice.",
     "feature_names": "feature_names must give each of feature_points one of {names}, or an empty text.",
     "feature_name_twice": "feature_names contains a name twice.",
-    "feature_off_surface": "feature_points contains vertices that belong to no face with area.",
-    "feature_coincident": "feature_points contains two vertices at one position, where borders coincide.",
-    "features_detected_elsewhere": "{count} loose parts have none of the given feature points; theirs were detected.",
+    "feature_off_surface": "feature_points has vertices of no face with area.",
+    "feature_coincident": "feature_points has two vertices at one position.",
+    "features_detected_elsewhere": "{count} loose parts have none of the given feature points. Theirs were detected.",
     "source_list": "Source vertices must be a list of at least one whole number.",
     "source_range": "Source vertices must lie between 0 and {last}.",
-    "too_many_sources": "Select at most {most:,} source vertices; {count:,} are selected.",
+    "too_many_sources": "Select at most {most:,} source vertices. {count:,} are selected.",
     "limb_mask": "chosen must be a boolean array of length {count}.",
     "limb_ways": "ways must lie between 0 and 1.",
     "diffusion_time": "The diffusion time must be positive; got {value}.",
     # a reference
     "reference_without_limbs": "The reference has no feature points. Compute its form again and use that.",
-    "reference_bodies": "This mesh has {count} bodies and the reference {others}; only those that both have, the "
+    "reference_bodies": "This mesh has {count} bodies and the reference {others}. Only those that both have, the "
     "largest first, were aligned to it.",
-    "reference_far": "The reference is too far from the origin for a mesh of this size. Use one unit for both, and "
-    "move the reference near the origin.",
+    "reference_far": "The reference lies too far from the origin. Use one unit for both meshes, and move the reference "
+    "near the origin.",
     "reference_unlike": "This body differs too much from the reference. Check the orientation of the form, or choose "
     "another reference.",
-    "reference_sides": "Front and back, or left and right, can hardly be distinguished on this reference. Check how "
-    "the form lies.",
-    "upright_by_file": "The surface does not tell head from feet, or front from back, so the form stands as in the "
-    "file. Check how it lies.",
+    "reference_sides": "The reference looks alike from two sides. Check how the form lies.",
+    "upright_by_file": "The form stands as in the file. The surface does not tell head from feet, or front from back: "
+    "check how it lies.",
     "upside_down": "The form stands the other way up than the file. If the file is right, choose a reference that "
     "stands as it should, or keep the form as posed.",
-    "reference_features": "This body has {count} feature points and the reference {others}; if one has no "
-    "counterpart, the numbers after it differ.",
+    "reference_features": "This body has {count} feature points, the reference {others}. If one has no counterpart, "
+    "the numbers after it differ.",
     # a match
     "match_side": 'The side must be "auto" or a non-negative whole number; got {value!r}.',
     "match_no_side": "There are {count} ways to match these meshes; side must lie between 0 and {last}.",
@@ -136,64 +135,59 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
     "rig_pose": "The pose at rest must be 'T', 'A', 'rest' or None; got {value!r}.",
     "stance_arrays": "The rig needs a head, a tail and a parent for each of its {bones} bones, and one weight of each "
     "for each of the {vertices} vertices.",
-    "stance_limbs": "Neither the names nor the shape of these bones tell two arms and two legs.",
+    "stance_limbs": "These bones do not show two arms and two legs. Neither their names nor their shape does.",
     "stance_parts": "Nothing was made: the largest body is only {share:.0%} of the mesh. Join what belongs together.",
     "stance_unlike": "Nothing was made: this body is too unlike a human one. Take the pose of a similar mesh.",
     "stance_unlikely": "Nothing was made: the skeleton found here is unlikely. Fix the limbs by hand.",
     "stance_limb": "Nothing was made: an arm or a leg was not found. Fix the limbs by hand.",
     "stance_strained": "Nothing was made: the skin does not follow the skeleton. Fix the limbs by hand.",
-    "transfer_unlike": "Nothing was transferred: these two bodies are not alike enough.",
-    "rig_unlike": "Nothing was made: this body and the reference are not alike enough.",
+    "transfer_unlike": "Nothing was transferred: these bodies are too unlike.",
+    "rig_unlike": "Nothing was made: this body is too unlike the reference.",
     "stance_doubtful": "The skeleton found in this body is unlikely. Check the pose.",
     "mannequin_arms": "The arms of the mannequin can be lowered by -90 to 90 degrees; got {value!r}.",
-    "match_bodies": "This mesh has {count} bodies and the other {others}; only those that both have, the largest "
+    "match_bodies": "This mesh has {count} bodies and the other {others}. Only those that both have, the largest "
     "first, were matched.",
     "match_unlike": "These bodies differ too much. Check the match, or choose another mesh.",
-    "match_unsure": "Large parts of this match are uncertain; see the confidence. Check them before use.",
-    "match_sides": "Left and right, or front and back, can hardly be distinguished here. Check them, or "
-    "choose another side.",
+    "match_unsure": "Large parts of this match are uncertain. See the confidence, and check them before use.",
+    "match_sides": "Left and right, or front and back, may be swapped. Check them, or choose another side.",
     "transfer_shape": "There must be one item per vertex of the other mesh, {count:,}.",
     "transfer_corners": "There must be one row per corner of the other mesh, {count:,}.",
     # memory
-    "mesh_memory": "A mesh of {vertices:,} vertices needs about {needed:.1f} GB, more than {limit}. Reduce the mesh, "
-    "close other programs, or raise the memory limit.",
+    "mesh_memory": "This mesh needs about {needed:.1f} GB, more than {limit}. Reduce its {vertices:,} vertices, close "
+    "other programs, or raise the memory limit.",
     "pair_memory": "All pairs {which} need about {needed:.1f} GB, more than {limit}. {advice}, reduce the mesh to "
     "about {vertices:,} vertices, or raise the memory limit.",
     "distance_memory": "These distances need about {needed:.1f} GB, more than {limit}. {advice}, reduce the mesh, or "
     "raise the memory limit.",
     # the working surface
-    "coarse_mesh_stuck": "The mesh could only be reduced to {count:,} vertices, because of its many borders or edges "
-    "with more than two faces; the run needs more time and memory than estimated. Merge vertices by distance to speed "
-    "it up.",
-    "flips_exhausted": "Some long, thin triangles could not be improved; distances there are less accurate. Remesh "
-    "for a better form.",
-    "flat_triangles": "Degenerate triangles disturb the spectrum; all edges were lengthened by at most "
-    "{share:.0%} of the "
-    "mean edge to compute it.",
-    "few_eigenpairs": "The mesh is small: it has fewer eigenpairs than requested, and all were used.",
+    "coarse_mesh_stuck": "The mesh is hard to reduce: {count:,} vertices are left. It has many borders, or edges with "
+    "more than two faces; the run needs more time and memory than estimated. Merge vertices by distance to "
+    "speed it up.",
+    "flips_exhausted": "Some long, thin triangles could not be improved. Distances there are less accurate; remesh for "
+    "a better form.",
+    "flat_triangles": "Flat triangles disturb the spectrum. Edges were lengthened by at most {share:.0%} of the mean.",
+    "few_eigenpairs": "The mesh is small: all its eigenpairs were used.",
     "few_features": "The surface has {count} feature points, fewer than requested.",
     # solvers
-    "singular": "The triangles are too thin, or differ too much in size, for the solver. Clean the mesh up or "
-    "remesh it.",
-    "disconnected": "The surface is disconnected, or nearly so: its second eigenvalue is 0.",
+    "singular": "The triangles are too thin, or too unlike in size. Clean the mesh up or remesh it.",
+    "disconnected": "The surface is disconnected, or nearly so. Its second eigenvalue is 0.",
     "inaccurate_spectrum": "The spectrum of the surface is only accurate to {residual:.1e}. Clean the mesh up or "
     "request fewer eigenpairs.",
     "spectrum_diverged": "The spectrum of the surface did not converge ({reason}). Request fewer eigenpairs or "
     "clean the mesh up.",
     "heat_disconnected": "Heat does not reach all of the surface: it has loose parts. Separate or merge them.",
-    "no_axes": "Classical scaling found no axes: the distances are too similar or too irregular. Clean the mesh up.",
+    "no_axes": "The distances are too similar or too irregular. Classical scaling found no axes. Clean the mesh up.",
     # distances
-    "heat_fallback": "The heat method fails on some long, thin triangles; distances there were measured along edges. "
-    "Remesh for a better form.",
+    "heat_fallback": "The heat method fails on some long, thin triangles. Distances there were measured along edges; "
+    "remesh for a better form.",
     "heat_bounded": (
-        "The heat method is inaccurate beside spikes: the distance of 1 vertex was clamped between the straight "
-        "line and "
-        "the path along edges. Compare fast marching, or smooth the spikes.",
-        "The heat method is inaccurate beside spikes: the distances of {count:,} vertices were clamped between the "
+        "The heat method is inaccurate beside spikes. The distance of 1 vertex was clamped between the "
         "straight line and the path along edges. Compare fast marching, or smooth the spikes.",
+        "The heat method is inaccurate beside spikes. The distances of {count:,} vertices were clamped "
+        "between the straight line and the path along edges. Compare fast marching, or smooth the spikes.",
     ),
-    "zero_distances": "{count} pairs of points had zero distance, because of very thin triangles, and were given "
-    "a small one. Merge vertices by distance, or remesh, for a better form.",
+    "zero_distances": "{count} pairs of points had no distance between them. Very thin triangles do this; they were "
+    "given a small one. Merge vertices by distance, or remesh, for a better form.",
     # the embedding
     "still_falling": "The minimisation stopped after {steps} steps before it converged. More iterations will "
     "change the form "
@@ -294,8 +288,19 @@ def sentences() -> tuple[str, ...]:
     >>> "The surface has no area. Choose a mesh with a surface." in sentences()
     True
     """
-    both = (each if isinstance(each, tuple) else (each,) for each in _SENTENCES.values())
-    return (*(sentence for each in both for sentence in each), *_PHRASES.values())
+    return (*(sentence for kind in _SENTENCES for sentence in sentences_of(kind)), *_PHRASES.values())
+
+
+def sentences_of(kind: str) -> tuple[str, ...]:
+    """List the sentences of a kind of message: one, or that for a count of 1 and that for any other.
+
+    Examples
+    --------
+    >>> sentences_of("no_area")
+    ('The surface has no area. Choose a mesh with a surface.',)
+    """
+    sentence = _SENTENCES[kind]
+    return sentence if isinstance(sentence, tuple) else (sentence,)
 
 
 def kinds() -> tuple[str, ...]:
