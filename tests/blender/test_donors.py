@@ -287,7 +287,7 @@ def test_what_does_not_fit_is_refused_unless_it_is_wanted_anyway(pair):  # noqa:
     bpy.context.view_layer.objects.active = scan
     before = snapshot(scan)
     words = {**TRANSFER, "like": "Star", "kinds": {"MATERIALS"}}
-    with pytest.raises(RuntimeError, match="not alike enough"):
+    with pytest.raises(RuntimeError, match="too unlike"):
         bpy.ops.object.canonical_form_transfer(**words)
     assert snapshot(scan) == before
     assert bpy.ops.object.canonical_form_transfer(**words, anyway=True) == {"FINISHED"}

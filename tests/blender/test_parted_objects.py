@@ -158,7 +158,7 @@ def test_a_piece_that_is_marked_all_over_stays_and_it_is_told(blender, capfd):
     obj, along = add_ring()
     part_here(obj, np.arange(len(along)))
     assert bpy.ops.object.canonical_form(quality="draft") == {"FINISHED"}
-    assert "All vertices of a piece are marked" in capfd.readouterr().out
+    assert "A piece is marked as a whole" in capfd.readouterr().out
     assert np.ptp(shape(obj.data, "Canonical Form"), axis=0).max() > 1
     assert "Contacts" not in obj.vertex_groups
 
