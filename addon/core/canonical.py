@@ -244,7 +244,7 @@ def _form(
     others = reference_bodies(reference, bodies.faces, [body.vertices for body in bodies.bodies], monitor)
     plan = {**DETECTION, **method.stages, "Alignment": 1}
     forms = bodies.map(partial(_body_form, method=method, settings=settings), monitor, plan, bodies.chosen, others)
-    form = shaped(bodies, [each.points for each in forms], monitor, area_kept=True)
+    form = shaped(bodies, [each.points for each in forms], monitor, area_kept=method.area_kept)
     features = gathered_features(bodies, [each.features for each in forms])
     if is_unchanged(bodies.vertices, form, bodies.faces):
         monitor.warn("hardly_unbent")
@@ -316,6 +316,8 @@ def _body_form(
     found = body.features(chosen, settings, monitor)
     embedded = method.unfold(found, settings, monitor)
     with monitor.stage("Alignment"):
+        if method.area_kept:
+            embedded = embedded.of_unit_area(found.whole_faces)
         points, order = in_place(embedded, found, settings, reference, monitor)
         names = names_in_form(embedded, found)
         features = monitor.kept("shown", [found, order], lambda: found.prolonged(monitor, order))

@@ -19,7 +19,7 @@ from .writing import csv_text, markdown_table, number, short
 FIGURES = (
     "vertices", "faces", "features", "pair_count", "compactness", "compactness_error", "edge_distortion_median",
     "edge_distortion_95", "edge_distortion_999", "area_distortion_median", "area_distortion_95", "thickness_median",
-    "thickness_95", "crossings_added", "jags", "border_jags", "hausdorff", "warnings",
+    "thickness_95", "crossings_added", "jags", "border_jags", "hausdorff", "scale", "warnings", "unfinished",
 )  # fmt: skip
 
 
@@ -63,7 +63,10 @@ def write_report(
                 for shape in shapes
             ),
         ),
-        "classes.csv": csv_text(_CLASS_HEAD, (_class_line(table, label) for table in tables for label in labels)),
+        "classes.csv": csv_text(
+            _CLASS_HEAD,
+            (_class_line(table, matrices[table.method.name, label][1], label) for table in tables for label in labels),
+        ),
         "methods.csv": csv_text(_METHOD_HEAD, (_method_line(table, matrices, labels) for table in tables)),
         "costs.csv": csv_text(
             ["class", "shape", "method", "vertices", "seconds", "all_seconds", "memory_megabytes"],
@@ -107,18 +110,18 @@ _DETAIL = {  # in addition to the median and 95th percentile of the edges; with 
 }
 _CLASS_HEAD = (
     "method", "class", "shapes", "compactness_error_mean_e4", "compactness_error_deviation_e4",
-    "edge_distortion_median_mean", "edge_distortion_95_mean", "hausdorff_mean", "pose_ratio", "pose_ratio_mirrored",
-    *(f"{name}_mean" for name in _DETAIL),
+    "edge_distortion_median_mean", "edge_distortion_95_mean", "hausdorff_mean", "hausdorff_within_class",
+    "pose_ratio", "pose_ratio_mirrored", *(f"{name}_mean" for name in _DETAIL), "scale_mean", "not_converged",
 )  # fmt: skip
 _METHOD_HEAD = (
     "method", "done", "failed", "compactness_error_mean_e4", "compactness_error_deviation_e4",
     "edge_distortion_median_mean", "edge_distortion_95_mean", "hausdorff_mean", "hausdorff_within_classes",
     "pose_ratio", "pose_ratio_mirrored", "nearest_neighbour", "first_tier", "second_tier", "discounted_gain",
-    *(f"{name}_mean" for name in _DETAIL),
+    *(f"{name}_mean" for name in _DETAIL), "scale_mean", "not_converged",
 )  # fmt: skip
 
 
-def _class_line(table: MethodTable, label: str) -> list[str]:
+def _class_line(table: MethodTable, within: np.ndarray, label: str) -> list[str]:
     error = 1e4 * table.values("compactness_error", label)
     pose = table.poses.get(label)
     return [
@@ -127,8 +130,10 @@ def _class_line(table: MethodTable, label: str) -> list[str]:
         str(len(table.values("vertices", label))),
         *map(number, [_mean(error), _deviation(error)]),
         *(number(_mean(table.values(name, label))) for name in _MEANS),
+        number(_mean(_upper(within))),
         *map(number, [pose.ratio, pose.ratio_mirrored] if pose else [None, None]),
-        *(number(_mean(table.values(name, label))) for name in _DETAIL),
+        *(number(_mean(table.values(name, label))) for name in (*_DETAIL, "scale")),
+        number(table.values("unfinished", label).sum()),
     ]
 
 
@@ -148,7 +153,8 @@ def _method_line(table: MethodTable, matrices: dict[tuple[str, str], Any], label
         number(_mean(np.array([each for each in within if np.isfinite(each)]))),
         *map(number, [table.pose_ratio(), table.pose_ratio(mirrored=True)]),
         *map(number, [found.nearest_neighbour, found.first_tier, found.second_tier, found.discounted_gain]),
-        *(number(_mean(table.values(name))) for name in _DETAIL),
+        *(number(_mean(table.values(name))) for name in (*_DETAIL, "scale")),
+        number(table.values("unfinished").sum()),
     ]
 
 
@@ -195,7 +201,9 @@ def report_text(
         "Compactness errors are times 10⁻⁴; Hausdorff distances in units of sqrt(area), after rigid alignment; edge "
         "distortion is |stretch − 1|; the pose ratio is the distance between the forms of a class over that between "
         f"its poses. Retrieval compares spherical harmonic descriptors ({SHELLS} shells, {DEGREES} degrees) of the "
-        "forms; *input* is the meshes as they are. Times and memory: [costs](costs.md).",
+        "forms; *input* is the meshes as they are. Forms keep the scale that their method has given them, in units "
+        "of the pose: *scale* is the median length of an edge over that in the pose. *Not converged*: forms whose "
+        "stress was still falling after the last step. Times and memory: [costs](costs.md).",
         "",
         "## Detail kept",
         "",
@@ -212,8 +220,9 @@ def report_text(
         "",
         markdown_table(
             ["method", "compactness error", "deviation", "edges, median", "95 %", "Hausdorff to input",
-             "within classes", "pose ratio", "mirrored", "NN", "1st tier", "2nd tier", "DCG", "failed"],
-            ([line[0], *(short(word) for word in line[3 : -len(_DETAIL)]), line[2]]
+             "within classes", "pose ratio", "mirrored", "NN", "1st tier", "2nd tier", "DCG", "scale",
+             "not converged", "failed"],
+            ([line[0], *(short(word) for word in (*line[3 : -len(_DETAIL) - 2], *line[-2:])), line[2]]
              for line in (_method_line(table, matrices, labels) for table in tables)),
         ),
     ]  # fmt: skip

@@ -16,7 +16,7 @@ from .dataset import Shape
 from .methods import INPUT, KNOWN, Method
 from .reading import Reader
 from .store import Store, digest, keys_of
-from .tables import evenly
+from .tables import evenly, scaled_form
 from .work import Outcome, hausdorff_row, measured
 
 Told = Callable[[str], object]
@@ -227,14 +227,7 @@ def compute_hausdorff(store: Store, rows: Rows, crew: Crew, told: Told, pace: li
 
     def work() -> Iterator[tuple[object, Work]]:
         for name, (method, some, _) in rows.items():
-            forms = [
-                (
-                    np.asarray(store.array(shape, method, "form"), dtype=np.float64),
-                    np.asarray(store.array(shape, KNOWN[INPUT], "faces")),
-                )
-                for shape in some
-            ]
-            yield name, (hausdorff_row, (forms,))
+            yield name, (hausdorff_row, ([scaled_form(store, shape, method) for shape in some],))
 
     for name, result in crew.results(work()):
         if isinstance(result, Failure):

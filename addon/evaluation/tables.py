@@ -198,12 +198,30 @@ def _pose_ratio(store: Store, shapes: list[Shape], method: Method) -> PoseRatio:
         return PoseRatio()
     means = []
     for which, mirror in ((method, False), (method, True), (KNOWN[INPUT], False)):
-        unit = []
-        for shape in some:
-            form = np.asarray(store.array(shape, which, "form"), dtype=np.float64)
-            unit.append(form / np.sqrt(surface_area(form, faces[0])))
-        means.append(mean_apart(unit, mirror))
+        means.append(mean_apart([scaled_form(store, shape, which) for shape in some], mirror))
     return PoseRatio(*means)
+
+
+def scaled_form(store: Store, shape: Shape, method: Method) -> FloatArray:
+    """Read a form at the scale that its method has given it.
+
+    Parameters
+    ----------
+    store : Store
+        Contains the form, and the mesh in its pose.
+    shape : Shape
+        The shape.
+    method : Method
+        The method.
+
+    Returns
+    -------
+    (n, 3) ndarray of float
+        The form, in units of sqrt(area) of the pose: a form of its own area would have a torn one shrunk.
+    """
+    form, pose = (np.asarray(store.array(shape, each, "form"), dtype=np.float64) for each in (method, KNOWN[INPUT]))
+    faces = np.asarray(store.array(shape, KNOWN[INPUT], "faces"))
+    return np.asarray(form / np.sqrt(surface_area(pose, faces)))
 
 
 def mean_apart(forms: Sequence[FloatArray], mirror: bool = False) -> float:

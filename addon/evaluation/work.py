@@ -13,8 +13,7 @@ import numpy as np
 
 from ..core import CanonicalFormError, Settings, canonical_form
 from ..core.measures.detail_kept import detail_measures
-from ..core.measures.form_measures import hausdorff, summary
-from ..core.mesh.geometry import surface_area
+from ..core.measures.form_measures import edge_stretch, hausdorff, summary
 from ..core.method_api.catalogue import DETECTION, method_named
 from ..core.numerics.arrays import FloatArray, IntArray
 from .descriptor import harmonic_descriptor
@@ -77,6 +76,7 @@ def measured(vertices: FloatArray, faces: IntArray, method: Method) -> Outcome:
             memory = peak.megabytes()
             row |= row_of_form
             figures = summary(vertices, after, faces) | detail_measures(vertices, after, faces, patches)
+            figures["scale"] = float(np.median(edge_stretch(vertices, after, faces)))
             row |= {name: _plain(value) for name, value in figures.items()}
             described = harmonic_descriptor(after, faces)
             form = (after - after.mean(axis=0)).astype(np.float32)  # its position has no meaning and costs digits
@@ -92,13 +92,18 @@ def _computed(
 ) -> tuple[FloatArray, IntArray, IntArray | None, dict[str, Any], float]:
     """Compute a form and return vertices, triangles, patches, figures and seconds."""
     if settings is None:
-        return vertices, faces, None, {"features": None, "pair_count": None, "warnings": 0}, 0.0
+        return vertices, faces, None, {"features": None, "pair_count": None, "warnings": 0, "unfinished": 0}, 0.0
     began = time.perf_counter()
     form = canonical_form(vertices, faces, settings)
     seconds = time.perf_counter() - began
     if method_named(settings.method).pairs in ("all", "landmarks"):  # a rival: it does without feature points
         seconds -= sum(form.timings.get(stage, 0.0) for stage in DETECTION)
-    row = {"features": len(form.feature_points), "pair_count": form.pair_count, "warnings": len(form.warnings)}
+    row = {
+        "features": len(form.feature_points),
+        "pair_count": form.pair_count,
+        "warnings": len(form.warnings),
+        "unfinished": int(any(told.kind == "still_falling" for told in form.warnings)),
+    }
     return form.vertices, form.faces, form.patches, row, seconds
 
 
@@ -106,13 +111,13 @@ def _plain(value: float) -> float | None:
     return None if np.isnan(value) else float(value)
 
 
-def hausdorff_row(forms: list[tuple[FloatArray, IntArray]]) -> tuple[list[float], float]:
+def hausdorff_row(forms: list[FloatArray]) -> tuple[list[float], float]:
     """Return the distances of the first of several shapes from the others, after rigid alignment, with mirror images.
 
     Parameters
     ----------
-    forms : list of ((n, 3) ndarray of float, (m, 3) ndarray of int)
-        Shapes, each scaled to unit area first.
+    forms : list of (n, 3) ndarray of float
+        Shapes, in units of sqrt(area) of their poses.
 
     Returns
     -------
@@ -123,8 +128,7 @@ def hausdorff_row(forms: list[tuple[FloatArray, IntArray]]) -> tuple[list[float]
     """
     began = time.perf_counter()
     with one_thread():
-        scaled = [vertices / np.sqrt(surface_area(vertices, faces)) for vertices, faces in forms]
-        distances = [hausdorff(scaled[0], other, mirror=True) for other in scaled[1:]]
+        distances = [hausdorff(forms[0], other, mirror=True) for other in forms[1:]]
     return distances, time.perf_counter() - began
 
 

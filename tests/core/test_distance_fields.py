@@ -194,7 +194,7 @@ def test_a_mesh_that_cannot_be_made_coarse_is_told_or_refused(kind, monkeypatch)
     said: list[str] = []
     assert np.isfinite(distance_field(vertices, faces, [0], kind, warned=said.append)).all()
     assert "hard to reduce" in said[0]
-    with pytest.raises(TooLargeError, match="All pairs of points need"):
+    with pytest.raises(TooLargeError, match="All pairs of points need it"):
         distance_field(vertices, faces, [0], kind, memory_limit=0.11)
 
 

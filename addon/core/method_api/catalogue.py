@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from .surface_features import SurfaceFeatures
 
 FEATURE_OPTIONS = ("prominence", "feature_count", "diffusion_time", "eigenpairs")  # of every method
-PATIENT = 1e-5  # relative decrease of the stress in a step at which the rivals and the paper to the letter stop
+PATIENT = 1e-5  # relative decrease of the stress in a step at which the rivals and the paper's as published stop
 # stages of every run, before those of its method
 DETECTION: Plan = {"Coarse mesh": 28, "Triangulation": 2, "Spectrum": 7, "Feature points": 2, "Patches": 1}
 
@@ -46,6 +46,8 @@ class Method(NamedTuple):
         Determines the estimates of memory and time.
     rank : int
         Its position in lists, and its number in saved files; unique.
+    area_kept : bool
+        Whether the form is scaled to the area of its input; else it has the scale that its distances have given it.
     fixed : mapping of str to object
         Options that are part of the method; they override the settings.
     """
@@ -59,6 +61,7 @@ class Method(NamedTuple):
     uses: tuple[str, ...] = ()
     pairs: Literal["none", "patches", "all", "landmarks"] = "landmarks"
     rank: int = 100
+    area_kept: bool = False
     fixed: Mapping[str, Any] = MappingProxyType({})
 
     def settings(self, wanted: Settings) -> Settings:

@@ -6,17 +6,18 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..mesh.geometry import surface_area
 from ..numerics.arrays import FloatArray, IntArray
 from ..run.monitor import Monitor
 
 
 class MethodResult(NamedTuple):
-    """A form before it is scaled and aligned to its input.
+    """A form before it is aligned to its input.
 
     Attributes
     ----------
     points : (n, 3) ndarray of float
-        All vertices, at any scale and position, not mirrored.
+        All vertices, in any position, not mirrored; the input has unit area.
     history : (s + 1,) ndarray of float
         The stress before each of the s steps and after the last; empty if the form is not the minimum of one stress.
     pair_count : int
@@ -32,6 +33,10 @@ class MethodResult(NamedTuple):
     pair_count: int = 0
     asymmetry: float = float("nan")
     partner: IntArray | None = None
+
+    def of_unit_area(self, faces: IntArray) -> MethodResult:
+        """Scale the form to the area of its input. `faces` (m, 3)."""
+        return self._replace(points=self.points / np.sqrt(surface_area(self.points, faces)))
 
 
 def warn_if_still_falling(history: FloatArray, tolerance: float, most: int, monitor: Monitor) -> None:

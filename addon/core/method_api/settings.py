@@ -24,7 +24,7 @@ class Settings:
     ----------
     method : str
         Name of a method of `addon.core.methods`: 'straight', the default; 'local_features', the paper's stress with
-        repairs; the paper to the letter ('as_published', 'as_published_closed'); or a rival to compare with. Rivals
+        repairs; that stress as published ('as_published', 'as_published_closed'); or a rival to compare with. Rivals
         work on all vertices: from all pairs of them at quality 'full', otherwise from landmarks.
     quality : {'draft', 'normal', 'full'}
         Number of working vertices. Draft: 700 vertices; normal: 1,600; the result is interpolated to all vertices, at a
@@ -35,7 +35,7 @@ class Settings:
     diffusion_time : float
         t of the Auto Diffusion Function (equation 7), in multiples of 1/λ_1. Larger: fewer, broader features.
     eigenpairs : int
-        Number K of eigenpairs in the Auto Diffusion Function, and in the distances of the paper to the letter.
+        Number K of eigenpairs in the Auto Diffusion Function, and in the distances of the paper as published.
     prominence : float
         Minimum prominence of a feature point: the logarithm of the ratio of the Auto Diffusion Function there to that
         at the pass to a higher point. Larger: fewer features.
@@ -49,6 +49,12 @@ class Settings:
         and back from them.
     landmark_count : int
         Number of landmarks that lay the surface out, and of rivals below quality 'full'.
+    start : {'classical', 'input'}
+        Where the paper's stress starts from, as published: the classical embedding of the surface, or the mesh.
+    pair_weight : {'squared', 'plain'}
+        Weight of a pair inside a patch over its squared distance, as published: c² or c (equation 8).
+    biharmonic_scale : {'own', 'geodesic'}
+        Biharmonic distances between feature points, as published: as they are, or as long as geodesics.
     symmetry : {'hold', 'ignore'}
         Whether the straight form of a mirror-symmetric surface is kept symmetric.
     orientation : {'posed', 'upright', 'two_legs', 'all_fours'}
@@ -131,6 +137,33 @@ class Settings:
         "Number of points that lay the surface out",
         low=4,
         soft_high=500,
+    )
+    start: str = option(
+        "classical",
+        "Start",
+        "Where the paper's stress starts from, as published",
+        choices=(
+            Choice("classical", "Classical Scaling", "The classical embedding of the surface"),
+            Choice("input", "Mesh", "The mesh in its pose, of which much stays"),
+        ),
+    )
+    pair_weight: str = option(
+        "squared",
+        "Pair Weight",
+        "Weight of a pair inside a patch over its squared distance, as published",
+        choices=(
+            Choice("squared", "c²", "The squared commute time"),
+            Choice("plain", "c", "The commute time, its root"),
+        ),
+    )
+    biharmonic_scale: str = option(
+        "own",
+        "Biharmonic Scale",
+        "Biharmonic distances between feature points, as published",
+        choices=(
+            Choice("own", "Own", "As they are: shorter than geodesics"),
+            Choice("geodesic", "Geodesic", "As long as geodesics in the mean"),
+        ),
     )
     symmetry: str = option(
         "hold",

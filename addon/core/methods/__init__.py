@@ -1,1 +1,1 @@
-"""One file per method, discovered automatically: ours, the paper to the letter, the rivals."""
+"""One file per method, discovered automatically: ours, readings of the paper, the rivals."""

@@ -127,5 +127,6 @@ METHODS = (
         uses=("landmark_count", "preserve_detail", "max_iterations"),
         pairs="patches",
         rank=11,
+        area_kept=True,
     ),
 )

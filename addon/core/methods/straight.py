@@ -184,5 +184,6 @@ METHODS = (
         uses=("landmark_count", "symmetry", "preserve_detail"),
         pairs="none",
         rank=0,
+        area_kept=True,
     ),
 )

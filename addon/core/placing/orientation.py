@@ -6,7 +6,7 @@ import numpy as np
 
 from ..matching.laying import CLOSE, laid_by_limbs, laid_by_vertices
 from ..measures.alignment import rigid_fit
-from ..mesh.geometry import surface_area, vertex_areas
+from ..mesh.geometry import vertex_areas
 from ..method_api.method_result import MethodResult
 from ..method_api.settings import Settings
 from ..method_api.surface_features import SurfaceFeatures
@@ -29,12 +29,12 @@ def in_place(
     reference: ReferenceBody | None,
     monitor: Monitor,
 ) -> tuple[FloatArray, IntArray]:
-    """Scale a form to the area of its input, and place and orient it by a proper motion.
+    """Place and orient a form by a proper motion, in the unit of its input.
 
-    `embedded`: the form, at any scale and position; `found`: the surface of which it is the form; `settings`: whether
+    `embedded`: the form, in any position; `found`: the surface of which it is the form; `settings`: whether
     it lies as posed, or upright; `reference`: the body to which it is aligned instead; gives form (n, 3), order (k,).
     """
-    form = embedded.points / np.sqrt(surface_area(embedded.points, found.whole_faces))
+    form = embedded.points
     areas = vertex_areas(found.whole_points, found.whole_faces)
     order = np.arange(len(found.features))
     if reference is not None:
@@ -79,7 +79,7 @@ def names_in_form(embedded: MethodResult, found: SurfaceFeatures) -> list[str]:
 
     `embedded`: the form; `found`: the surface of which it is the form; gives k names, "" for none.
     """
-    form = embedded.points / np.sqrt(surface_area(embedded.points, found.whole_faces))
+    form = embedded.points
     areas = vertex_areas(found.whole_points, found.whole_faces)
     rotation, _, _ = _upright(embedded, found, form, areas, "upright")
     return limb_names(found.limbs, form[found.whole_features] @ rotation[:, 0])

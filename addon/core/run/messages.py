@@ -153,12 +153,12 @@ _SENTENCES: dict[str, str | tuple[str, str]] = {  # a pair: for a count of 1, an
     "transfer_shape": "There must be one item per vertex of the other mesh, {count:,}.",
     "transfer_corners": "There must be one row per corner of the other mesh, {count:,}.",
     # memory
-    "mesh_memory": "This mesh needs about {needed:.1f} GB, more than {limit}. Reduce its {vertices:,} vertices, close "
-    "other programs, or raise the memory limit.",
-    "pair_memory": "All pairs {which} need about {needed:.1f} GB, more than {limit}. {advice}, reduce the mesh to "
-    "about {vertices:,} vertices, or raise the memory limit.",
-    "distance_memory": "These distances need about {needed:.1f} GB, more than {limit}. {advice}, reduce the mesh, or "
-    "raise the memory limit.",
+    "mesh_memory": "This takes {needed:.1f} GB, more than {limit}. Reduce the {vertices:,} vertices, close other "
+    "programs, or raise the memory limit.",
+    "pair_memory": "This takes {needed:.1f} GB, more than {limit}. All pairs {which} need it. {advice}, reduce the "
+    "mesh to about {vertices:,} vertices, or raise the memory limit.",
+    "distance_memory": "This takes {needed:.1f} GB, more than {limit}. {advice}, reduce the mesh, or raise the "
+    "memory limit.",
     # the working surface
     "coarse_mesh_stuck": "The mesh is hard to reduce: {count:,} vertices are left. It has many borders, or edges with "
     "more than two faces; the run needs more time and memory than estimated. Merge vertices by distance to "
@@ -212,7 +212,7 @@ _PHRASES = {  # parts of these sentences
     "other_mesh": "The other mesh",
     "the_reference": "The reference",
     "limit_given": "the limit of {limit:g} GB",
-    "limit_free": "{limit:.1f} GB, which is {share:.0%} of the free memory",
+    "limit_free": "{limit:.1f} GB, {share:.0%} of what is free",
     "pairs_of_points": "of points",
     "pairs_in_patches": "of points inside the {count} patches",
     "advice_quality": "Use quality Normal",

@@ -11,7 +11,7 @@ from tests.meshes import shapes
 @pytest.mark.parametrize("kind", KINDS)
 def test_distances_that_do_not_fit_are_refused_in_words(kind):
     mesh = shapes.grid(70, 70)
-    said = r"need about 0\.\d GB, more than the limit of 0\.01 GB\. Close other programs"
+    said = r"takes 0\.\d GB, more than the limit of 0\.01 GB\. Close other programs"
     with pytest.raises(TooLargeError, match=said):
         distance_field(*mesh, [0], kind, memory_limit=0.01)
     small, large = (distance_memory(count, kind) for count in (1_000, 1_000_000))
@@ -25,7 +25,7 @@ def test_fast_marching_is_advised_where_it_fits():
 
 def test_geodesics_that_do_not_fit_are_refused(monkeypatch):
     monkeypatch.setattr("addon.core.run.memory.free_memory", lambda: 0.01)
-    with pytest.raises(TooLargeError, match="These distances need"):
+    with pytest.raises(TooLargeError, match="This takes"):
         heat_geodesics(*shapes.grid(5, 5), [0])
 
 

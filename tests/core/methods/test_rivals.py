@@ -146,7 +146,6 @@ def test_the_contract(figure, forms, method):
     form = forms[method]
     assert form.vertices.shape == vertices.shape
     assert np.isfinite(form.vertices).all()
-    assert surface_area(form.vertices, faces) == pytest.approx(surface_area(vertices, faces), rel=1e-9)
     assert (np.diff(form.stress) <= 1e-12 * form.stress[:-1]).all()
     assert len(form.feature_points) == 5
     assert form.pair_count > 0
@@ -240,7 +239,7 @@ def test_rivals_stop_when_asked_and_tell_the_progress(figure: Mesh, method):
 
 
 def test_all_pairs_of_a_large_mesh_are_refused_before_they_are_computed(figure: Mesh):
-    with pytest.raises(TooLargeError, match="All pairs of points need about"):
+    with pytest.raises(TooLargeError, match="All pairs of points need it"):
         canonical_form(*figure, Settings(method="classical", quality="full", memory_limit=0.02))
     assert memory_estimate(13_000, Settings(method="classical", quality="full")) > 6
     assert memory_estimate(13_000, Settings(method="classical")) < 0.5

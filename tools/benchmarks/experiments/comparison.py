@@ -4,12 +4,13 @@ import csv
 import subprocess
 import sys
 from collections.abc import Iterator
+from itertools import product
 from pathlib import Path
 
 import numpy as np
 
 from addon.core.mesh.coarsening import coarsened
-from addon.evaluation.methods import DEFAULT, INPUT, KNOWN
+from addon.evaluation.methods import DEFAULT, INPUT, KNOWN, chosen_methods
 from tests.meshes.shapes import write_off
 from tools.benchmarks.experiment import Row, experiment
 from tools.benchmarks.mesh_sets import Body, Collection, folders, largest_pieces, together
@@ -28,8 +29,19 @@ MEASURES = {  # column: what methods.csv calls it
     "edges, 99.9 %": "edge_distortion_999_mean", "areas, median": "area_distortion_median_mean",
     "areas, 95 %": "area_distortion_95_mean", "thickness, median": "thickness_median_mean",
     "thickness, 95 %": "thickness_95_mean", "crossings added": "crossings_added_mean", "jags": "jags_mean",
-    "jags at borders": "border_jags_mean",
+    "jags at borders": "border_jags_mean", "scale": "scale_mean", "not converged": "not_converged",
 }  # fmt: skip
+CELLS = {"open": "as-published", "closed": "as-published-closed"}
+OPEN_QUESTIONS = {  # what the paper leaves open, by option, with the ways to read it: the first is the default
+    "start": ("classical", "input"), "pair_weight": ("squared", "plain"), "biharmonic_scale": ("own", "geodesic"),
+}  # fmt: skip
+OF_CLASSES = {  # column: what classes.csv calls it
+    "error": "compactness_error_mean_e4", "dev.": "compactness_error_deviation_e4", "pose ratio": "pose_ratio",
+    "mirrored": "pose_ratio_mirrored", "Hausdorff": "hausdorff_within_class", "edges": "edge_distortion_median_mean",
+    "scale": "scale_mean", "not converged": "not_converged",
+}  # fmt: skip
+STEPS = 1000
+EIGENPAIRS = (80, 40, 160, 320)  # the first is the default
 
 
 def bodies_of(data: Path | None) -> list[Body]:
@@ -88,6 +100,38 @@ def methods(collection: Body, setting: tuple[str, int | None, list[str]]) -> Ite
             "seconds": np.median(spent["seconds"]) if own else None,
             "MB": max(spent["MB"], default=None),
         }
+
+
+def readings() -> dict[str, dict[str, str]]:
+    """Return every reading of the paper by its name for the command: all of 80 eigenpairs, and the first of others."""
+    ways = [dict(zip(OPEN_QUESTIONS, each, strict=True)) for each in product(*OPEN_QUESTIONS.values())]
+    ways = [each | {"eigenpairs": str(EIGENPAIRS[0])} for each in ways]
+    ways += [ways[0] | {"eigenpairs": str(count)} for count in EIGENPAIRS[1:]]
+    found = {}
+    for cells, method in CELLS.items():
+        for way in ways:
+            settings = ",".join(f"{name}={value}" for name, value in way.items())
+            found[f"{method}:max_iterations={STEPS},{settings}"] = {"cells": cells, **way}
+    return found
+
+
+@experiment("readings", lambda data: together(folders(data)), settings={"": 2000})
+def every_reading(collection: Body, vertices: int) -> Iterator[Row]:
+    """The paper's equation 10 in every reading, on the same 2,000 vertices of all poses of each body, up to 1,000
+    steps. *error*: of the compactness in 10⁻⁴, mean and standard deviation; *Hausdorff*: mean between the forms of
+    a body; *edges*: median change of their lengths; *scale*: median length of an edge over that in the pose.
+    """
+    ways = readings()
+    folder = evaluated("evaluate", collection, "readings", vertices, "--methods", ",".join(ways))
+    lines = lines_of(folder / "classes.csv")
+    for word, way in ways.items():
+        name = chosen_methods([word])[-1].name
+        for line in (each for each in lines if each["method"] == name):
+            yield {
+                **{column.replace("_", " "): value for column, value in way.items()},
+                "of": line["class"],
+                **{column: float(line[each]) if line[each] else None for column, each in OF_CLASSES.items()},
+            }
 
 
 @experiment("matches", bodies_of, settings={"": "ours"})
