@@ -14,6 +14,7 @@ from .properties import METHOD_NAMES, chosen_value
 from .sidebar import Tab, draw_sentence, record_of
 from .tool_operators import OBJECT_OT_canonical_form_choose
 
+_READINGS = ("start", "pair_weight", "biharmonic_scale")  # of the paper: shown with its methods only
 _ELSEWHERE = ("quality", "preserve_detail", "orientation", "prominence", "feature_count", "contacts")
 _EVERY_METHOD = (
     *FEATURE_OPTIONS,
@@ -110,7 +111,7 @@ class VIEW3D_PT_canonical_form_method(Tab, bpy.types.Panel):
             return
         method = methods()[chosen_value(choices, "method")]
         for name in ("value", *METHOD_NAMES):
-            if name not in _ELSEWHERE:
+            if name not in _ELSEWHERE and (name not in _READINGS or name in method.uses):
                 row = column.row()
                 row.active = name in (*_EVERY_METHOD, *method.uses) and name not in method.fixed
                 row.prop(choices, name)
