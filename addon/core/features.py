@@ -63,6 +63,7 @@ def feature_patches(
     The paper, section 4.
     """
     from .placing.orientation import names_in_form
+    from .symmetry.upright import SURELY
 
     settings = settings_from(settings, options)
     method = method_named(settings.method)
@@ -73,7 +74,7 @@ def feature_patches(
     def work(body: Body, chosen: Chosen | None, own: Monitor) -> tuple[WholeFeatures, list[str], FloatArray]:
         found = body.features(chosen, settings, own)
         names = limb_names(found.limbs)
-        if named and any(map(side_of, names)) and not found.limbs.tell_sides:
+        if named and any(map(side_of, names)) and found.limbs.told < SURELY:
             names = names_in_form(method.unfold(found, settings, own), found)
         return found.prolonged(own), names, found.spectrum.eigenvalues
 

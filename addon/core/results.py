@@ -159,8 +159,8 @@ class Match(Summarised):
         Confidence of each point, 0 to 1.
     sides : list of float
         Scores, without unit, of the possible matches, which differ in left and right or front and back; the likeliest
-        first. Lower is better; among the first, whose scores are close, strain decides. Of several bodies, those of the
-        largest.
+        first. Lower is better; among the first, strain, and left and right of both surfaces, count too. Of several
+        bodies, those of the largest.
     other_faces : (m', 3) ndarray of int
         Triangles of the other mesh: those given, repaired where `other_warnings` says so. Where borders coincide, each
         has its own vertices.

@@ -20,7 +20,8 @@ _SAMPLES = 500  # vertices on which the matches are compared
 _COUNTS = (20, 35, 50)  # eigenfunctions, round by round
 _NEAR, _FACING = 0.6, 0.05  # weights of positions on the form and of normals
 _SIGNATURE, _CURVATURE = 2.0, 2.0  # weights relative to the logarithm of the remaining distance
-_RIVALS = 0.5  # difference of scores up to which sides are compared by their strain,
+_FACING_SIDES, _SURE = 0.1, 3.0  # weight of left and right of both surfaces, and how sure they count at most
+_RIVALS = 0.5  # difference of costs up to which sides are compared by their strain, too,
 _MOST = 3  # their maximum number
 _SAME = 0.15  # sqrt(area): mean distance between two maps below which they are of one side
 
@@ -36,11 +37,20 @@ class Side(NamedTuple):
         The alignment of the forms, and the corresponding feature points.
     strain : float
         By how much it changes lengths on the form, as in `fit_strain`; nan if its score decided.
+    facing : float
+        How surely left limbs correspond to left ones; below 0 to right ones.
     """
 
     score: float
     start: Start
     strain: float = float("nan")
+    facing: float = 0.0
+
+    @property
+    def cost(self) -> float:
+        """What speaks against it: score, logarithm of the strain if that is known, and sides that do not agree."""
+        strained = 0.0 if np.isnan(self.strain) else float(np.log(max(self.strain, float(np.finfo(float).tiny))))
+        return self.score + strained - _FACING_SIDES * self.facing
 
 
 def require_side(side: str | int) -> None:
@@ -73,9 +83,9 @@ def sides(one: Unfolded, other: Unfolded, monitor: Monitor) -> list[Side]:
 
     Each start is refined on a sample. Its score is the logarithm of the remaining distance between the forms, plus
     twice the change of the wave kernel signature, minus twice the correlation of smoothed mean curvature of the poses:
-    of these, curvature distinguishes front from back best. Between bodies of different make it hardly does, so matches
-    with close scores are fitted, and the one that strains the form least comes first: a body turned back to front has
-    to twist feet, hands and face.
+    of these, curvature distinguishes front from back best. Between bodies of different make it hardly does, so left
+    and right count as far as each surface tells them, by distances and toes. Matches that are close by both are fitted,
+    and how much that strains the form is added: a body turned back to front has to twist feet, hands and face.
 
     `one, other`: the surfaces.
 
@@ -90,7 +100,8 @@ def sides(one: Unfolded, other: Unfolded, monitor: Monitor) -> list[Side]:
     >>> sides(body, body, Monitor())[0].score < -4
     True
     """
-    return _by_strain(one, other, scored_sides(one, other, monitor), monitor)
+    found = [side._replace(facing=_facing(one, other, side.start)) for side in scored_sides(one, other, monitor)]
+    return _by_strain(one, other, sorted(found, key=lambda side: side.cost), monitor)
 
 
 def scored_sides(one: Unfolded, other: Unfolded, monitor: Monitor) -> list[Side]:
@@ -114,13 +125,22 @@ def scored_sides(one: Unfolded, other: Unfolded, monitor: Monitor) -> list[Side]
 
 
 def _by_strain(one: Unfolded, other: Unfolded, found: list[Side], monitor: Monitor) -> list[Side]:
-    """Sort the matches with scores close to the best by their strain."""
-    count = sum(side.score - found[0].score < _RIVALS for side in found[:_MOST])
+    """Sort the matches that cost hardly more than the best by their strain, too."""
+    count = sum(side.cost - found[0].cost < _RIVALS for side in found[:_MOST])
     if count > 1:
         rivals = [side._replace(strain=fit_strain(one, other, side.start, monitor)) for side in found[:count]]
-        found = sorted(rivals, key=lambda side: side.strain) + found[count:]
+        found = sorted(rivals, key=lambda side: side.cost) + found[count:]
     monitor.tick(1.0)
     return found
+
+
+def _facing(one: Unfolded, other: Unfolded, start: Start) -> float:
+    """Tell how surely a start maps left limbs to left ones: as sure as the surface is that tells it less."""
+    known = np.flatnonzero(start.image >= 0)
+    sides = one.limbs.side[known] * other.limbs.side[start.image[known]]
+    paired = max(1, int(np.count_nonzero(one.limbs.side[known])))
+    sure = min(abs(one.facing), abs(other.facing), _SURE)
+    return float(sure * np.sign(one.facing * other.facing) * sides.sum() / paired)
 
 
 def _score(one: Unfolded, other: Unfolded, rows: IntArray, partner: IntArray) -> float:

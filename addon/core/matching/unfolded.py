@@ -12,6 +12,7 @@ from ..numerics.arrays import FloatArray, IntArray
 from ..run.monitor import Monitor
 from ..surface.spectrum import compute_spectrum
 from ..symmetry.limbs import Limbs
+from ..symmetry.upright import facing
 
 _BANDS = (40, 80)  # eigenfunctions to which the curvature is smoothed
 _OUTLIERS = 0.02  # share of the curvatures at either end that are cut off
@@ -33,6 +34,7 @@ class Unfolded(NamedTuple):
     limbs: Limbs
     whole_form: FloatArray  # (n, 3) of all vertices
     found: SurfaceFeatures  # the pose, of unit area, and the interpolation to all vertices
+    facing: float  # how surely the left limbs are those on the left, as in `upright.facing`
 
     @property
     def features(self) -> IntArray:
@@ -70,6 +72,7 @@ def unfolded(found: SurfaceFeatures, form: FloatArray, monitor: Monitor) -> Unfo
         found.limbs,
         form,
         found,
+        facing(here, areas, found.limbs),
     )
 
 

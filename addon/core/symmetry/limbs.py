@@ -36,9 +36,14 @@ class Limbs(NamedTuple):
     @property
     def tell_sides(self) -> bool:
         """Whether the distances on the surface tell left from right: those of a body on all fours do."""
+        return self.told >= 1.0
+
+    @property
+    def told(self) -> float:
+        """How surely they tell it: from 1 on they do; infinite where names given by hand do."""
         if any(self.named):
-            return True
-        return abs(sided(self.handedness, self.side, self.along)) >= TOLD_WEAKLY
+            return np.inf
+        return abs(sided(self.handedness, self.side, self.along)) / TOLD_WEAKLY
 
     def ends(self, share: float) -> list[IntArray]:
         """List the vertices at the end of each limb: within a share of the way to the next feature point.

@@ -18,6 +18,7 @@ _ENDS = 5  # of a body with head and four limbs: with fewer, the one in the midd
 _LEG = (0.1, 0.3)  # distance from the tip of a foot, in sqrt(area), where the leg is measured
 _FEWEST = 8  # vertices of it
 _POINT = 0.15  # cosine between slope and front, below which toes tell nothing
+SURELY = 1 / _POINT  # what distances tell that no toes can gainsay
 _NEAR_AN_END = 0.4  # distance from the ends of the limbs, in sqrt(area), within which a surface counts as low
 # left, head and front of a body in axes with Z up and -Y towards the viewer of the front view
 _STANDING = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])
@@ -42,9 +43,9 @@ def upright_rotation(
     stands along its longest axis, its broad side to the front; the first feature point and the order of the vertices
     determine the signs of its axes.
 
-    Where the distances hardly tell front from back, as in people, the toes do; what the surface does not tell at all,
-    head from feet without a limb in the middle or with fewer than five, and front from back without toes, is taken
-    from the file: a body that stands upright there stays so.
+    Where the distances hardly tell front from back, as in people, or toes gainsay them, the toes do; what the surface
+    does not tell at all, head from feet without a limb in the middle or with fewer than five, and front from back
+    without toes, is taken from the file: a body that stands upright there stays so.
 
     `form` (n, 3); `weights` (n,); `limbs`: head, tail and sides among them; `partner` (n,); `stance`: the stance;
     'upright' lets the surface decide; `posed` (3, 3): the rotation to how the body lies in the file; gives (3, 3), and
@@ -71,11 +72,12 @@ def upright_rotation(
         if headward @ up < 0:
             left, headward, ahead = -left, -headward, -ahead
     weak = bool(paired.any()) and not limbs.tell_sides
-    if weak:
+    if paired.any() and limbs.told < SURELY:
         toes = _toes(centred, limbs, headward, front)
-        if abs(toes) < _POINT and posed is not None and headward @ up > _STANDS and abs(front @ posed[:, 1]) > _STANDS:
+        stands = posed is not None and headward @ up > _STANDS and abs(front @ posed[:, 1]) > _STANDS
+        if weak and abs(toes) < _POINT and posed is not None and stands:
             by_file, toes = True, -float(front @ posed[:, 1])  # -Y is the front of a scene
-        if toes < -_POINT:
+        if toes < -_POINT * max(limbs.told, 1.0):
             left, front = -left, -front
     underneath = (centred[limbs.features[paired]] @ front).mean() if paired.any() else 0.0
     tailed = (limbs.along > 0).any() and (centred[limbs.features[np.argmax(limbs.along)]] @ headward) < -_TAIL
@@ -106,6 +108,28 @@ def body_axes(form: FloatArray, weights: FloatArray, limbs: Limbs) -> tuple[Floa
     (True, True, True)
     """
     return _axes(_placed(form, weights, limbs), limbs, None)
+
+
+def facing(form: FloatArray, weights: FloatArray, limbs: Limbs) -> float:
+    """Tell how surely the left limbs are those on the left of the body: from 1 on they are, to -1 those on its right.
+
+    By the distances on the surface, and by toes, which point to the front. `form` (n, 3); `weights` (n,).
+
+    Examples
+    --------
+    >>> from addon.core.symmetry.limbs import limbs_of
+    >>> body = np.array([[1.0, 0, 2], [-1, 0, 2], [1.1, 0, -2], [-1.1, 0, -2], [0, 0.1, 4]]) / 3
+    >>> far = np.linalg.norm(body[:, None] - body, axis=2)
+    >>> limbs = limbs_of(far, np.zeros((5, 5, 5)), np.array([2.0, 2, 2, 2, 1]), lambda: np.arange(5.0))
+    >>> facing(body, np.ones(5), limbs)
+    0.0
+    """
+    if not limbs.side.any() or limbs.told >= SURELY:
+        return limbs.told if limbs.side.any() else 0.0
+    placed = _placed(form, weights, limbs)
+    _, headward, front = _axes(placed, limbs, None)
+    toes = _toes(placed.points, limbs, headward, front)
+    return limbs.told + (toes / _POINT if abs(toes) >= _POINT else 0.0)
 
 
 class _Placed(NamedTuple):

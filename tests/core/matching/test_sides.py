@@ -13,8 +13,8 @@ from addon.core.run.monitor import Monitor
 def test_a_body_is_most_like_itself_and_the_best_way_comes_first(body, renumbered):
     other, old = renumbered
     ways = sides(body, other, Monitor())
-    scores = [way.score for way in ways]
-    assert scores == sorted(scores)
+    costs = [way.cost for way in ways]
+    assert costs == sorted(costs)
     assert np.isnan(ways[0].strain)  # no other comes close
     assert scores[0] < -4
     placed = body.form @ ways[0].start.rotation + ways[0].start.shift
