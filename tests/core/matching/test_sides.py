@@ -16,7 +16,7 @@ def test_a_body_is_most_like_itself_and_the_best_way_comes_first(body, renumbere
     costs = [way.cost for way in ways]
     assert costs == sorted(costs)
     assert np.isnan(ways[0].strain)  # no other comes close
-    assert scores[0] < -4
+    assert ways[0].score < -4
     placed = body.form @ ways[0].start.rotation + ways[0].start.shift
     np.testing.assert_allclose(placed[old], other.form, atol=1e-6)
 
