@@ -11,6 +11,7 @@ from ..blender.records.rig_record import DOUBTFUL
 from ..blender.results.companions import companions_of, slider_is_gone
 from ..blender.results.in_betweens import PROPERTY, has_in_betweens, renamed_keys
 from ..blender.results.limb_states import limbs_of
+from ..blender.words.advice import CUT
 from ..blender.words.limb_words import told_part
 from ..blender.words.wording import CONTEXT, told
 from .choices import CanonicalFormChoices, choices_of, hand_over
@@ -103,14 +104,39 @@ def _draw_verdict(
         draw_sentence(column, context, told("The bodies are hardly alike: check the pose"), "ERROR")
     if not warnings and not unsure and not hardly_alike and record.has_form:
         draw_sentence(column, context, told("No warnings: look from all sides"), "HIDE_OFF")
-    _draw_warnings(layout, context, warnings)
-    draw_mends(layout, context, choices, {report.mends[each] for each in warnings if each in report.mends})
+    draw_warnings(layout, context, warnings)
+    mends = {report.mends[each] for each in warnings if each in report.mends}
+    draw_mends(layout, context, choices, mends)
+    if CUT in mends and record.has_form:
+        _draw_cut(layout, choices, like)
     if like is not None:
         draw_other_side(layout, choices, like)
 
 
-def _draw_warnings(layout: bpy.types.UILayout, context: bpy.types.Context, warnings: list[str]) -> None:
-    """Draw the warnings, collapsed under their number if there are many."""
+def _draw_cut(layout: bpy.types.UILayout, choices: CanonicalFormChoices, like: LikeReport | None) -> None:
+    """Draw the button that makes the result again as an object that is cut open where skin was parted."""
+    if like is None:
+        button = layout.operator(OBJECT_OT_canonical_form.bl_idname, text=told("Cut in a New Object"))
+        hand_over(choices, button)
+    else:
+        button = layout.operator(OBJECT_OT_canonical_form_pose_like.bl_idname, text=told("Cut in a New Object"))
+        hand_over(choices, button)
+        button.pose, button.like, button.anyway, button.side = like.pose, like.name, choices.anyway, like.side
+    button.result = "OBJECT"
+
+
+def draw_warnings(layout: bpy.types.UILayout, context: bpy.types.Context, warnings: list[str]) -> None:
+    """Draw the warnings, collapsed under their number if there are many.
+
+    Parameters
+    ----------
+    layout : bpy.types.UILayout
+        Where.
+    context : bpy.types.Context
+        Any context.
+    warnings : list of str
+        The sentences, in the user's language.
+    """
     inside: bpy.types.UILayout | None = layout
     if len(warnings) > _FOLDED:
         header, inside = layout.panel("canonical_form_warnings", default_closed=True)

@@ -11,7 +11,7 @@ from ..blender.words.wording import CONTEXT, told
 from .choices import CanonicalFormChoices, choices_of, hand_over_rig, hand_over_transfer, there
 from .pose_operators import OBJECT_OT_canonical_form_match_colours, OBJECT_OT_canonical_form_transfer
 from .properties import TRANSFER_ITEMS, transfer_flag
-from .result_panel import draw_unsure, least_sure, next_side
+from .result_panel import draw_unsure, draw_warnings, least_sure, next_side
 from .rig_operators import (
     OBJECT_OT_canonical_form_rig,
     OBJECT_OT_canonical_form_rig_clear,
@@ -77,8 +77,9 @@ def _draw_made(
     column = layout.column(align=True)
     doubts = least_sure(record.confidence)
     draw_unsure(column, context, doubts)
-    if not doubts:
+    if not doubts and not record.warnings:
         draw_sentence(column, context, told("No warnings: look from all sides"), "HIDE_OFF")
+    draw_warnings(layout, context, record.warnings)
     draw_other_rig(layout, choices, record)
     if record.scan is not None:
         _draw_poses(layout, require_object(context))

@@ -211,3 +211,19 @@ def test_the_t_pose_of_several_marked_objects_shows_where_on_each(blender, capfd
     assert "Contacts" in body.vertex_groups
     assert group_of(body, "Contacts") <= set(marks.tolist())
     assert "Contacts" not in head.vertex_groups
+
+
+def test_what_is_stretched_can_be_cut_by_a_button(blender, figure):
+    from addon.interface.result_panel import VIEW3D_PT_canonical_form_result
+    from tests.blender.conftest import drawn
+
+    vertices, faces, _ = figure
+    obj = add_object("Scan", vertices, faces)
+    assert bpy.ops.object.canonical_form(contacts="open", quality="draft", max_iterations=2) == {"FINISHED"}
+    assert "Cut in a New Object" in drawn(VIEW3D_PT_canonical_form_result)
+    assert bpy.ops.object.canonical_form(contacts="open", quality="draft", max_iterations=2, result="OBJECT") == {
+        "FINISHED"
+    }
+    made = bpy.context.view_layer.objects.active = bpy.data.objects[f"{obj.name} Canonical Form"]
+    assert len(made.data.vertices) > len(vertices)  # cut, and capped
+    assert "Cut in a New Object" not in drawn(VIEW3D_PT_canonical_form_result)

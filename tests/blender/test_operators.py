@@ -364,9 +364,8 @@ def test_the_panel_shows_what_was_found(figure_object):
     assert drawn(result_panel.VIEW3D_PT_canonical_form_limbs) == ["canonical_form_patches", "All Limbs"]
     shown = [name for panel in panels.CLASSES if issubclass(panel, bpy.types.Panel) for name in drawn(panel)]
     assert set(METHOD_NAMES) - set(shown) == {"start", "pair_weight", "biharmonic_scale"}
-    bpy.context.object.canonical_form.method = "as_published"
+    bpy.context.object.canonical_form.method, bpy.context.object.canonical_form.feature_source = "as_published", "GROUP"
     assert set(METHOD_NAMES) <= {*shown, *drawn(research_panel.VIEW3D_PT_canonical_form_method)}
-    bpy.context.object.canonical_form.feature_source = "GROUP"
     assert "feature_group" in drawn(research_panel.VIEW3D_PT_canonical_form_features)
 
 

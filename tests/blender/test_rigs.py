@@ -1,15 +1,18 @@
 """What a body is given by *Rig*: an armature, weights, keys and poses."""
 
+from dataclasses import replace
+
 import bpy
 import numpy as np
 import pytest
 from mathutils import Matrix
 
 from addon import core
-from addon.blender.records.rig_record import RIG_PROPERTY, read_rig
+from addon.blender.records.rig_record import RIG_PROPERTY, read_rig, write_rig
 from addon.blender.rigging.rig_posing import taken_pose
 from addon.blender.rigging.rig_reading import read_rig_source
 from addon.core.rigging.fitted_rig import rest_bends
+from addon.interface.result_panel import least_sure
 from addon.interface.rig_panel import VIEW3D_PT_canonical_form_rigged
 from tests.blender.conftest import add_object, drawn
 from tests.blender.rig_scenes import RIG, act, armature_of, scene, shown
@@ -308,3 +311,15 @@ def test_a_rest_that_is_kept_is_the_basis(body, scan, lender):
     bpy.ops.object.canonical_form_rig_clear()
     assert [key.name for key in keys] == ["Basis", "Smile"]
     np.testing.assert_allclose(shown(body), there, atol=1e-6)
+
+
+def test_what_was_warned_of_is_in_the_panel(body):
+    bpy.ops.object.canonical_form_rig(**RIG, rest="T")
+    record = read_rig(body.data)
+    assert record is not None
+    assert record.warnings == []
+    assert "No warnings: look from all sides" in drawn(VIEW3D_PT_canonical_form_rigged) or least_sure(record.confidence)
+    write_rig(body.data, replace(record, warnings=["Skin was parted."]))
+    lines = drawn(VIEW3D_PT_canonical_form_rigged)
+    assert "Skin was parted." in lines
+    assert "No warnings: look from all sides" not in lines

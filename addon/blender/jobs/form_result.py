@@ -14,7 +14,7 @@ from ..objects.mesh_reading import Reading
 from ..objects.object_warnings import NOTES, warnings_by_object
 from ..records.form_report import FormReport, patch_sizes
 from ..results.match_values import MatchValues
-from ..words.advice import MENDS
+from ..words.advice import CUT, MENDS
 from ..words.wording import listed, told
 from .request import Request
 
@@ -180,7 +180,10 @@ def _report(readings: Sequence[Reading], whole: Combined, found: AnyResult, requ
     report.notes = [sentence for sentence, kind in said if kind in NOTES]
     report.mends = {sentence: MENDS[kind] for sentence, kind in said if kind in MENDS}
     if isinstance(found, CanonicalForm | PosedLike) and found.contacts.any():
-        report.warnings.append(told("The vertex group Contacts shows where skin was parted."))
+        shown = told("The vertex group Contacts shows where skin was parted.")
+        report.warnings.append(shown)
+        if len(readings) == 1:  # of several objects none is cut
+            report.mends[shown] = CUT
     if isinstance(found, FeaturePatches):
         return report
     apart = max(whole.asymmetries(found.vertices))

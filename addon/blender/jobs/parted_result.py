@@ -13,6 +13,7 @@ from ..objects.marked_contacts import KEEP_GROUP, PART_GROUP
 from ..objects.mesh_reading import Reading, read_mesh
 from ..records.form_report import patch_sizes
 from ..results.match_values import MatchValues
+from ..words.advice import CUT
 from ..words.wording import told
 from .form_result import FormResult
 
@@ -99,6 +100,7 @@ def on_parted_object(target: bpy.types.Object, reading: Reading, result: FormRes
         vertices=len(vertices),
         faces=len(faces),
         feature_points=points.tolist(),
+        mends={said: mend for said, mend in result.report.mends.items() if mend != CUT},
         patch_sizes=patch_sizes(patches, len(points)),
     )
     carried = None if result.carried is None else MatchValues(*(each[given] for each in result.carried))

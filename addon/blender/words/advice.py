@@ -57,6 +57,7 @@ MENDS = {  # by message kind: which buttons of the panel mend it
     **dict.fromkeys(("no_pairs", "one_pair", "no_head", "unpaired_ends", "twisted"), "LIMBS"),
     **{kind: "ANYWAY" for kind, advice in ADVICE.items() if advice == _ANYWAY},
 }
+CUT = "CUT"  # mends skin that is stretched over what was parted: a new object is cut there
 _NO_MEMORY = "Not enough memory. Close other files, or decimate the mesh."
 
 
