@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 
 from addon.blender.records.record import require_record
-from tests.blender.conftest import add_object, snapshot
+from addon.interface.result_panel import VIEW3D_PT_canonical_form_result
+from tests.blender.conftest import add_object, drawn, snapshot
 from tests.meshes.fused import fused_figure
 from tests.meshes.rings import ring
 
@@ -37,6 +38,7 @@ def test_the_form_is_opened_and_a_group_shows_where(blender, figure, capfd):
     hands = vertices[:, 2] < np.quantile(vertices[:, 2], 0.6)
     hands &= np.abs(vertices[:, 0]) > 0.2
     assert np.abs(form[hands, 0]).min() > np.abs(vertices[hands, 0]).min()  # the arms are spread
+    assert "Cut in a New Object" in drawn(VIEW3D_PT_canonical_form_result)
     assert bpy.ops.object.canonical_form_limb(patch=0, only=True) == {"FINISHED"}
     assert bpy.ops.object.canonical_form_clear() == {"FINISHED"}
     assert snapshot(obj) == before
@@ -211,19 +213,3 @@ def test_the_t_pose_of_several_marked_objects_shows_where_on_each(blender, capfd
     assert "Contacts" in body.vertex_groups
     assert group_of(body, "Contacts") <= set(marks.tolist())
     assert "Contacts" not in head.vertex_groups
-
-
-def test_what_is_stretched_can_be_cut_by_a_button(blender, figure):
-    from addon.interface.result_panel import VIEW3D_PT_canonical_form_result
-    from tests.blender.conftest import drawn
-
-    vertices, faces, _ = figure
-    obj = add_object("Scan", vertices, faces)
-    assert bpy.ops.object.canonical_form(contacts="open", quality="draft", max_iterations=2) == {"FINISHED"}
-    assert "Cut in a New Object" in drawn(VIEW3D_PT_canonical_form_result)
-    assert bpy.ops.object.canonical_form(contacts="open", quality="draft", max_iterations=2, result="OBJECT") == {
-        "FINISHED"
-    }
-    made = bpy.context.view_layer.objects.active = bpy.data.objects[f"{obj.name} Canonical Form"]
-    assert len(made.data.vertices) > len(vertices)  # cut, and capped
-    assert "Cut in a New Object" not in drawn(VIEW3D_PT_canonical_form_result)
