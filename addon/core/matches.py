@@ -32,6 +32,7 @@ _MATCHING = {"Ways to match": 55, "Match": 45}  # stages
 _STRAINED = 0.12  # strain above which two bodies count as dissimilar: poses reach .05 to .09, people in clothes .11
 _UNLIKE = -3.5  # the same for the score, where that alone has decided; poses of a body reach -3.9 to -6
 _CLOSE = 0.06  # difference of the costs of two sides below which the other is about as likely
+_TOLD = 1.0  # how surely both surfaces have to tell left from right where bodies are unlike
 _UNSURE = 0.4  # mean confidence below which a match is doubtful
 
 
@@ -374,8 +375,10 @@ def _warn(surfaces: list[Unfolded], maps: list[PointMap], ways: list[Side], used
         monitor.warn("match_unlike")
     elif min(_sure(*each) for each in zip(surfaces, maps, strict=True)) < _UNSURE:
         monitor.warn("match_unsure")
-    if len(ways) > 1 and np.isfinite(ways[1].strain) and ways[1].cost < ways[0].cost + _CLOSE:
-        monitor.warn("match_sides")
+    if len(ways) > 1 and np.isfinite(ways[1].strain):  # a rival came close
+        guessed = _is_unlike(ways[0]) and abs(ways[0].facing) < _TOLD
+        if guessed or ways[1].cost < ways[0].cost + _CLOSE:
+            monitor.warn("match_sides")
 
 
 def _is_unlike(way: Side) -> bool:

@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 
+from addon.core import matches
 from addon.core.matching import sides as module
 from addon.core.matching.sides import Side, sides
+from addon.core.matching.starts import Start
 from addon.core.measures.alignment import rigid_fit
 from addon.core.mesh.far_points import far_points
 from addon.core.run.monitor import Monitor
@@ -91,3 +93,22 @@ def test_matches_with_close_scores_are_sorted_by_strain(body, monkeypatch, score
     assert [side.score for side in found] == order
     assert {side.score: side.strain for side in found if not np.isnan(side.strain)} == strains
     assert told[-1] == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(
+    ("strain", "facing", "rival", "told"),
+    [
+        (0.16, 0.5, 0.20, True),  # unlike bodies of which one hardly tells left from right: a guess
+        (0.16, 2.0, 0.20, False),  # both tell
+        (0.16, 2.0, 0.11, True),  # the other side strains less
+        (0.05, 0.0, 0.08, False),  # alike: strain decides
+        (0.05, 0.0, 0.051, True),
+        (0.16, 0.0, np.nan, False),  # no rival came close
+    ],
+)
+def test_a_side_that_is_hardly_likelier_is_told(strain, facing, rival, told):
+    start = Start(np.empty(0, dtype=np.int64), np.eye(3), np.zeros(3))
+    ways = [Side(-3.5, start, strain, facing), Side(-3.5, start, rival, -facing)]
+    monitor = Monitor()
+    matches._warn([], [], ways, [Side(-3.0, start, 0.2)], monitor)
+    assert ("match_sides" in [each.kind for each in monitor.warnings]) == told
