@@ -80,8 +80,8 @@ def test_an_adult_is_not_compared_with_other_builds(rig):
     assert [each.cost for each in found] == sorted(each.cost for each in found)
 
 
-def test_a_kept_fit_is_not_computed_again(chibi, rig, monkeypatch):
-    _, vertices, _ = chibi
+def test_a_kept_fit_is_not_computed_again(rig, monkeypatch):
+    vertices = mannequin(40.0)[0]
     keep = KeptStages()
     first = stance_by_match(vertices, rig.faces, keep=keep)
     monkeypatch.setattr("addon.core.rigs.candidates", lambda *_: pytest.fail("fitted again"))
@@ -95,8 +95,8 @@ def test_a_kept_fit_is_not_computed_again(chibi, rig, monkeypatch):
     assert (other.vertices[left, 0] < middle).mean() > 0.9  # turned back to front
 
 
-def test_what_is_kept_is_of_this_mesh_and_cannot_be_changed_from_outside(chibi, rig):
-    _, vertices, _ = chibi
+def test_what_is_kept_is_of_this_mesh_and_cannot_be_changed_from_outside(rig):
+    vertices = mannequin(40.0)[0]
     keep, own = KeptStages(), vertices.copy()
     first = stance_by_match(own, rig.faces, keep=keep)
     height = np.ptp(first.vertices[:, 2])
