@@ -4,6 +4,7 @@ Run by Blender itself, as `session.py` is; --character names a file (.glb, .obj 
 each wish whether it was granted, and how long it took.
 """
 
+import importlib
 import sys
 from pathlib import Path
 from time import perf_counter
@@ -73,7 +74,9 @@ def wishes_of(path):
     bpy.ops.ed.undo_push(message="Import")
     yield 1.5
     yield from hand.picture(f"{path.stem}-0")
-    for wish in ("T", "A", "straighten", "rig"):
+    for wish in ("T", "A", "straighten", "rig", "like"):
+        if wish == "like":
+            yield from choose(reference(meshes))
         began = perf_counter()
         yield from hand.press_wish(wish, None)
         for _ in range(75):  # what is refused does not start
@@ -96,10 +99,34 @@ def wishes_of(path):
             assert not made(meshes), f"undo does not take {wish} back"
 
 
+def reference(meshes):
+    """Add a mannequin with lowered arms beside the body, which takes its pose."""
+    core = importlib.import_module("bl_ext.user_default.canonical_form.addon.core")
+    vertices, faces = core.mannequin(40.0)
+    mesh = bpy.data.meshes.new("Other")
+    mesh.from_pydata(vertices.tolist(), [], faces.tolist())
+    other = bpy.data.objects.new("Other", mesh)
+    bpy.context.scene.collection.objects.link(other)
+    other.location.x = max(obj.matrix_world.translation.x + max(obj.dimensions) for obj in meshes)
+    bpy.ops.ed.undo_push(message="Reference")
+    return other
+
+
+def choose(other):
+    """Choose the object whose pose is wished for, by its name."""
+    yield 1.0
+    yield from hand.press("canonical_form.like")
+    yield 0.7
+    for letter in other.name.upper():
+        yield from hand.key(letter)
+    yield from hand.key("RET")
+    yield 0.7
+
+
 def is_shown(name):
     """Return whether an object is one of the meshes."""
     obj = bpy.data.objects[name]
-    return obj.type == "MESH" and obj.visible_get()
+    return obj.type == "MESH" and obj.visible_get() and name != "Other"
 
 
 def made(meshes):
