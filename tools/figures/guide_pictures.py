@@ -107,7 +107,9 @@ def a_fused_scan():
     hand.area().spaces.active.region_3d.view_distance *= 1.4  # the arms of the form reach higher
     with in_view():
         bpy.ops.object.canonical_form("INVOKE_DEFAULT")
-    yield 30.0
+    while "Contacts" not in obj.vertex_groups:  # half a minute, or minutes beside other work
+        yield 0.5
+    yield 1.0
     yield from hand.picture("13-contacts")
     found = members(obj, "Contacts")
     run("canonical_form_clear")
