@@ -74,7 +74,7 @@ def wishes_of(path):
     bpy.ops.ed.undo_push(message="Import")
     yield 1.5
     yield from hand.picture(f"{path.stem}-0")
-    for wish in ("T", "A", "straighten", "rig", "like"):
+    for wish in ("T", "A", "straighten", "like", "rig"):
         if wish == "like":
             yield from choose(reference(meshes))
         began = perf_counter()
