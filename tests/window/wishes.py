@@ -119,6 +119,7 @@ def choose(other):
     yield 0.7
     for letter in other.name.upper():
         yield from hand.key(letter)
+    yield from hand.key("DOWN_ARROW")  # names that are only like it are offered, too
     yield from hand.key("RET")
     yield 0.7
 
