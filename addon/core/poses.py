@@ -128,6 +128,10 @@ def _pose_of(found: MatchedBodies, wanted: FloatArray, monitor: Monitor) -> Pose
     posed = shaped(found.bodies, shapes, monitor)
     features = gathered_features(found.bodies, [each.found.prolonged(monitor) for each in found.surfaces])
     distortion = median_distortion(found.bodies.vertices, posed, found.bodies.faces)
+    names = [
+        limb_names(each.limbs, np.sign(one.facing) * each.limbs.side)  # toes tell, too
+        for each, one in zip(features.bodies, found.surfaces, strict=True)
+    ]
     return PosedLike(
         posed,
         found.bodies.faces,
@@ -138,7 +142,7 @@ def _pose_of(found: MatchedBodies, wanted: FloatArray, monitor: Monitor) -> Pose
         distortion,
         monitor.timings,
         monitor.warnings,
-        feature_names=features.numbered([limb_names(each.limbs) for each in features.bodies]),
+        feature_names=features.numbered(names),
     )
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from addon.core import Settings, canonical_form, mannequin
+from addon.core import Settings, canonical_form, mannequin, pose_like
 from addon.core.assembly.opening import OPENING
 from addon.core.assembly.unfolded_bodies import unfolded_bodies
 from addon.core.run.monitor import Monitor
@@ -73,3 +73,14 @@ def test_threshold_is_that_of_limbs(body):
     limbs = form.bodies[0].limbs
     assert limbs.tell_sides == (limbs.told >= 1)
     assert TOLD_WEAKLY < 0.05
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_names_in_a_pose_follow_the_toes_and_not_the_order_of_the_vertices(turned):
+    vertices, faces = mannequin()
+    order = np.arange(len(vertices))[:: -1 if turned else 1]
+    place = np.argsort(order)
+    posed = pose_like(vertices[order], place[faces], *mannequin(40.0))
+    at = dict(zip(posed.feature_names, vertices[order][posed.feature_points, 0], strict=True))
+    assert at["left_hand"] > 0.5 > -0.5 > at["right_hand"]  # it faces -Y
+    assert at["left_foot"] > 0 > at["right_foot"]
