@@ -66,9 +66,9 @@ def families() -> dict[str, Family]:
     half = vertices[faces].mean(axis=1)[:, 2] > np.median(vertices[:, 2])
     cut, corners = np.unique(np.where(half[:, None], faces + count, faces), return_inverse=True)
     found["duplicate vertices"] = Family(
-        vertices[cut % count], corners.reshape(-1, 3), "treated as one", like="closed", same=cut % count
+        vertices[cut % count], corners.reshape(-1, 3), "taken as joined", like="closed", same=cut % count
     )
-    soup = Family(vertices[faces.ravel()], np.arange(faces.size).reshape(-1, 3), "treated as one", like="closed",
+    soup = Family(vertices[faces.ravel()], np.arange(faces.size).reshape(-1, 3), "taken as joined", like="closed",
                   same=faces.ravel())  # fmt: skip
     found["face soup"] = soup
     found["face soup, apart"] = Family(
@@ -76,7 +76,7 @@ def families() -> dict[str, Family]:
     )
     found["duplicate faces"] = Family(vertices, np.vstack([faces, faces[::3]]), "duplicate", like="closed", same=every)
     turned = np.where((rng.uniform(size=len(faces)) < 0.3)[:, None], faces[:, ::-1], faces)
-    found["flipped faces"] = Family(vertices, turned, "flipped to match", like="closed", same=every)
+    found["flipped faces"] = Family(vertices, turned, "flipped to agree", like="closed", same=every)
     found["inside out"] = Family(vertices, faces[:, ::-1], like="closed", same=every, within=1e-3)
     found["one-sided, a border"] = Family(*moebius_band())
     found["one-sided, closed"] = Family(*klein_bottle())

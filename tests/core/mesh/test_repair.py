@@ -62,7 +62,7 @@ def test_seams_are_closed_and_the_surface_is_whole_again(figure):
     cut = np.vstack([vertices, vertices])[kept]
     mesh = repaired(cut, corners.reshape(-1, 3))
     assert is_closed(mesh.faces)
-    assert "treated as one" in mesh.warnings[0]
+    assert "taken as joined" in mesh.warnings[0]
     assert len(np.unique(mesh.faces)) == len(vertices)
     np.testing.assert_array_equal(cut[mesh.representative], cut)
 
