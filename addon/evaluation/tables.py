@@ -196,10 +196,8 @@ def _pose_ratio(store: Store, shapes: list[Shape], method: Method) -> PoseRatio:
     faces = [each for each in kept if each is not None]
     if len(some) < 2 or len(faces) < len(some) or not all(np.array_equal(each, faces[0]) for each in faces):
         return PoseRatio()
-    means = []
-    for which, mirror in ((method, False), (method, True), (KNOWN[INPUT], False)):
-        means.append(mean_apart([scaled_form(store, shape, which) for shape in some], mirror))
-    return PoseRatio(*means)
+    forms, poses = ([scaled_form(store, shape, which) for shape in some] for which in (method, KNOWN[INPUT]))
+    return PoseRatio(mean_apart(forms), mean_apart(forms, mirror=True), mean_apart(poses))
 
 
 def scaled_form(store: Store, shape: Shape, method: Method) -> FloatArray:

@@ -119,10 +119,23 @@ def _draw_cut(layout: bpy.types.UILayout, choices: CanonicalFormChoices, like: L
         button = layout.operator(OBJECT_OT_canonical_form.bl_idname, text=told("Cut in a New Object"))
         hand_over(choices, button)
     else:
-        button = layout.operator(OBJECT_OT_canonical_form_pose_like.bl_idname, text=told("Cut in a New Object"))
-        hand_over(choices, button)
-        button.pose, button.like, button.anyway, button.side = like.pose, like.name, choices.anyway, like.side
+        button = _draw_again(layout, choices, like, told("Cut in a New Object"), like.side)
     button.result = "OBJECT"
+
+
+def _draw_again(
+    layout: bpy.types.UILayout,
+    choices: CanonicalFormChoices,
+    like: LikeReport,
+    text: str,
+    side: int,
+    icon: str = "NONE",
+) -> bpy.types.OperatorProperties:
+    """Draw a button that takes the same pose again, of a side; return the properties of its operator."""
+    button = layout.operator(OBJECT_OT_canonical_form_pose_like.bl_idname, text=text, icon=icon)
+    hand_over(choices, button)
+    button.pose, button.like, button.anyway, button.side = like.pose, like.name, choices.anyway, side
+    return button
 
 
 def draw_warnings(layout: bpy.types.UILayout, context: bpy.types.Context, warnings: list[str]) -> None:
@@ -205,9 +218,7 @@ def draw_other_side(layout: bpy.types.UILayout, choices: CanonicalFormChoices, l
     if like is None or len(like.sides) < 2:
         return
     text, side = next_side(like.side, len(like.sides), stands=like.pose in MANNEQUINS)
-    button = layout.operator(OBJECT_OT_canonical_form_pose_like.bl_idname, text=text, icon="FILE_REFRESH")
-    hand_over(choices, button)
-    button.pose, button.like, button.anyway, button.side = like.pose, like.name, choices.anyway, side
+    _draw_again(layout, choices, like, text, side, "FILE_REFRESH")
 
 
 def next_side(side: int, count: int, *, stands: bool) -> tuple[str, int]:

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from ..matching.unfolded import Unfolded, unfolded
-from ..mesh.geometry import surface_area
 from ..method_api.catalogue import DETECTION, method_named
 from ..method_api.settings import Settings
 from ..numerics.arrays import FloatArray
@@ -30,8 +28,8 @@ def unfolded_bodies(
 
     def work(body: Body, chosen: Chosen | None, own: Monitor) -> Unfolded:
         found = body.features(chosen, settings, own)
-        form = method.unfold(found, settings, own).points
-        return unfolded(found, form / np.sqrt(surface_area(form, found.whole_faces)), own)
+        form = method.unfold(found, settings, own).of_unit_area(found.whole_faces)
+        return unfolded(found, form.points, own)
 
     return bodies, bodies.map(work, monitor, {**DETECTION, **method.stages}, bodies.chosen)
 

@@ -7,7 +7,6 @@ from typing import NamedTuple
 import numpy as np
 
 from ..matching.unfolded import Unfolded, unfolded
-from ..mesh.geometry import surface_area
 from ..method_api.catalogue import method_named
 from ..method_api.settings import Settings
 from ..method_api.surface_features import detected
@@ -78,5 +77,5 @@ def _unfolded(rig: ReferenceRig, settings: Settings, monitor: Monitor) -> Unfold
     method = method_named(settings.method)
     settings = method.settings(settings)
     found = detected(rig.vertices, rig.faces, None, settings, quiet)
-    form = method.unfold(found, settings, quiet).points
-    return unfolded(found, form / np.sqrt(surface_area(form, found.whole_faces)), quiet)
+    form = method.unfold(found, settings, quiet).of_unit_area(found.whole_faces)
+    return unfolded(found, form.points, quiet)

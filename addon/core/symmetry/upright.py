@@ -74,8 +74,8 @@ def upright_rotation(
     weak = bool(paired.any()) and not limbs.tell_sides
     if paired.any() and limbs.told < SURELY:
         toes = _toes(centred, limbs, headward, front)
-        stands = posed is not None and headward @ up > _STANDS and abs(front @ posed[:, 1]) > _STANDS
-        if weak and abs(toes) < _POINT and posed is not None and stands:
+        untold = weak and abs(toes) < _POINT
+        if untold and posed is not None and headward @ up > _STANDS and abs(front @ posed[:, 1]) > _STANDS:
             by_file, toes = True, -float(front @ posed[:, 1])  # -Y is the front of a scene
         if toes < -_POINT * max(limbs.told, 1.0):
             left, front = -left, -front
@@ -124,8 +124,10 @@ def facing(form: FloatArray, weights: FloatArray, limbs: Limbs) -> float:
     >>> facing(body, np.ones(5), limbs)
     0.0
     """
-    if not limbs.side.any() or limbs.told >= SURELY:
-        return limbs.told if limbs.side.any() else 0.0
+    if not limbs.side.any():
+        return 0.0
+    if limbs.told >= SURELY:
+        return limbs.told
     placed = _placed(form, weights, limbs)
     _, headward, front = _axes(placed, limbs, None)
     toes = _toes(placed.points, limbs, headward, front)

@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
-from addon.core import Settings, canonical_form, mannequin, pose_like
+from addon.core import Settings, mannequin, pose_like
 from addon.core.assembly.opening import OPENING
 from addon.core.assembly.unfolded_bodies import unfolded_bodies
 from addon.core.run.monitor import Monitor
+from addon.core.symmetry.chirality import sided
 from addon.core.symmetry.limbs import TOLD_WEAKLY
 from addon.core.symmetry.upright import SURELY, facing, upright_rotation
 
@@ -68,10 +69,12 @@ def test_left_and_right_of_two_bodies_agree(body):
     assert min(way.facing for way in ways) < -1.0
 
 
-def test_threshold_is_that_of_limbs(body):
-    form = canonical_form(*mannequin())
-    limbs = form.bodies[0].limbs
-    assert limbs.tell_sides == (limbs.told >= 1)
+@pytest.mark.parametrize("told", [0.99, 1.01])
+def test_threshold_is_that_of_limbs(body, told):
+    limbs = with_told(body.limbs, told)
+    assert limbs.told == pytest.approx(told)
+    assert abs(sided(limbs.handedness, limbs.side, limbs.along)) == pytest.approx(told * TOLD_WEAKLY)
+    assert limbs.tell_sides == (told >= 1)
     assert TOLD_WEAKLY < 0.05
 
 
