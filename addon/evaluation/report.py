@@ -11,6 +11,8 @@ import numpy as np
 from .dataset import Shape
 from .descriptor import DEGREES, SHELLS
 from .methods import INPUT, Method
+from .pair_descriptor import COSINES, DISTANCES, POINTS
+from .retrieval import Retrieval, tier_lead
 from .running import Rows, row_name
 from .store import Store
 from .tables import MethodTable
@@ -82,9 +84,10 @@ def write_report(
     }
     for table in tables:
         names = [f"{shape.label}/{shape.name}" for shape in table.rows]
-        files[f"descriptor-distances-{table.method.name}.csv"] = csv_text(
-            ["", *names], ([name, *map(number, row)] for name, row in zip(names, table.distances, strict=True))
-        )
+        for kind, matrix in (("descriptor", table.distances), ("pair", table.pair_distances)):
+            files[f"{kind}-distances-{table.method.name}.csv"] = csv_text(
+                ["", *names], ([name, *map(number, row)] for name, row in zip(names, matrix, strict=True))
+            )
     for (name, label), (some, matrix) in matrices.items():
         if len(some) > 1:
             files[f"hausdorff-{name}@{label}.csv"] = csv_text(
@@ -92,7 +95,7 @@ def write_report(
                 ([shape.name, *map(number, row)] for shape, row in zip(some, matrix, strict=True)),
             )
     written = [store.write_text(name, text) for name, text in files.items()]
-    for kind in ("hausdorff-*.csv", "descriptor-distances-*.csv"):
+    for kind in ("hausdorff-*.csv", "descriptor-distances-*.csv", "pair-distances-*.csv"):
         for old in set(store.folder.glob(kind)) - set(written):  # from a run with other methods or classes
             old.unlink()
     return written
@@ -117,6 +120,7 @@ _METHOD_HEAD = (
     "method", "done", "failed", "compactness_error_mean_e4", "compactness_error_deviation_e4",
     "edge_distortion_median_mean", "edge_distortion_95_mean", "hausdorff_mean", "hausdorff_within_classes",
     "pose_ratio", "pose_ratio_mirrored", "nearest_neighbour", "first_tier", "second_tier", "discounted_gain",
+    "pair_nearest_neighbour", "pair_first_tier", "pair_second_tier", "pair_discounted_gain",
     *(f"{name}_mean" for name in _DETAIL), "scale_mean", "not_converged",
 )  # fmt: skip
 
@@ -143,7 +147,6 @@ _MEANS = ("edge_distortion_median", "edge_distortion_95", "hausdorff")
 def _method_line(table: MethodTable, matrices: dict[tuple[str, str], Any], labels: list[str]) -> list[str]:
     error = 1e4 * table.values("compactness_error")
     within = [_mean(_upper(matrices[table.method.name, label][1])) for label in labels]
-    found = table.found
     return [
         table.method.name,
         str(len(table.rows)),
@@ -152,10 +155,26 @@ def _method_line(table: MethodTable, matrices: dict[tuple[str, str], Any], label
         *(number(_mean(table.values(name))) for name in _MEANS),
         number(_mean(np.array([each for each in within if np.isfinite(each)]))),
         *map(number, [table.pose_ratio(), table.pose_ratio(mirrored=True)]),
-        *map(number, [found.nearest_neighbour, found.first_tier, found.second_tier, found.discounted_gain]),
+        *_found(table.found),
+        *_found(table.found_by_pairs),
         *(number(_mean(table.values(name))) for name in (*_DETAIL, "scale")),
         number(table.values("unfinished").sum()),
     ]
+
+
+def _found(found: Retrieval) -> list[str]:
+    return list(map(number, [found.nearest_neighbour, found.first_tier, found.second_tier, found.discounted_gain]))
+
+
+def _retrieval_line(table: MethodTable, first: MethodTable) -> list[str]:
+    """Format retrieval by both descriptors, and how far the first method is ahead."""
+    leads = [] if table is first else [tier_lead(getattr(first, name), getattr(table, name)) for name in _FOUND]
+    ahead = [f"{short(number(lead))} ± {short(number(error))}" for lead, error in leads] or ["", ""]
+    found = [[*map(short, _found(getattr(table, name))), lead] for name, lead in zip(_FOUND, ahead, strict=True)]
+    return [table.method.name, *found[1], *found[0]]
+
+
+_FOUND = ("found", "found_by_pairs")
 
 
 def _detail_line(table: MethodTable) -> list[str]:
@@ -191,6 +210,7 @@ def report_text(
     """
     labels = sorted({shape.label for shape in shapes})
     sizes = [len([shape for shape in shapes if shape.label == label]) for label in labels]
+    first = next((table for table in tables if table.method.name != INPUT), tables[0])
     lines = [
         "# Evaluation",
         "",
@@ -200,8 +220,7 @@ def report_text(
         "",
         "Compactness errors are times 10⁻⁴; Hausdorff distances in units of sqrt(area), after rigid alignment; edge "
         "distortion is |stretch − 1|; the pose ratio is the distance between the forms of a class over that between "
-        f"its poses. Retrieval compares spherical harmonic descriptors ({SHELLS} shells, {DEGREES} degrees) of the "
-        "forms; *input* is the meshes as they are. Forms keep the scale that their method has given them, in units "
+        "its poses; *input* is the meshes as they are. Forms keep the scale that their method has given them, in units "
         "of the pose: *scale* is the median length of an edge over that in the pose. *Not converged*: forms whose "
         "stress was still falling after the last step. Times and memory: [costs](costs.md).",
         "",
@@ -220,10 +239,20 @@ def report_text(
         "",
         markdown_table(
             ["method", "compactness error", "deviation", "edges, median", "95 %", "Hausdorff to input",
-             "within classes", "pose ratio", "mirrored", "NN", "1st tier", "2nd tier", "DCG", "scale",
-             "not converged", "failed"],
-            ([line[0], *(short(word) for word in (*line[3 : -len(_DETAIL) - 2], *line[-2:])), line[2]]
+             "within classes", "pose ratio", "mirrored", "scale", "not converged", "failed"],
+            ([line[0], *(short(word) for word in (*line[3:11], *line[-2:])), line[2]]
              for line in (_method_line(table, matrices, labels) for table in tables)),
+        ),
+        "",
+        "## Retrieval",
+        "",
+        f"First by pairs of points and normals ({POINTS} points; intervals: {DISTANCES} of distance, {COSINES} of each "
+        f"cosine), which keep detail, then by harmonics ({SHELLS} shells, {DEGREES} degrees). *Behind*: by how "
+        f"much the first tier is below that of *{first.method.name}*, mean over the classes and its standard error.",
+        "",
+        markdown_table(
+            ["method", *("NN", "1st tier", "2nd tier", "DCG", "behind") * 2],
+            (_retrieval_line(table, first) for table in tables),
         ),
     ]  # fmt: skip
     lines += ["", "## Compactness error by class, mean ± deviation", "", _by_class(tables, labels, _error_text)]

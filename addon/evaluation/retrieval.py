@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -26,6 +26,8 @@ class Retrieval:
         Discounted cumulative gain, relative to that of a perfect order.
     queries : int
         Number of queries: shapes with others in their class.
+    first_tiers : dict of str to float
+        The first tier of each class.
     """
 
     nearest_neighbour: float
@@ -33,6 +35,7 @@ class Retrieval:
     second_tier: float
     discounted_gain: float
     queries: int
+    first_tiers: dict[str, float] = field(default_factory=dict)
 
 
 def retrieval(distances: FloatArray, classes: Sequence[str]) -> Retrieval:
@@ -55,7 +58,7 @@ def retrieval(distances: FloatArray, classes: Sequence[str]) -> Retrieval:
     Shilane, Min, Kazhdan and Funkhouser, "The Princeton Shape Benchmark", 2004.
     """
     labels = np.asarray(classes)
-    rows = []
+    rows, asked = [], []
     for query in range(len(labels)):
         others = np.delete(np.arange(len(labels)), query)
         order = others[np.argsort(distances[query, others], kind="stable")]
@@ -63,6 +66,7 @@ def retrieval(distances: FloatArray, classes: Sequence[str]) -> Retrieval:
         members = int(hit.sum())
         if not members:
             continue
+        asked.append(labels[query])
         worth = 1 / np.log2(np.maximum(np.arange(1, len(order) + 1), 2))  # 1, 1, 1 / log2 3, …
         rows.append(
             [
@@ -73,7 +77,28 @@ def retrieval(distances: FloatArray, classes: Sequence[str]) -> Retrieval:
             ]
         )
     nearest, first, second, gain = np.mean(rows, axis=0).tolist() if rows else [float("nan")] * 4
-    return Retrieval(nearest, first, second, gain, queries=len(rows))
+    tiers = {str(label): float(np.mean([row[1] for row, of in zip(rows, asked, strict=True) if of == label]))
+             for label in dict.fromkeys(asked)}  # fmt: skip
+    return Retrieval(nearest, first, second, gain, queries=len(rows), first_tiers=tiers)
+
+
+def tier_lead(one: Retrieval, other: Retrieval) -> tuple[float, float]:
+    """Return by how much the first tier of one method is above that of another, class by class.
+
+    Parameters
+    ----------
+    one, other : Retrieval
+        Results on the same classes.
+
+    Returns
+    -------
+    lead, error : float
+        Mean over the classes that both have, and its standard error; NaN where there are too few.
+    """
+    leads = np.array([tier - other.first_tiers[label] for label, tier in one.first_tiers.items()
+                      if label in other.first_tiers])  # fmt: skip
+    lead = float(leads.mean()) if len(leads) else float("nan")
+    return lead, float(leads.std(ddof=1) / np.sqrt(len(leads))) if len(leads) > 1 else float("nan")
 
 
 def precision_at_recall(distances: FloatArray, classes: Sequence[str], steps: int = 20) -> FloatArray:

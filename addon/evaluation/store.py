@@ -99,7 +99,7 @@ class Store:
         faces : (m, 3) ndarray of int, optional
             Triangles, stored once per shape.
         """
-        arrays = {"form": outcome.form, "descriptor": outcome.descriptor, "faces": faces}
+        arrays = {"form": outcome.form, "descriptor": outcome.descriptor, "pairs": outcome.pairs, "faces": faces}
         head = {"key": self.key(shape, method), "row": outcome.row, "cost": outcome.cost}
         self._write(self._path(shape, method), head, {name: each for name, each in arrays.items() if each is not None})
 
@@ -130,7 +130,7 @@ class Store:
             The shape.
         method : Method
             The method.
-        name : {'form', 'descriptor', 'faces'}
+        name : {'form', 'descriptor', 'pairs', 'faces'}
             Which array.
 
         Returns
@@ -339,6 +339,7 @@ _MATTER = (  # in addition to the core
     "evaluation/correspondences/matchers.py",
     "evaluation/correspondences/work.py",
     "evaluation/descriptor.py",
+    "evaluation/pair_descriptor.py",
     "evaluation/reading.py",
     "evaluation/remeshing.py",
     "evaluation/rigs/automatic.py",

@@ -65,9 +65,9 @@ class MethodTable:
         Reasons for failed shapes.
     poses : dict of str to PoseRatio
         By class.
-    found : Retrieval
-        Retrieval over all successful shapes.
-    distances : (n, n) ndarray of float
+    found, found_by_pairs : Retrieval
+        Retrieval over all successful shapes, by spherical harmonics and by pairs of points.
+    distances, pair_distances : (n, n) ndarray of float
         Distances between the descriptors of the successful shapes, in their order.
     """
 
@@ -77,7 +77,9 @@ class MethodTable:
     failures: dict[Shape, str]
     poses: dict[str, PoseRatio]
     found: Retrieval
+    found_by_pairs: Retrieval
     distances: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
+    pair_distances: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
 
     def values(self, name: str, label: str | None = None) -> FloatArray:
         """Return one figure of all shapes.
@@ -146,9 +148,12 @@ def method_table(store: Store, shapes: Sequence[Shape], method: Method, lost: di
             rows[shape], costs[shape] = result["row"], result["cost"]
     labels = sorted({shape.label for shape in rows})
     poses = {label: _pose_ratio(store, [s for s in rows if s.label == label], method) for label in labels}
-    distances = descriptor_distances(np.array([store.array(shape, method, "descriptor") for shape in rows]))
-    found = retrieval(distances, [shape.label for shape in rows])
-    return MethodTable(method, rows, costs, failures, poses, found, distances)
+    distances, by_pairs = (
+        descriptor_distances(np.array([store.array(shape, method, name) for shape in rows]))
+        for name in ("descriptor", "pairs")
+    )
+    found, found_by_pairs = (retrieval(each, [shape.label for shape in rows]) for each in (distances, by_pairs))
+    return MethodTable(method, rows, costs, failures, poses, found, found_by_pairs, distances, by_pairs)
 
 
 def descriptor_distances(descriptors: FloatArray) -> FloatArray:

@@ -18,6 +18,7 @@ from ..core.method_api.catalogue import DETECTION, method_named
 from ..core.numerics.arrays import FloatArray, IntArray
 from .descriptor import harmonic_descriptor
 from .methods import Method
+from .pair_descriptor import pair_descriptor
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,14 +34,15 @@ class Outcome:
         ``memory`` in megabytes (None if unknown).
     form : (n, 3) ndarray of float32 or None
         The form.
-    descriptor : (d,) ndarray of float or None
-        The form's descriptor.
+    descriptor, pairs : (d,) ndarray of float or None
+        The form's descriptors, by spherical harmonics and by pairs of points.
     """
 
     row: dict[str, Any]
     cost: dict[str, float | None]
     form: np.ndarray | None = None
     descriptor: FloatArray | None = None
+    pairs: FloatArray | None = None
 
 
 def measured(vertices: FloatArray, faces: IntArray, method: Method) -> Outcome:
@@ -69,7 +71,7 @@ def measured(vertices: FloatArray, faces: IntArray, method: Method) -> Outcome:
     peak = _Peak()
     seconds = 0.0
     row: dict[str, Any] = {"vertices": len(vertices), "faces": len(faces)}
-    form, described = None, None
+    form, described, pairs = None, None, None
     try:
         with one_thread():
             after, faces, patches, row_of_form, seconds = _computed(vertices, faces, method.settings)
@@ -78,13 +80,13 @@ def measured(vertices: FloatArray, faces: IntArray, method: Method) -> Outcome:
             figures = summary(vertices, after, faces) | detail_measures(vertices, after, faces, patches)
             figures["scale"] = float(np.median(edge_stretch(vertices, after, faces)))
             row |= {name: _plain(value) for name, value in figures.items()}
-            described = harmonic_descriptor(after, faces)
+            described, pairs = harmonic_descriptor(after, faces), pair_descriptor(after, faces)
             form = (after - after.mean(axis=0)).astype(np.float32)  # its position has no meaning and costs digits
     except CanonicalFormError as error:
         row["error"] = " ".join(str(error).split())
         memory = peak.megabytes()
     cost = {"seconds": seconds, "all_seconds": time.perf_counter() - began, "memory": memory}
-    return Outcome(row, cost, form, described)
+    return Outcome(row, cost, form, described, pairs)
 
 
 def _computed(

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.special import lpmv
 
-from addon.evaluation import descriptor
+from addon.evaluation import descriptor, pair_descriptor
 from addon.evaluation.descriptor import harmonic_descriptor
-from addon.evaluation.retrieval import precision_at_recall, retrieval
+from addon.evaluation.retrieval import precision_at_recall, retrieval, tier_lead
 from tests.meshes import shapes
 
 # six shapes on a line: three of class A, two of B, one alone
@@ -25,6 +25,10 @@ def test_measures_by_hand():
     assert found.second_tier == pytest.approx((1 + 1 + 1 / 2 + 0 + 0) / 5)
     gains = [(1 + third) / 2, (1 + third) / 2, (third + fifth) / 2, 1 / log2(4), third]
     assert found.discounted_gain == pytest.approx(sum(gains) / 5)
+    assert found.first_tiers == pytest.approx({"A": 1 / 3, "B": 0.0})
+    perfect = retrieval(1.0 - np.equal.outer(CLASSES, CLASSES), CLASSES)
+    assert tier_lead(perfect, found) == pytest.approx((5 / 6, np.std([2 / 3, 1], ddof=1) / np.sqrt(2)))
+    assert np.isnan(tier_lead(perfect, retrieval(np.zeros((2, 2)), ["X", "Y"]))[0])
 
 
 def test_precision_by_hand():
@@ -71,3 +75,26 @@ def test_the_descriptor_knows_the_shape_and_nothing_else(figure, sphere, rotatio
     assert other.reshape(descriptor.SHELLS, descriptor.DEGREES)[:, 1:].max() < 0.02  # a sphere is of degree 0
     finer = harmonic_descriptor(*shapes.sphere(5))
     assert np.linalg.norm(other - finer) < 0.01
+
+
+def test_pairs_know_the_shape_and_hardly_anything_else(figure, rotation):
+    vertices, faces = figure
+    described = pair_descriptor.pair_descriptor(vertices, faces)
+    assert np.linalg.norm(described) == pytest.approx(1)
+    moved = pair_descriptor.pair_descriptor(12.0 * vertices @ rotation + [3.0, 4.0, -1.0], faces)
+    assert np.abs(moved**2 - described**2).sum() < 0.01  # pairs at the border of two intervals
+    mirrored = pair_descriptor.pair_descriptor(vertices * [-1.0, 1.0, 1.0], faces[:, ::-1])
+    shuffled = pair_descriptor.pair_descriptor(vertices, np.random.default_rng(0).permutation(faces))
+    sampling = max(np.linalg.norm(each - described) for each in (mirrored, shuffled))  # other points, the same shape
+    stretched = pair_descriptor.pair_descriptor(vertices * [1.0, 1.0, 1.5], faces)
+    assert sampling < 0.5 * np.linalg.norm(stretched - described)
+
+
+def test_pairs_on_a_sphere_are_those_of_the_formula():
+    intervals = pair_descriptor.COSINES
+    described = pair_descriptor.pair_descriptor(*shapes.sphere(5))
+    cells = (described**2).reshape(pair_descriptor.DISTANCES, intervals, intervals, intervals)
+    # the line between two points meets both normals at the cosine −d / 2r, whose square is even from 0 to 1
+    assert cells[:, : intervals // 2, : intervals // 2].sum() == pytest.approx(1, abs=1e-3)
+    assert cells.sum(axis=(0, 2, 3))[:2] == pytest.approx([3 / 4, 1 / 4], abs=0.02)
+    assert cells.sum(axis=(0, 1, 2)) == pytest.approx(np.full(intervals, 1 / intervals), abs=0.02)  # normals: any
