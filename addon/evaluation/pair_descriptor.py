@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..core.mesh.geometry import area_vectors
+from ..core.mesh.geometry import area_vectors, weights_on_triangle
 from ..core.numerics.arrays import FloatArray, IntArray
+from ..core.numerics.shares import spread
 
 POINTS = 1000  # of the surface, which is half a million pairs
 DISTANCES, REACH = 12, 3.5  # intervals of the distance, up to so many times its root mean square
 COSINES = 4  # intervals of each of the three cosines
-_ROWS = 100  # points whose pairs are counted at a time
 _PLASTIC = 1.32471795724474602596  # its powers spread points in two dimensions, as the golden ratio does in one
 
 
@@ -40,42 +40,31 @@ def pair_descriptor(vertices: FloatArray, faces: IntArray) -> FloatArray:
     mirroring, and distances are relative to their root mean square instead of the largest.
     """
     points, normals = _spread(vertices, faces)
-    centred = points - points.mean(axis=0)
-    scale = float(np.sqrt(2 * (centred**2).sum(axis=1).mean()))  # root mean square over all pairs
-    counts = np.zeros(DISTANCES * COSINES**3)
-    for begin in range(0, POINTS, _ROWS):
-        here = slice(begin, begin + _ROWS)
-        counts += _counted(centred[here] / scale, normals[here], centred[begin:] / scale, normals[begin:])
-    return np.asarray(np.sqrt(counts / counts.sum()))
-
-
-def _counted(points: FloatArray, normals: FloatArray, others: FloatArray, other_normals: FloatArray) -> FloatArray:
-    """Count the pairs of some points with the later ones; a pair between two distances is divided between them."""
-    one, two = np.nonzero(np.arange(len(others)) > np.arange(len(points))[:, None])
-    way = others[two] - points[one]
+    points = points - points.mean(axis=0)
+    points /= np.sqrt(2 * (points**2).sum(axis=1).mean())  # root mean square over all pairs
+    one, two = np.triu_indices(POINTS, 1)
+    way = points[two] - points[one]
     apart = np.linalg.norm(way, axis=1)
     way /= np.maximum(apart, np.finfo(float).tiny)[:, None]
-    leaving, arriving = (np.einsum("ij,ij->i", way, each) for each in (normals[one], -other_normals[two]))
-    between = np.einsum("ij,ij->i", normals[one], other_normals[two])
+    leaving, arriving = (np.einsum("ij,ij->i", way, each) for each in (normals[one], -normals[two]))
+    between = np.einsum("ij,ij->i", normals[one], normals[two])
     cell = np.zeros(len(way), dtype=np.int64)
     for cosine in (np.minimum(leaving, arriving), np.maximum(leaving, arriving), between):
         cell = cell * COSINES + np.clip((cosine + 1) / 2 * COSINES, 0, COSINES - 1).astype(np.int64)
     place = np.clip(apart / REACH * DISTANCES - 0.5, 0, DISTANCES - 1)
-    low = np.minimum(place.astype(np.int64), DISTANCES - 2)
-    cells, size = COSINES**3, DISTANCES * COSINES**3
-    below = np.bincount(low * cells + cell, low + 1 - place, size)
-    return np.asarray(below + np.bincount((low + 1) * cells + cell, place - low, size))
+    low = np.minimum(place.astype(np.int64), DISTANCES - 2)  # a pair between two distances is divided between them
+    cells, counts = COSINES**3, np.zeros(DISTANCES * COSINES**3)
+    for distance, share in ((low, low + 1 - place), (low + 1, place - low)):
+        counts += np.bincount(distance * cells + cell, share, len(counts))
+    return np.asarray(np.sqrt(counts / counts.sum()))
 
 
 def _spread(vertices: FloatArray, faces: IntArray) -> tuple[FloatArray, FloatArray]:
     """Spread points evenly over the area, in the order of the triangles; with their normals: (p, 3) each."""
     across = area_vectors(vertices, faces)
     area = np.linalg.norm(across, axis=1)
+    face = spread(area / area.sum(), POINTS)
     place = np.arange(POINTS) + 0.5
-    face = np.searchsorted(np.cumsum(area) / area.sum(), place / POINTS)
-    face = np.minimum(face, len(faces) - 1)
-    along, beside = (place / _PLASTIC) % 1, (place / _PLASTIC**2) % 1
-    root = np.sqrt(along)  # even over the triangle
-    weights = np.column_stack([1 - root, root * (1 - beside), root * beside])
+    weights = weights_on_triangle((place / _PLASTIC) % 1, (place / _PLASTIC**2) % 1)
     normal = across[face] / np.maximum(area[face], np.finfo(float).tiny)[:, None]
     return np.einsum("ij,ijk->ik", weights, vertices[faces[face]]), normal

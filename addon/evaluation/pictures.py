@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..core.mesh.geometry import area_vectors
+from ..core.mesh.geometry import area_vectors, weights_on_triangle
 from ..core.numerics.arrays import FloatArray, IntArray
 
 _POINTS_A_PIXEL = 16
@@ -49,9 +49,7 @@ def drawn(
     normal = normal / np.maximum(area, 1e-300)[:, None]
     reached = np.cumsum(area) / area.sum() * _POINTS_A_PIXEL * size * size
     face = np.repeat(np.arange(len(faces)), np.diff(np.rint(reached).astype(np.int64), prepend=0))
-    u = np.random.default_rng(0).random((2, len(face)))
-    root = np.sqrt(u[0])
-    at = np.stack([1 - root, root * (1 - u[1]), root * u[1]])  # (3, p), of the corners
+    at = weights_on_triangle(*np.random.default_rng(0).random((2, len(face)))).T  # (3, p), of the corners
     x, y, z = (sum(at[k] * axis[faces[:, k]][face] for k in range(3)) for axis in vertices.T)
     wide = extent or max(np.ptp(x), np.ptp(y)) * 1.08
     column = np.clip(((x - (x.max() + x.min()) / 2) / wide + 0.5) * size, 0, size - 1).astype(np.int64)

@@ -168,13 +168,11 @@ def _found(found: Retrieval) -> list[str]:
 
 def _retrieval_line(table: MethodTable, first: MethodTable) -> list[str]:
     """Format retrieval by both descriptors, and how far the first method is ahead."""
-    leads = [] if table is first else [tier_lead(getattr(first, name), getattr(table, name)) for name in _FOUND]
-    ahead = [f"{short(number(lead))} ± {short(number(error))}" for lead, error in leads] or ["", ""]
-    found = [[*map(short, _found(getattr(table, name))), lead] for name, lead in zip(_FOUND, ahead, strict=True)]
-    return [table.method.name, *found[1], *found[0]]
-
-
-_FOUND = ("found", "found_by_pairs")
+    line = [table.method.name]
+    for found, ahead in ((table.found_by_pairs, first.found_by_pairs), (table.found, first.found)):
+        lead = "" if table is first else " ± ".join(short(number(each)) for each in tier_lead(ahead, found))
+        line += [*map(short, _found(found)), lead]
+    return line
 
 
 def _detail_line(table: MethodTable) -> list[str]:
@@ -240,7 +238,7 @@ def report_text(
         markdown_table(
             ["method", "compactness error", "deviation", "edges, median", "95 %", "Hausdorff to input",
              "within classes", "pose ratio", "mirrored", "scale", "not converged", "failed"],
-            ([line[0], *(short(word) for word in (*line[3:11], *line[-2:])), line[2]]
+            ([line[0], *map(short, (*line[3 : _METHOD_HEAD.index("nearest_neighbour")], *line[-2:])), line[2]]
              for line in (_method_line(table, matrices, labels) for table in tables)),
         ),
         "",

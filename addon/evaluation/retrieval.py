@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -35,7 +35,7 @@ class Retrieval:
     second_tier: float
     discounted_gain: float
     queries: int
-    first_tiers: dict[str, float] = field(default_factory=dict)
+    first_tiers: dict[str, float]
 
 
 def retrieval(distances: FloatArray, classes: Sequence[str]) -> Retrieval:
@@ -58,7 +58,8 @@ def retrieval(distances: FloatArray, classes: Sequence[str]) -> Retrieval:
     Shilane, Min, Kazhdan and Funkhouser, "The Princeton Shape Benchmark", 2004.
     """
     labels = np.asarray(classes)
-    rows, asked = [], []
+    rows = []
+    tiers: dict[str, list[float]] = {}
     for query in range(len(labels)):
         others = np.delete(np.arange(len(labels)), query)
         order = others[np.argsort(distances[query, others], kind="stable")]
@@ -66,20 +67,20 @@ def retrieval(distances: FloatArray, classes: Sequence[str]) -> Retrieval:
         members = int(hit.sum())
         if not members:
             continue
-        asked.append(labels[query])
         worth = 1 / np.log2(np.maximum(np.arange(1, len(order) + 1), 2))  # 1, 1, 1 / log2 3, …
+        first = float(hit[:members].mean())
+        tiers.setdefault(str(labels[query]), []).append(first)
         rows.append(
             [
                 float(hit[0]),
-                hit[:members].mean(),
+                first,
                 hit[: 2 * members].sum() / members,
                 worth[hit].sum() / worth[:members].sum(),
             ]
         )
-    nearest, first, second, gain = np.mean(rows, axis=0).tolist() if rows else [float("nan")] * 4
-    tiers = {str(label): float(np.mean([row[1] for row, of in zip(rows, asked, strict=True) if of == label]))
-             for label in dict.fromkeys(asked)}  # fmt: skip
-    return Retrieval(nearest, first, second, gain, queries=len(rows), first_tiers=tiers)
+    nearest, tier, second, gain = np.mean(rows, axis=0).tolist() if rows else [float("nan")] * 4
+    by_class = {label: float(np.mean(each)) for label, each in tiers.items()}
+    return Retrieval(nearest, tier, second, gain, queries=len(rows), first_tiers=by_class)
 
 
 def tier_lead(one: Retrieval, other: Retrieval) -> tuple[float, float]:
@@ -95,8 +96,8 @@ def tier_lead(one: Retrieval, other: Retrieval) -> tuple[float, float]:
     lead, error : float
         Mean over the classes that both have, and its standard error; NaN where there are too few.
     """
-    leads = np.array([tier - other.first_tiers[label] for label, tier in one.first_tiers.items()
-                      if label in other.first_tiers])  # fmt: skip
+    shared = [label for label in one.first_tiers if label in other.first_tiers]
+    leads = np.array([one.first_tiers[label] - other.first_tiers[label] for label in shared])
     lead = float(leads.mean()) if len(leads) else float("nan")
     return lead, float(leads.std(ddof=1) / np.sqrt(len(leads))) if len(leads) > 1 else float("nan")
 

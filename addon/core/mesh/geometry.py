@@ -154,6 +154,20 @@ def signed_volume(vertices: FloatArray, faces: IntArray) -> float:
     return sum(float(np.einsum("ij,ij->", a, np.cross(b, c))) for _, (a, b, c) in _triangles(centred, faces)) / 6
 
 
+def weights_on_triangle(one: FloatArray, two: FloatArray) -> FloatArray:
+    """Turn numbers that are even from 0 to 1 into barycentric coordinates that are even over a triangle.
+
+    `one, two` (p,); gives (p, 3).
+
+    Examples
+    --------
+    >>> weights_on_triangle(np.array([0.0, 0.25]), np.array([0.5, 0.5])).tolist()
+    [[1.0, 0.0, 0.0], [0.5, 0.25, 0.25]]
+    """
+    root = np.sqrt(one)
+    return np.column_stack([1 - root, root * (1 - two), root * two])
+
+
 def moved_by_frames(vertices: FloatArray, rotation: FloatArray, shift: FloatArray) -> FloatArray:
     """Move every vertex by its own frame.
 

@@ -1,1 +1,1 @@
-"""Array types, vectors as columns, ramps, sparse factorisation, matrix products in blocks."""
+"""Array types, vectors as columns, ramps, choice by shares, sparse factorisation, matrix products in blocks."""

@@ -13,12 +13,12 @@ from ..matching.unfolded import Unfolded
 from ..mesh.closest_points import SurfacePoints
 from ..mesh.geometry import vertex_areas, vertex_normals
 from ..numerics.arrays import FloatArray, IntArray
+from ..numerics.shares import spread
 from ..run.monitor import Monitor
 from ..symmetry.limb_names import side_of
 from .articulated_fit import ALIKE, UNLIKE, Explained, explained, turned_round
 from .evidence import beyond_limits, skin_alike, toes_forward, trunk_axes, unlike_sides
 from .references import Reference
-from .transport import spread
 
 _STANDING = 0.3  # correlation of heights above which a match leaves the body as it stands
 _SAME = 0.5  # cosine between axes of two skeletons below which they face different ways

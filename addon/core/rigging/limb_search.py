@@ -12,6 +12,7 @@ import numpy as np
 from ..mesh.closest_points import closest_points
 from ..mesh.geometry import vertex_normals
 from ..numerics.arrays import FloatArray, IntArray
+from ..numerics.shares import spread
 from ..run.monitor import Monitor
 from .bone_fit import BoneFit
 from .reference_rig import ReferenceRig
@@ -135,11 +136,8 @@ def _skin(
     there = np.column_stack([laid, _FACING * vertex_normals(laid, rig.faces)])
     apart = closest_points(there, kept, np.column_stack([points, _FACING * normals]), monitor).distances
     free = 1 - np.exp(-((apart / _REACH) ** 2))
-    share = np.cumsum(np.where(free > _FREE, areas, 0.0))
-    if not share[-1] > 0:
-        rows = np.empty(0, dtype=np.int64)
-    else:
-        rows = np.unique(np.searchsorted(share / share[-1], (np.arange(_SAMPLES) + 0.5) / _SAMPLES))
+    share = np.where(free > _FREE, areas, 0.0)
+    rows = np.unique(spread(share / share.sum(), _SAMPLES)) if share.any() else np.empty(0, dtype=np.int64)
     return _Skin(points[rows], normals[rows], free[rows], points, normals)
 
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ..mesh.geometry import vertex_areas, vertex_normals
-from ..numerics.arrays import FloatArray, IntArray
+from ..numerics.arrays import FloatArray
+from ..numerics.shares import spread
 from ..run.monitor import Monitor
 from .bone_fit import BoneFit, fitted_bones
 from .reference_rig import ReferenceRig
@@ -13,18 +14,6 @@ from .reference_rig import ReferenceRig
 _SAMPLES = 500  # of each skin, all of the same area
 _FACING = 0.1  # weight of normals, in sqrt(area)
 _ROUNDS = 4
-
-
-def spread(share: FloatArray, count: int) -> IntArray:
-    """Choose vertices as often as their area asks for. `share` (n,): of the area; gives (count,), ascending.
-
-    Examples
-    --------
-    >>> spread(np.array([0.25, 0.5, 0.25]), 4).tolist()
-    [0, 1, 1, 2]
-    """
-    steps = (np.arange(count) + 0.5) / count
-    return np.minimum(np.searchsorted(np.cumsum(share), steps), len(share) - 1)
 
 
 def transported_bones(

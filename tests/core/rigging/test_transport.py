@@ -7,7 +7,7 @@ from addon.core.fused.patch_rig import patch_rig
 from addon.core.mesh.geometry import surface_area, vertex_areas, vertex_normals
 from addon.core.rigging.articulated_fit import laid_on, nearest_of_posed
 from addon.core.rigging.bone_fit import BoneFit
-from addon.core.rigging.transport import spread, transported_bones
+from addon.core.rigging.transport import transported_bones
 from addon.core.run.errors import CancelledError
 from addon.core.run.monitor import Monitor
 from tests.meshes.animals import walker
@@ -73,8 +73,3 @@ def test_the_same_twice(rig):
 def test_it_can_be_stopped(rig):
     with pytest.raises(CancelledError):
         assigned(rig, still(rig), rig.vertices, Monitor(cancelled=lambda: True))
-
-
-def test_samples_are_spread_by_area():
-    share = np.array([0.5, 0.125, 0.125, 0.25])
-    np.testing.assert_array_equal(np.bincount(spread(share, 8)), [4, 1, 1, 2])
