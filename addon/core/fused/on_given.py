@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, ClassVar, NamedTuple, Protocol, TypeVar
+from typing import Any, ClassVar, NamedTuple, Protocol, TypeVar, cast
 
 import numpy as np
 
@@ -84,6 +84,8 @@ class _Limbed(_Shaped, Protocol):
 
     @property
     def bodies(self) -> list[BodyLimbs]: ...
+    @property
+    def parted(self) -> Parted | None: ...
 
 
 class _Points(Protocol):
@@ -205,6 +207,8 @@ def form_on_parted(form: Form, mesh: PartedMesh) -> Form:
 
     Gives that of the mesh as given, if a feature point lies in a contact.
     """
+    if form.parted is not None and _same_parting(form.parted.mesh, mesh):
+        return cast(Form, form.parted.result)  # on the mesh as given, both lips of a contact have one position
     given, first, bodies = given_of(mesh), mesh.copies(len(form.vertices)), []
     for body in form.bodies:
         vertices = np.flatnonzero(np.isin(given, body.vertices))
@@ -213,6 +217,11 @@ def form_on_parted(form: Form, mesh: PartedMesh) -> Form:
             return form
         bodies.append(body._replace(vertices=vertices, tips=np.searchsorted(vertices, tips)))
     return replace(form, vertices=form.vertices[given], faces=mesh.faces, bodies=bodies)
+
+
+def _same_parting(one: PartedMesh, other: PartedMesh) -> bool:
+    """Return whether two meshes were parted alike."""
+    return np.array_equal(one.origin, other.origin) and np.array_equal(one.faces, other.faces)
 
 
 def _rows(mesh: PartedMesh, given: Given) -> IntArray:

@@ -171,7 +171,7 @@ def test_a_form_is_a_reference_for_itself(fused, kept):
     form = canonical_form(vertices, faces, settings, keep=kept)
     again = canonical_form(vertices, faces, settings, reference=form, keep=kept)
     size = np.ptp(form.vertices, axis=0).max()
-    assert np.linalg.norm(again.vertices - form.vertices, axis=1).max() < 2e-3 * size
+    assert np.linalg.norm(again.vertices - form.vertices, axis=1).max() < 1e-9 * size
     assert again.feature_points.tolist() == form.feature_points.tolist()
     assert not any(each.kind.startswith("reference") for each in again.warnings)
 
