@@ -16,6 +16,7 @@ from .candidates import Candidate, Points, candidate_by, candidates
 from .reference_rig import ReferenceRig
 from .references import Reference
 from .stance_gate import refusal
+from .standing import strained
 
 _APART = 0.06  # of the mannequin's size: points of two bodies that lie that far apart on it are hardly the same
 _TRUST = 0.35  # mean trust in the skin, of bodies that are no human ones, below which they are not alike
@@ -70,7 +71,8 @@ def over_mannequin(
         with monitor.stage("Ways to face"):
             fits.append(candidates(body, adult, builds, monitor))
     here, there = fits
-    humans = sum(refusal(found[0], 1.0) is None for found in (here, there))
+    bodies = zip((one, reference.body), fits, monitors, strict=True)
+    humans = sum(_is_human(body, found[0], monitor) for body, found, monitor in bodies)
     if humans < len((one, reference)):
         return Bridge([], humans)
     faces, size = reference.rig.faces, float(np.ptp(adult.rig.vertices, axis=0).max())
@@ -82,6 +84,13 @@ def over_mannequin(
         own = candidate_by(one, reference, Points(near, sure), monitors[1])
         found.append(own._replace(cost=own.cost + way.cost - here[0].cost))  # of the ways to face, it knows more
     return Bridge(found, humans)
+
+
+def _is_human(body: Unfolded, best: Candidate, monitor: Monitor) -> bool:
+    """Return whether a body could be put into a T-pose by the mannequin's skeleton that explains it best."""
+    if refusal(best, 1.0) is not None:
+        return False
+    return refusal(best, 1.0, *strained(body, best.reference.rig, best.fit, monitor)) is None
 
 
 def _on_mannequin(found: Candidate, adult: ReferenceRig) -> FloatArray:

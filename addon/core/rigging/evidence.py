@@ -22,6 +22,7 @@ _TURNS = {  # degrees: the whole turn of a bone against another
 _WAIST, _NECK = 60.0, 80.0
 _HIP = ((-130.0, 40.0), (-75.0, 40.0), 60.0)  # forward and back, out and in, twist
 _LIMBS = ("upper_arm", "forearm", "thigh", "shin")
+_BESIDE, _FEET = 0.6, 1.2  # how far from a shin its foot reaches, in shins or in feet of the build
 
 
 def beyond_limits(rig: ReferenceRig, fit: BoneFit) -> dict[str, float]:
@@ -111,6 +112,9 @@ def toes_forward(rig: ReferenceRig, fit: BoneFit, points: FloatArray) -> float:
     left, up = trunk_axes(rig, fit)
     front = np.cross(left, up)
     number, total = rig.skeleton.names.index, 0.0
+    lengths = np.linalg.norm(rig.skeleton.tails - rig.skeleton.heads, axis=1)
+    shin, foot, toe = (lengths[number(f"{name}.L")] for name in ("shin", "foot", "toe"))
+    beside = max(_BESIDE, _FEET * (foot + toe) / shin)  # feet of short legs are as long as the shins
     shins = {side: (fit.heads[number(f"shin.{side}")], fit.tails[number(f"shin.{side}")]) for side in "LR"}
     away = {side: _from_segment(points, knee, ankle + 0.3 * (ankle - knee)) for side, (knee, ankle) in shins.items()}
     for side, other in ("LR", "RL"):
@@ -118,7 +122,7 @@ def toes_forward(rig: ReferenceRig, fit: BoneFit, points: FloatArray) -> float:
         size = float(np.linalg.norm(ankle - knee))
         along = (ankle - knee) / max(size, 1e-12)
         down = (points - knee) @ along / max(size, 1e-12)
-        near = (away[side] < 0.6 * size) & (away[side] < away[other]) & (down > 0.1)
+        near = (away[side] < beside * size) & (away[side] < away[other]) & (down > 0.1)
         if np.count_nonzero(near) < 40:
             continue
         sole = np.percentile(down[near], 99.5)

@@ -9,6 +9,7 @@ import numpy as np
 from ..deformation.elastic_body import ElasticBody
 from ..deformation.struts import struts_through
 from ..matching.unfolded import Unfolded
+from ..measures.form_measures import median_distortion
 from ..mesh.geometry import moved_by_frames, vertex_areas
 from ..numerics.arrays import FloatArray
 from ..posing.taken_pose import taken_pose
@@ -50,11 +51,7 @@ def stood(one: Unfolded, rig: ReferenceRig, fit: Explained, bones: BoneFit, pose
     lie in it, in its own unit; `pose`: as `goal_turns` takes it.
     """
     own, surface = one.found, one.found.surface
-    motions = fitted_stance(rig, bones, surface.points, fit.weights, goal_turns(rig, pose))
-    struts = struts_through(surface.points, surface.faces, own.limbs.to_features, monitor)
-    body = ElasticBody(own.stiffness, own.mass, surface.points, surface.faces, struts)
-    working = taken_pose(body, skinned(surface.points, fit.weights, motions), fit.trust(_LEAST))
-    monitor.check()
+    body, motions, working = _skin_along(one, rig, fit, bones, pose, monitor)
     posed = working
     if surface.coarse:
         posed = moved_by_frames(own.whole_points, *surface.prolong_frames(*body.frames(working)))
@@ -62,7 +59,32 @@ def stood(one: Unfolded, rig: ReferenceRig, fit: Explained, bones: BoneFit, pose
     areas = vertex_areas(own.whole_points, own.whole_faces)
     shift = areas / areas.sum() @ (own.whole_points - posed)
     starts, heads = (each * own.unit + own.centre for each in (motions.starts, motions.heads + shift))
-    off = 0.0
-    if rig.is_human and pose in ARMS_LOWERED:
-        off = strayed(rig, working, own.mass, fit.weights, ARMS_LOWERED[pose])
+    off = _off(one, rig, fit, pose, working)
     return Stood(np.asarray((posed + shift) * own.unit + own.centre), BoneMotions(starts, heads, motions.turns), off)
+
+
+def strained(one: Unfolded, rig: ReferenceRig, fit: Explained, monitor: Monitor) -> tuple[float, float]:
+    """Measure on the working vertices what a T-pose would strain: the median change of edges, and `Stood.off`."""
+    surface = one.found.surface
+    _, _, working = _skin_along(one, rig, fit, fit.bones, "T", monitor)
+    return median_distortion(surface.points, working, surface.faces), _off(one, rig, fit, "T", working)
+
+
+def _skin_along(
+    one: Unfolded, rig: ReferenceRig, fit: Explained, bones: BoneFit, pose: str, monitor: Monitor
+) -> tuple[ElasticBody, BoneMotions, FloatArray]:
+    """Pull the working vertices along with the bones: the elastic skin, how the bones move, where the vertices end."""
+    own, surface = one.found, one.found.surface
+    motions = fitted_stance(rig, bones, surface.points, fit.weights, goal_turns(rig, pose))
+    struts = struts_through(surface.points, surface.faces, own.limbs.to_features, monitor)
+    body = ElasticBody(own.stiffness, own.mass, surface.points, surface.faces, struts)
+    working = taken_pose(body, skinned(surface.points, fit.weights, motions), fit.trust(_LEAST))
+    monitor.check()
+    return body, motions, working
+
+
+def _off(one: Unfolded, rig: ReferenceRig, fit: Explained, pose: str, working: FloatArray) -> float:
+    """Return by how many degrees a limb is off its way; 0 where that is not known."""
+    if not rig.is_human or pose not in ARMS_LOWERED:
+        return 0.0
+    return strayed(rig, working, one.found.mass, fit.weights, ARMS_LOWERED[pose])

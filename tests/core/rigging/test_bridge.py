@@ -4,11 +4,13 @@ import numpy as np
 import pytest
 
 from addon.core import InvalidMeshError, Settings, mannequin, rig
+from addon.core.rigging import bridge
 from addon.core.rigging.bridge import Alike, Bridge, over_mannequin
 from addon.core.rigging.proportions import BUILDS, reshaped, scales_of
 from addon.core.rigging.reference_rig import ReferenceRig, mannequin_rig
 from addon.core.rigging.references import unfolded_reference
 from addon.core.rigging.skeleton import skinned
+from addon.core.rigging.standing import strained
 from addon.core.run.monitor import Monitor
 from tests.core.rigging.test_stance_gate import fitted
 from tests.meshes import animals
@@ -47,6 +49,19 @@ def test_bones_of_any_name_find_their_way_by_what_the_mannequin_knows(adult):
 )
 def test_of_a_human_and_a_beast_one_is_no_donor_of_the_other(humans, trust, alike):
     assert Bridge([], humans).alike(fitted(trust=trust)) is alike
+
+
+def test_a_body_that_a_stance_would_strain_is_no_human(adult, monkeypatch):
+    seen = []
+
+    def measured(*given):
+        seen.append(strained(*given))
+        return 0.1, 0.0
+
+    monkeypatch.setattr(bridge, "strained", measured)
+    assert over_mannequin(adult.body, adult, adult, lambda: [], (Monitor(), Monitor())).humans == 0
+    assert np.array(seen).shape == (2, 2)
+    assert np.all(np.array(seen) < [0.014, 11.3])  # the mannequin's own are of right stances
 
 
 def test_a_body_gets_no_bones_of_another_kind(adult):
