@@ -8,13 +8,12 @@ import pytest
 
 from addon.blender.records.form_report import FormReport
 from addon.blender.records.record import require_record
-from addon.core import Skeleton
+from addon.core import Skeleton, mannequin
 from addon.interface import research_panel
 from tests.blender.characters import activate
 from tests.blender.conftest import QUICK, add_object, drawn
 from tests.blender.test_rest_reading import a_rig
 from tests.core.rigging.conftest import hand_drawn
-from tests.meshes import shapes
 
 
 def armature(skeleton: Skeleton) -> bpy.types.Object:
@@ -148,7 +147,7 @@ def test_vertices_that_modifiers_make_stand_too(character_rig):
 
 def test_bones_that_tell_nothing_are_told_and_a_match_takes_over(blender):
     rig = a_rig("Bone")
-    obj = add_object("Figure", *shapes.figure(13))
+    obj = add_object("Figure", *mannequin(40.0))
     obj.vertex_groups.new(name="Bone").add(list(range(len(obj.data.vertices))), 1.0, "REPLACE")
     obj.modifiers.new("Armature", "ARMATURE").object = rig
     stand(obj, anyway=True)

@@ -19,7 +19,9 @@ from .sides import Side
 from .spectral_map import first_map, on_triangles, refined
 from .unfolded import Unfolded
 
-_COUNTS = range(20, 121, 10)  # eigenfunctions, round by round
+_COUNTS = range(20, 121, 5)  # eigenfunctions, round by round
+_FEWER = range(20, 121, 10)  # between unlike bodies: there a trunk slides a little in each round
+_ALIKE = -4.0  # score up to which bodies are alike
 _NEAR = 0.3  # weight of positions on the form
 _SMOOTH = 2e-4  # diffusion time of the confidence, as a share of the area
 _LOST = 0.08  # sqrt(area): round-trip error that counts as wrong
@@ -70,9 +72,8 @@ class WorkingMap(NamedTuple):
 def point_map(one: Unfolded, other: Unfolded, side: Side, monitor: Monitor) -> PointMap:
     """Match all vertices of a surface with points of another.
 
-    The map between the working vertices moves one form onto the other, as rigidly as possible; what results is refined
-    once more. The displacements are interpolated to all vertices; the point of the other form closest to each moved
-    vertex is its match.
+    The map between the working vertices moves one form onto the other, as rigidly as possible. The displacements are
+    interpolated to all vertices; the point of the other form closest to each moved vertex is its match.
 
     `one, other`: the surfaces; `side`: the side on which they are matched.
 
@@ -107,12 +108,11 @@ def working_map(one: Unfolded, other: Unfolded, side: Side, monitor: Monitor) ->
     from scipy.sparse import diags
 
     body = ElasticBody(one.found.stiffness, one.found.mass, one.form, one.faces)
-    partner = first_map(one, other, side.start, monitor)
-    for counts in (_COUNTS, _COUNTS[-1:]):
-        partner = refined(one, other, partner, counts, _NEAR, monitor)
-        there = on_triangles(one, other, partner, _COUNTS[-1], _NEAR, monitor)
-        placed, there = elastic_fit(body, one, other, there, monitor)
-        partner = there.nearest_corners(other.faces)
+    counts = _COUNTS if side.score < _ALIKE else _FEWER
+    partner = refined(one, other, first_map(one, other, side.start, monitor), counts, _NEAR, monitor)
+    there = on_triangles(one, other, partner, _COUNTS[-1], _NEAR, monitor)
+    placed, there = elastic_fit(body, one, other, there, monitor)
+    partner = there.nearest_corners(other.faces)
     rotation, shift = rigid_fit(one.form, other.form[partner], one.areas)
     monitor.check()
     time = _SMOOTH * one.found.mass.sum()
@@ -126,7 +126,7 @@ def _confidence(
     one: Unfolded, other: Unfolded, partner: IntArray, places: FloatArray, rotation: FloatArray, monitor: Monitor
 ) -> FloatArray:
     """Compute the confidence of a map from its round-trip error, normals, and area and orientation of triangles."""
-    back = refined(other, one, _first_back(other, partner), _COUNTS[-2:], _NEAR, monitor)
+    back = refined(other, one, _first_back(other, partner), _FEWER[-2:], _NEAR, monitor)
     home = np.linalg.norm(one.form[back[partner]] - one.form, axis=1)
     facing = np.einsum("ij,ij->i", one.normals @ rotation, other.normals[partner])
     before, after = area_vectors(one.form @ rotation, one.faces), area_vectors(places, one.faces)

@@ -82,8 +82,9 @@ def sides(one: Unfolded, other: Unfolded, monitor: Monitor) -> list[Side]:
     """Find the possible matches of two surfaces that differ in left and right, or front and back.
 
     Each start is refined on a sample. Its score is the logarithm of the remaining distance between the forms, plus
-    twice the change of the wave kernel signature, minus twice the correlation of smoothed mean curvature of the poses:
-    of these, curvature distinguishes front from back best. Between bodies of different make it hardly does, so left
+    twice the change of the wave kernel signature, minus twice the correlation of smoothed mean curvature of the poses,
+    plus how far ends of limbs land from ends of limbs: upside down, a head lands between two legs. Of these, curvature
+    distinguishes front from back best. Between bodies of different make it hardly does, so left
     and right count as far as each surface tells them, by distances and toes. Matches that are close by both are fitted,
     and how much that strains the form is added: a body turned back to front has to twist feet, hands and face.
 
@@ -115,7 +116,8 @@ def scored_sides(one: Unfolded, other: Unfolded, monitor: Monitor) -> list[Side]
     for number, start in enumerate(ways, start=1):
         first = first_map(one, other, start, monitor, rows=rows)
         partner = refined(one, other, first, _COUNTS, _NEAR, monitor, facing=_FACING, rows=rows)
-        tried.append((_score(one, other, rows, partner), start, other.form[partner]))
+        score = _score(one, other, rows, partner) + _ends_apart(one, other, rows, partner)
+        tried.append((score, start, other.form[partner]))
         monitor.tick(number / (len(ways) + _MOST))
     found: list[tuple[Side, FloatArray]] = []
     for score, start, places in sorted(tried, key=lambda each: each[0]):
@@ -141,6 +143,15 @@ def _facing(one: Unfolded, other: Unfolded, start: Start) -> float:
     paired = max(1, int(np.count_nonzero(one.limbs.side[known])))
     sure = min(abs(one.facing), abs(other.facing), _SURE)
     return float(sure * np.sign(one.facing * other.facing) * sides.sum() / paired)
+
+
+def _ends_apart(one: Unfolded, other: Unfolded, rows: IntArray, partner: IntArray) -> float:
+    """Measure how far from ends of limbs those of either surface are mapped, in sqrt(area), on average."""
+    if not len(one.features) or not len(other.features):
+        return 0.0
+    sample = np.linalg.norm(one.form[rows] - one.form[one.features][:, None], axis=2).argmin(axis=1)
+    apart = other.limbs.to_features[partner[sample]]  # (k, k')
+    return float(apart.min(axis=0).mean() + apart.min(axis=1).mean()) / 2
 
 
 def _score(one: Unfolded, other: Unfolded, rows: IntArray, partner: IntArray) -> float:

@@ -12,12 +12,13 @@ from ..numerics.arrays import FloatArray, IntArray
 from ..numerics.nearest import nearest_rows
 from ..numerics.products import product
 from ..run.monitor import Monitor
+from .proportions import in_proportion
 from .starts import Start
 from .unfolded import Unfolded
 
 _NEAR, _FACING = 0.3, 0.08  # weights of position and normal relative to the distances from the feature points,
 _SPECTRAL, _SIGNATURE = 0.2, 0.3  # of eigenfunctions and wave kernel signature
-FACING = 0.02  # of normal when the map is refined
+_TURNING = 4.0  # weight of normals times the number of eigenfunctions: normals find the trunk, eigenfunctions details
 _EVERY = slice(None)
 
 
@@ -44,7 +45,10 @@ def first_map(
     near, facing = (_NEAR, _FACING) if len(known) else (1.0, _FACING / _NEAR)
     here = [near * (one.form @ start.rotation + start.shift), facing * one.normals @ start.rotation]
     there = [near * other.form, facing * other.normals]
-    own, others = one.limbs.to_features[:, known], other.limbs.to_features[:, start.image[known]]
+    image = start.image[known]
+    lengths, other_lengths = one.limbs.distances[np.ix_(known, known)], other.limbs.distances[np.ix_(image, image)]
+    own = in_proportion(one.limbs.to_features[:, known], lengths, other_lengths)
+    others = other.limbs.to_features[:, image]
     return nearest_rows(np.column_stack([own, *here])[rows], np.column_stack([others, *there]), monitor)
 
 
@@ -56,7 +60,7 @@ def refined(
     near: float,
     monitor: Monitor,
     *,
-    facing: float = FACING,
+    facing: float | None = None,
     rows: IntArray | None = None,
 ) -> IntArray:
     """Refine a map between vertices through maps between eigenfunctions.
@@ -65,7 +69,8 @@ def refined(
     map. Positions and normals of the forms distinguish left from right; this form moves smoothly to the other.
 
     `one, other`: the surfaces; `partner` (r,); `counts`: numbers of eigenfunctions, round by round; `near`: weight of
-    positions on the form; `facing`: weight of normals; `rows` (r,); gives (r,).
+    positions on the form; `facing`: weight of normals, by default lower with more eigenfunctions; `rows` (r,); gives
+    (r,).
 
     Examples
     --------
@@ -109,7 +114,7 @@ def on_triangles(
     >>> points.nearest_corners(body.faces).tolist()
     [0, 1, 2, 3]
     """
-    here, there = _side_by_side(one, other, partner, count, near, FACING, None)
+    here, there = _side_by_side(one, other, partner, count, near, None, None)
     return closest_around(there, other.faces, here, nearest_rows(here, there, monitor))
 
 
@@ -119,7 +124,7 @@ def _side_by_side(
     partner: IntArray,
     count: int,
     near: float,
-    facing: float,
+    facing: float | None,
     rows: IntArray | None,
 ) -> tuple[FloatArray, FloatArray]:
     """Stack eigenfunctions, positions and normals of both surfaces, made comparable by a map."""
@@ -134,6 +139,7 @@ def _side_by_side(
     placed = one.form[at] @ rotation + shift
     wide = slice(0, count // 2)
     way = weighted[wide] @ (other.form[partner] - placed)  # smooth: where the forms differ, one is moved to the other
+    facing = _TURNING / count if facing is None else facing
     scale = _SPECTRAL / np.sqrt(max(waves.shape[1], others.shape[1]))
     moved, turned = placed + waves[:, wide] @ way, one.normals[at] @ rotation
     spanned = scale * product(others, between.T)

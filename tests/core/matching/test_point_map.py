@@ -18,7 +18,7 @@ def confidence(one, other, partner, places):
 
 
 def distance_home(one, other, partner):
-    back = module.refined(other, one, module._first_back(other, partner), module._COUNTS[-2:], module._NEAR, Monitor())
+    back = module.refined(other, one, module._first_back(other, partner), module._FEWER[-2:], module._NEAR, Monitor())
     return np.linalg.norm(one.form[back[partner]] - one.form, axis=1)
 
 
@@ -34,6 +34,23 @@ def test_a_body_is_matched_with_itself_vertex_by_vertex_and_surely(body, renumbe
     np.testing.assert_allclose(reached, body.whole_form @ rotation + shift, atol=1e-4)
     assert found.confidence.min() > 0.99
     assert found.score == side.score
+
+
+@pytest.mark.parametrize(("score", "rounds"), [(-5.0, 21), (-3.0, 11)])
+def test_unlike_bodies_take_half_the_rounds(body, monkeypatch, score, rounds):
+    """Each round slides a trunk a little, which poses of a body make up for."""
+    taken = []
+
+    def counting(one, other, partner, counts, *given):
+        taken.append(list(counts))
+        return module_refined(one, other, partner, counts, *given)
+
+    module_refined = module.refined
+    monkeypatch.setattr(module, "refined", counting)
+    point_map(body, body, sides(body, body, Monitor())[0]._replace(score=score), Monitor())
+    there, back = taken
+    assert (len(there), there[0], there[-1]) == (rounds, 20, 120)
+    assert back == [110, 120]
 
 
 def test_where_a_limb_has_no_like_the_match_is_unsure(gathered, body):

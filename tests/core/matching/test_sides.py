@@ -58,6 +58,21 @@ def test_the_score_is_distance_signature_and_curvature(body, renumbered):
             assert module._score(body, other, rows, image) < np.log(1e-6)
 
 
+def test_ends_of_limbs_that_meet_none_count(body):
+    rows = np.arange(len(body.form))
+    assert module._ends_apart(body, body, rows, rows) == pytest.approx(0, abs=1e-9)
+    tips, away = body.features, body.limbs.to_features
+    crotch = int(np.argmax(away.min(axis=1)))
+    lost = rows.copy()
+    lost[tips[0]] = crotch  # one limb ends where none does
+    missed = np.delete(away[tips[0]], 0).min()
+    missed = min(missed, away[crotch, 0])
+    expected = (away[crotch].min() + missed) / len(tips) / 2
+    assert module._ends_apart(body, body, rows, lost) == pytest.approx(expected)
+    nothing = body._replace(limbs=body.limbs._replace(features=tips[:0], to_features=away[:, :0]))
+    assert module._ends_apart(nothing, body, rows, rows) == 0.0
+
+
 def test_correlation_is_that_of_pearson_and_none_of_constants():
     one, two = np.random.default_rng(0).normal(size=(2, 50)) + 3
     assert module._correlation(one, two + one) == pytest.approx(np.corrcoef(one, two + one)[0, 1])

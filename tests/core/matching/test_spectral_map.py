@@ -43,6 +43,17 @@ def test_the_first_map_goes_by_distances_places_and_normals(body, renumbered):
     assert first_map(body, other, way, Monitor(), rows=rows).tolist() == expected[rows].tolist()
 
 
+def test_the_first_map_knows_limbs_of_other_lengths(body):
+    """A body on which all ways are longer is still itself."""
+    limbs = body.limbs
+    longer = limbs._replace(distances=1.6 * limbs.distances, to_features=1.6 * limbs.to_features)
+    way = Start(np.arange(len(body.features)), np.eye(3), np.zeros(3))
+    mapped = first_map(body, body._replace(limbs=longer), way, Monitor())
+    assert mapped.tolist() == first_map(body, body, way, Monitor()).tolist()
+    uneven = limbs._replace(distances=limbs.distances * [[0.6], [1], [1], [1], [1]] * [0.6, 1, 1, 1, 1])
+    assert (first_map(body, body._replace(limbs=uneven), way, Monitor()) != mapped).any()
+
+
 def test_one_common_feature_point_is_enough_for_its_distances(body):
     """The first point of the other surface counts like any other."""
     image = np.full(len(body.features), -1)
