@@ -11,7 +11,13 @@ from addon.core.mesh.geometry import surface_area
 from addon.evaluation.correspondences.command import main
 from addon.evaluation.correspondences.matchers import MATCHERS, Found, Matcher, Mesh
 from addon.evaluation.correspondences.published import landmarked_meshes, listed_pairs
-from addon.evaluation.correspondences.published_work import coverage, dirichlet_energy, distances_to, measured
+from addon.evaluation.correspondences.published_work import (
+    coverage,
+    dirichlet_energy,
+    distances_to,
+    measured,
+    nearest_corners,
+)
 from tests.meshes import shapes
 from tests.meshes.shapes import write_off
 
@@ -71,13 +77,20 @@ def test_what_is_no_truth_is_told(benchmark, tmp_path):
 
 
 def test_the_identity_is_perfect(figure):
-    assert coverage(figure, figure.vertices) == 1.0
+    every = np.arange(len(figure.vertices))
+    assert coverage(figure, every) == 1.0
     assert dirichlet_energy(figure, figure, figure.vertices) == pytest.approx(1.0)
     assert dirichlet_energy(figure, figure, figure.vertices + 5.0) == pytest.approx(1.0)
     rough = figure.vertices + np.random.default_rng(0).normal(scale=0.05, size=figure.vertices.shape)
     assert dirichlet_energy(figure, figure, rough) > 1.3
-    half = np.where(figure.vertices[:, :1] > 0, figure.vertices, figure.vertices[:1])
-    assert 0.3 < coverage(figure, half) < 0.7
+    assert 0.3 < coverage(figure, every[figure.vertices[:, 0] > 0]) < 0.7
+
+
+def test_the_nearest_vertex_is_of_the_skin_that_was_matched_and_not_of_what_touches_it():
+    vertices = np.array([[0.0, 0, 0], [4, 0, 0], [0, 4, 0], [1.2, 1.2, -1], [1.2, 1.2, 0.1], [1.3, 1.2, 1]])
+    mesh = Mesh(vertices, np.array([[0, 1, 2], [3, 4, 5]]))  # the second passes through the first
+    found = Found(mesh.faces[[0, 1]], np.array([[0.4, 0.3, 0.3], [0.1, 0.8, 0.1]]))
+    assert nearest_corners(mesh, found).tolist() == [0, 4]
 
 
 @pytest.mark.parametrize("exact", [False, True])

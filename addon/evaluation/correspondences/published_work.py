@@ -12,7 +12,7 @@ from ...core.numerics.arrays import FloatArray, IntArray
 from ...core.surface.laplacian import stiffness
 from ...core.surface.triangulation import triangulated
 from ..work import one_thread
-from .matchers import MATCHERS, Mesh
+from .matchers import MATCHERS, Found, Mesh
 from .work import distances_to
 
 CURVE = np.linspace(0.0, 0.25, 51)  # sqrt(area): error bounds of the Princeton curve
@@ -78,8 +78,8 @@ def measured(
         places = np.einsum("ij,ijk->ik", found.weights, other.vertices[found.corners])
         count = len(truth)
         some = np.arange(count) if not 0 < samples < count else np.linspace(0, count - 1, samples).round().astype(int)
-        there = places[truth[some]]
-        vertices = other.vertices[nearest_vertices(other, there)]
+        nearest = nearest_corners(other, found)
+        there, vertices = places[truth[some]], other.vertices[nearest[truth[some]]]
         errors, points = distances_to(other, other_truth[some], [vertices, there], exact)
         apart = None
         if other_mirrored is not None:
@@ -89,30 +89,45 @@ def measured(
         "points": float(points.mean()),
         "mirrored": None if apart is None else float(apart.mean()),
         "flip": None if apart is None else bool(apart.mean() < errors.mean()),
-        "coverage": coverage(other, places),
+        "coverage": coverage(other, nearest),
         "dirichlet": dirichlet_energy(one, other, places),
         "seconds": seconds,
     }
     return Measured(row, {"curve": (errors[None] <= CURVE[:, None]).mean(axis=1)})
 
 
-def nearest_vertices(mesh: Mesh, places: FloatArray) -> IntArray:
-    """Return the vertex of a mesh that is nearest to each place, (s,)."""
-    from scipy.spatial import cKDTree
+def nearest_corners(mesh: Mesh, found: Found) -> IntArray:
+    """Return for each point of a match the corner of its triangle that is nearest to it, (n,).
 
-    found: IntArray = cKDTree(mesh.vertices).query(places)[1]
-    return found
+    The nearest vertex in space may be of other skin, where that touches or passes through.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The mesh that the points are on.
+    found : Found
+        The match.
+
+    Returns
+    -------
+    (n,) ndarray of int
+        Vertices of the mesh.
+    """
+    corners = mesh.vertices[found.corners]  # (n, 3, 3)
+    places = np.einsum("ij,ijk->ik", found.weights, corners)
+    nearest = np.linalg.norm(corners - places[:, None], axis=2).argmin(axis=1)
+    return np.asarray(np.take_along_axis(found.corners, nearest[:, None], axis=1)[:, 0])
 
 
-def coverage(mesh: Mesh, places: FloatArray) -> float:
-    """Return the share of a mesh's area whose vertices are the nearest of some place.
+def coverage(mesh: Mesh, vertices: IntArray) -> float:
+    """Return the share of a mesh's area whose vertices a match hits.
 
     Parameters
     ----------
     mesh : Mesh
         The mesh.
-    places : (n, 3) ndarray of float
-        The places.
+    vertices : (n,) ndarray of int
+        Those that are hit.
 
     Returns
     -------
@@ -120,8 +135,7 @@ def coverage(mesh: Mesh, places: FloatArray) -> float:
         From 0 to 1.
     """
     areas = vertex_areas(*mesh)
-    hit = np.unique(nearest_vertices(mesh, places))
-    return float(areas[hit].sum() / areas.sum())
+    return float(areas[np.unique(vertices)].sum() / areas.sum())
 
 
 def dirichlet_energy(one: Mesh, other: Mesh, places: FloatArray) -> float:
