@@ -81,9 +81,9 @@ def write_published(store: Store, outcomes: Outcomes, matchers: Sequence[str], *
         "# Matches on a published benchmark",
         "",
         "Meshes and pairs as they come. The error is the geodesic distance from the truth, over sqrt(area), of the "
-        "nearest corner of the triangle that was matched, as published ones are, and *of points* that of the match itself, measured "
-        f"{how}; a pair is flipped where it is nearer to the truth of the other side. Coverage: share of the other's "
-        "area that is hit. Dirichlet: 1 for an isometry.",
+        "nearest corner of the triangle that was matched, as published ones are, and *of points* that of the match "
+        f"itself, measured {how}; a pair is flipped where it is nearer to the truth of the other side. Coverage: share "
+        "of the other's area that is hit. Dirichlet: 1 for an isometry.",
         "",
         markdown_table(head, rows),
         "",
