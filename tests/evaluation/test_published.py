@@ -89,8 +89,8 @@ def test_the_identity_is_perfect(figure):
 def test_the_nearest_vertex_is_of_the_skin_that_was_matched_and_not_of_what_touches_it():
     vertices = np.array([[0.0, 0, 0], [4, 0, 0], [0, 4, 0], [1.2, 1.2, -1], [1.2, 1.2, 0.1], [1.3, 1.2, 1]])
     mesh = Mesh(vertices, np.array([[0, 1, 2], [3, 4, 5]]))  # the second passes through the first
-    found = Found(mesh.faces[[0, 1]], np.array([[0.4, 0.3, 0.3], [0.1, 0.8, 0.1]]))
-    assert nearest_corners(mesh, found).tolist() == [0, 4]
+    places = np.einsum("ij,ijk->ik", [[0.4, 0.3, 0.3], [0.1, 0.8, 0.1]], vertices[mesh.faces])
+    assert nearest_corners(mesh, mesh.faces, places).tolist() == [0, 4]
 
 
 @pytest.mark.parametrize("exact", [False, True])

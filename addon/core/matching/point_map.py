@@ -22,6 +22,7 @@ from .unfolded import Unfolded
 _COUNTS = range(20, 121, 5)  # eigenfunctions, round by round
 _FEWER = range(20, 121, 10)  # between unlike bodies: there a trunk slides a little in each round
 _ALIKE = -4.0  # score up to which bodies are alike
+_BACK = (110, 120)  # eigenfunctions of the way back, by which the confidence is told
 _NEAR = 0.3  # weight of positions on the form
 _SMOOTH = 2e-4  # diffusion time of the confidence, as a share of the area
 _LOST = 0.08  # sqrt(area): round-trip error that counts as wrong
@@ -126,7 +127,7 @@ def _confidence(
     one: Unfolded, other: Unfolded, partner: IntArray, places: FloatArray, rotation: FloatArray, monitor: Monitor
 ) -> FloatArray:
     """Compute the confidence of a map from its round-trip error, normals, and area and orientation of triangles."""
-    back = refined(other, one, _first_back(other, partner), _FEWER[-2:], _NEAR, monitor)
+    back = refined(other, one, _first_back(other, partner), _BACK, _NEAR, monitor)
     home = np.linalg.norm(one.form[back[partner]] - one.form, axis=1)
     facing = np.einsum("ij,ij->i", one.normals @ rotation, other.normals[partner])
     before, after = area_vectors(one.form @ rotation, one.faces), area_vectors(places, one.faces)

@@ -84,9 +84,9 @@ def sides(one: Unfolded, other: Unfolded, monitor: Monitor) -> list[Side]:
     Each start is refined on a sample. Its score is the logarithm of the remaining distance between the forms, plus
     twice the change of the wave kernel signature, minus twice the correlation of smoothed mean curvature of the poses,
     plus how far ends of limbs land from ends of limbs: upside down, a head lands between two legs. Of these, curvature
-    distinguishes front from back best. Between bodies of different make it hardly does, so left
-    and right count as far as each surface tells them, by distances and toes. Matches that are close by both are fitted,
-    and how much that strains the form is added: a body turned back to front has to twist feet, hands and face.
+    distinguishes front from back best. Between bodies of different make it hardly does, so left and right count as far
+    as each surface tells them, by distances and toes. Matches that are close by both are fitted, and how much that
+    strains the form is added: a body turned back to front has to twist feet, hands and face.
 
     `one, other`: the surfaces.
 

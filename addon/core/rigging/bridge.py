@@ -66,15 +66,14 @@ def over_mannequin(
     `one`: the body; `adult`, `builds`: the mannequin, and gives it in other proportions; `monitors`: of the work on
     the body and on the reference.
     """
-    fits = []
+    fits, humans = [], 0
     for body, monitor in zip((one, reference.body), monitors, strict=True):
         with monitor.stage("Ways to face"):
             fits.append(candidates(body, adult, builds, monitor))
-    here, there = fits
-    bodies = zip((one, reference.body), fits, monitors, strict=True)
-    humans = sum(_is_human(body, found[0], monitor) for body, found, monitor in bodies)
-    if humans < len((one, reference)):
+        humans += _is_human(body, fits[-1][0], monitor)
+    if humans < len(fits):
         return Bridge([], humans)
+    here, there = fits
     faces, size = reference.rig.faces, float(np.ptp(adult.rig.vertices, axis=0).max())
     others, known = _on_mannequin(there[0], adult.rig), there[0].fit.closeness()[:, None]
     found = []

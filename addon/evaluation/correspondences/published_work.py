@@ -12,7 +12,7 @@ from ...core.numerics.arrays import FloatArray, IntArray
 from ...core.surface.laplacian import stiffness
 from ...core.surface.triangulation import triangulated
 from ..work import one_thread
-from .matchers import MATCHERS, Found, Mesh
+from .matchers import MATCHERS, Mesh
 from .work import distances_to
 
 CURVE = np.linspace(0.0, 0.25, 51)  # sqrt(area): error bounds of the Princeton curve
@@ -78,7 +78,7 @@ def measured(
         places = np.einsum("ij,ijk->ik", found.weights, other.vertices[found.corners])
         count = len(truth)
         some = np.arange(count) if not 0 < samples < count else np.linspace(0, count - 1, samples).round().astype(int)
-        nearest = nearest_corners(other, found)
+        nearest = nearest_corners(other, found.corners, places)
         there, vertices = places[truth[some]], other.vertices[nearest[truth[some]]]
         errors, points = distances_to(other, other_truth[some], [vertices, there], exact)
         apart = None
@@ -96,27 +96,27 @@ def measured(
     return Measured(row, {"curve": (errors[None] <= CURVE[:, None]).mean(axis=1)})
 
 
-def nearest_corners(mesh: Mesh, found: Found) -> IntArray:
-    """Return for each point of a match the corner of its triangle that is nearest to it, (n,).
+def nearest_corners(mesh: Mesh, corners: IntArray, places: FloatArray) -> IntArray:
+    """Return for each place on a triangle the corner that is nearest to it, (n,).
 
     The nearest vertex in space may be of other skin, where that touches or passes through.
 
     Parameters
     ----------
     mesh : Mesh
-        The mesh that the points are on.
-    found : Found
-        The match.
+        The mesh that the places are on.
+    corners : (n, 3) ndarray of int
+        The corners of their triangles.
+    places : (n, 3) ndarray of float
+        The places.
 
     Returns
     -------
     (n,) ndarray of int
         Vertices of the mesh.
     """
-    corners = mesh.vertices[found.corners]  # (n, 3, 3)
-    places = np.einsum("ij,ijk->ik", found.weights, corners)
-    nearest = np.linalg.norm(corners - places[:, None], axis=2).argmin(axis=1)
-    return np.asarray(np.take_along_axis(found.corners, nearest[:, None], axis=1)[:, 0])
+    nearest = np.linalg.norm(mesh.vertices[corners] - places[:, None], axis=2).argmin(axis=1)
+    return np.asarray(np.take_along_axis(corners, nearest[:, None], axis=1)[:, 0])
 
 
 def coverage(mesh: Mesh, vertices: IntArray) -> float:

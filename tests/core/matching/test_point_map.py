@@ -18,7 +18,7 @@ def confidence(one, other, partner, places):
 
 
 def distance_home(one, other, partner):
-    back = module.refined(other, one, module._first_back(other, partner), module._FEWER[-2:], module._NEAR, Monitor())
+    back = module.refined(other, one, module._first_back(other, partner), module._BACK, module._NEAR, Monitor())
     return np.linalg.norm(one.form[back[partner]] - one.form, axis=1)
 
 
