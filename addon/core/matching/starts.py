@@ -42,8 +42,8 @@ class Start(NamedTuple):
 def starts(one: Unfolded, other: Unfolded, rows: IntArray, monitor: Monitor) -> list[Start]:
     """Find the possible starts of a match.
 
-    From the names of feature points if three were given by hand; else from their likeliest assignments, from their
-    numbers if both surfaces have equally many, and from the principal axes of the forms. Each is refined by iterative
+    From the names of feature points if three were given by hand; else from their likeliest assignments and the mirror
+    images of these, from their numbers if both surfaces have equally many, and from the principal axes of the forms. Each is refined by iterative
     closest points. Of those from the axes, only motions that no assignment leads to are kept.
 
     `one, other`: the surfaces; `rows` (r,).
@@ -91,8 +91,12 @@ def starts(one: Unfolded, other: Unfolded, rows: IntArray, monitor: Monitor) -> 
 
 
 def _likeliest(one: Unfolded, other: Unfolded) -> list[IntArray]:
-    """List the likeliest assignments of feature points, and those by number if both surfaces have equally many."""
+    """List the likeliest assignments of feature points, and those by number if both surfaces have equally many.
+
+    The likeliest alone could be all of one side, or of arms and legs that disagree.
+    """
     images = [image for image, _ in feature_assignments(one.limbs, other.limbs, _ASSIGNMENTS)]
+    images += [np.where(image >= 0, other.limbs.partner[image], -1) for image in images]
     return images + _by_number(one) if len(one.features) == len(other.features) else images
 
 
