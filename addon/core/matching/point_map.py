@@ -14,6 +14,7 @@ from ..numerics.arrays import FloatArray, IntArray
 from ..numerics.factoring import factored
 from ..numerics.ramps import ramp
 from ..run.monitor import Monitor
+from .conformal_metric import with_areas_of
 from .elastic_fit import elastic_fit, with_normals
 from .sides import Side
 from .spectral_map import first_map, on_triangles, refined
@@ -21,6 +22,7 @@ from .unfolded import Unfolded
 
 _COUNTS = range(20, 121, 5)  # eigenfunctions, round by round
 _FEWER = range(20, 121, 10)  # between unlike bodies: there a trunk slides a little in each round
+_ROUGH = range(20, 61, 10)  # of the map that tells how their areas differ
 _ALIKE = -4.0  # score up to which bodies are alike
 _BACK = (110, 120)  # eigenfunctions of the way back, by which the confidence is told
 _NEAR = 0.3  # weight of positions on the form
@@ -109,9 +111,14 @@ def working_map(one: Unfolded, other: Unfolded, side: Side, monitor: Monitor) ->
     from scipy.sparse import diags
 
     body = ElasticBody(one.found.stiffness, one.found.mass, one.form, one.faces)
-    counts = _COUNTS if side.score < _ALIKE else _FEWER
-    partner = refined(one, other, first_map(one, other, side.start, monitor), counts, _NEAR, monitor)
-    there = on_triangles(one, other, partner, _COUNTS[-1], _NEAR, monitor)
+    counts, scaled = _COUNTS, one
+    first = first_map(one, other, side.start, monitor)
+    if side.score > _ALIKE:
+        rough = refined(one, other, first, _ROUGH, _NEAR, monitor)
+        counts, scaled = _FEWER, with_areas_of(one, other, rough, monitor)
+    # from the first map again, which has not slid
+    partner = refined(scaled, other, first, counts, _NEAR, monitor)
+    there = on_triangles(scaled, other, partner, counts[-1], _NEAR, monitor)
     placed, there = elastic_fit(body, one, other, there, monitor)
     partner = there.nearest_corners(other.faces)
     rotation, shift = rigid_fit(one.form, other.form[partner], one.areas)
@@ -119,7 +126,7 @@ def working_map(one: Unfolded, other: Unfolded, side: Side, monitor: Monitor) ->
     time = _SMOOTH * one.found.mass.sum()
     smooth = factored(diags(one.found.mass) + time * one.found.stiffness).solve
     reached = there.on(other.form, other.faces)
-    sure = np.clip(smooth(one.found.mass * _confidence(one, other, partner, reached, rotation, monitor)), 0.0, 1.0)
+    sure = np.clip(smooth(one.found.mass * _confidence(scaled, other, partner, reached, rotation, monitor)), 0.0, 1.0)
     return WorkingMap(there, sure, placed, rotation, shift)
 
 
