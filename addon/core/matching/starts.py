@@ -43,8 +43,9 @@ def starts(one: Unfolded, other: Unfolded, rows: IntArray, monitor: Monitor) -> 
     """Find the possible starts of a match.
 
     From the names of feature points if three were given by hand; else from their likeliest assignments and the mirror
-    images of these, from their numbers if both surfaces have equally many, and from the principal axes of the forms. Each is refined by iterative
-    closest points. Of those from the axes, only motions that no assignment leads to are kept.
+    images of these, from their numbers if both surfaces have equally many, and from the principal axes of the forms.
+    Each is refined by iterative closest points. Of those from the axes, only motions that no assignment leads to are
+    kept.
 
     `one, other`: the surfaces; `rows` (r,).
 
