@@ -22,7 +22,6 @@ from .unfolded import Unfolded
 
 _COUNTS = range(20, 121, 5)  # eigenfunctions, round by round
 _FEWER = range(20, 121, 10)  # between unlike bodies: there a trunk slides a little in each round
-_ROUGH = range(20, 61, 10)  # of the map that tells how their areas differ
 _ALIKE = -4.0  # score up to which bodies are alike
 _BACK = (110, 120)  # eigenfunctions of the way back, by which the confidence is told
 _NEAR = 0.3  # weight of positions on the form
@@ -92,7 +91,7 @@ def point_map(one: Unfolded, other: Unfolded, side: Side, monitor: Monitor) -> P
     >>> point_map(body, body, sides(body, body, Monitor())[0], Monitor()).points.weights.max(axis=1).round(6).tolist()
     [1.0, 1.0, 1.0, 1.0]
     """
-    found = working_map(one, other, side, monitor)
+    found = working_map(one, other, side, monitor, scaled=True)
     way = found.placed - (one.form @ found.rotation + found.shift)
     normals = vertex_normals(one.whole_form, one.found.whole_faces) @ found.rotation
     wanted = one.whole_form @ found.rotation + found.shift + one.found.surface.prolong(way)  # (n, 3)
@@ -103,22 +102,23 @@ def point_map(one: Unfolded, other: Unfolded, side: Side, monitor: Monitor) -> P
     return PointMap(points, np.clip(one.found.surface.prolong(found.confidence), 0.0, 1.0), side.score)
 
 
-def working_map(one: Unfolded, other: Unfolded, side: Side, monitor: Monitor) -> WorkingMap:
+def working_map(one: Unfolded, other: Unfolded, side: Side, monitor: Monitor, *, scaled: bool = False) -> WorkingMap:
     """Match the working vertices of a surface with points of another: the part of `point_map` that takes long.
 
-    `one, other`: the surfaces; `side`: the side on which they are matched.
+    `one, other`: the surfaces; `side`: the side on which they are matched; `scaled`: whether an unlike body gets the
+    areas of the other, which those of skin that may have grown together do not tell.
     """
     from scipy.sparse import diags
 
     body = ElasticBody(one.found.stiffness, one.found.mass, one.form, one.faces)
-    counts, scaled = _COUNTS, one
+    unlike, at = side.score > _ALIKE, one
+    counts = _FEWER if unlike else _COUNTS
     first = first_map(one, other, side.start, monitor)
-    if side.score > _ALIKE:
-        rough = refined(one, other, first, _ROUGH, _NEAR, monitor)
-        counts, scaled = _FEWER, with_areas_of(one, other, rough, monitor)
-    # from the first map again, which has not slid
-    partner = refined(scaled, other, first, counts, _NEAR, monitor)
-    there = on_triangles(scaled, other, partner, counts[-1], _NEAR, monitor)
+    partner = refined(one, other, first, counts, _NEAR, monitor)
+    if unlike and scaled:
+        at = with_areas_of(one, other, partner, monitor)
+        partner = refined(at, other, first, counts, _NEAR, monitor)  # from the first map again, which has not slid
+    there = on_triangles(at, other, partner, counts[-1], _NEAR, monitor)
     placed, there = elastic_fit(body, one, other, there, monitor)
     partner = there.nearest_corners(other.faces)
     rotation, shift = rigid_fit(one.form, other.form[partner], one.areas)
@@ -126,7 +126,7 @@ def working_map(one: Unfolded, other: Unfolded, side: Side, monitor: Monitor) ->
     time = _SMOOTH * one.found.mass.sum()
     smooth = factored(diags(one.found.mass) + time * one.found.stiffness).solve
     reached = there.on(other.form, other.faces)
-    sure = np.clip(smooth(one.found.mass * _confidence(scaled, other, partner, reached, rotation, monitor)), 0.0, 1.0)
+    sure = np.clip(smooth(one.found.mass * _confidence(at, other, partner, reached, rotation, monitor)), 0.0, 1.0)
     return WorkingMap(there, sure, placed, rotation, shift)
 
 
