@@ -180,7 +180,7 @@ def test_marks_are_believed_under_a_rig_too(fused, marked):
 
 def test_a_rig_is_that_of_what_is_parted(fused, marked):
     vertices, faces, _ = fused
-    rigged = rig(vertices, faces, None, Settings(part_here=marked))
+    rigged = rig(vertices, faces, None, Settings(part_here=marked, quality="draft"))
     np.testing.assert_allclose(rigged.weights.sum(axis=1), 1, atol=1e-9)
     hands = [rigged.skeleton.heads[rigged.skeleton.names.index(f"hand.{side}")] for side in "LR"]
     for hand in hands:

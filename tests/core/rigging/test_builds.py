@@ -96,18 +96,18 @@ def test_a_kept_fit_is_not_computed_again(rig, monkeypatch):
 
 
 def test_what_is_kept_is_of_this_mesh_and_cannot_be_changed_from_outside(rig):
-    vertices = mannequin(40.0)[0]
+    vertices, settings = mannequin(40.0)[0], Settings(quality="draft")
     keep, own = KeptStages(), vertices.copy()
-    first = stance_by_match(own, rig.faces, keep=keep)
+    first = stance_by_match(own, rig.faces, settings, keep=keep)
     height = np.ptp(first.vertices[:, 2])
     first.vertices[:] *= 100
     own *= 3
-    again = stance_by_match(vertices, rig.faces, keep=keep)
+    again = stance_by_match(vertices, rig.faces, settings, keep=keep)
     assert np.ptp(again.vertices[:, 2]) == pytest.approx(height)
-    larger = stance_by_match(2 * vertices, rig.faces, keep=keep)
+    larger = stance_by_match(2 * vertices, rig.faces, settings, keep=keep)
     assert np.ptp(larger.vertices[:, 2]) == pytest.approx(2 * height, rel=1e-3)
     prop = np.array([[3.0, 0, 0], [3, 0.1, 0], [3, 0, 0.1], [3.1, 0, 0]])
     faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
     more = np.concatenate([rig.faces, faces + len(vertices)])
-    joined = stance_by_match(np.concatenate([vertices, prop]), more, keep=keep)
+    joined = stance_by_match(np.concatenate([vertices, prop]), more, settings, keep=keep)
     assert joined.vertices.shape == (len(vertices) + 4, 3)
