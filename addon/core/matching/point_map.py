@@ -22,6 +22,7 @@ from .unfolded import Unfolded
 
 _COUNTS = range(20, 121, 5)  # eigenfunctions, round by round
 _FEWER = range(20, 121, 10)  # between unlike bodies: there a trunk slides a little in each round
+_ROUGH = range(20, 61, 10)  # of the map that tells how their areas differ
 _ALIKE = -4.0  # score up to which bodies are alike
 _BACK = (110, 120)  # eigenfunctions of the way back, by which the confidence is told
 _NEAR = 0.3  # weight of positions on the form
@@ -114,10 +115,9 @@ def working_map(one: Unfolded, other: Unfolded, side: Side, monitor: Monitor, *,
     unlike, at = side.score > _ALIKE, one
     counts = _FEWER if unlike else _COUNTS
     first = first_map(one, other, side.start, monitor)
-    partner = refined(one, other, first, counts, _NEAR, monitor)
     if unlike and scaled:
-        at = with_areas_of(one, other, partner, monitor)
-        partner = refined(at, other, first, counts, _NEAR, monitor)  # from the first map again, which has not slid
+        at = with_areas_of(one, other, refined(one, other, first, _ROUGH, _NEAR, monitor), monitor)
+    partner = refined(at, other, first, counts, _NEAR, monitor)  # from the first map again, which has not slid
     there = on_triangles(at, other, partner, counts[-1], _NEAR, monitor)
     placed, there = elastic_fit(body, one, other, there, monitor)
     partner = there.nearest_corners(other.faces)
