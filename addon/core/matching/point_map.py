@@ -112,13 +112,13 @@ def working_map(one: Unfolded, other: Unfolded, side: Side, monitor: Monitor, *,
     from scipy.sparse import diags
 
     body = ElasticBody(one.found.stiffness, one.found.mass, one.form, one.faces)
-    unlike, at = side.score > _ALIKE, one
+    unlike, resized = side.score > _ALIKE, one
     counts = _FEWER if unlike else _COUNTS
     first = first_map(one, other, side.start, monitor)
     if unlike and scaled:
-        at = with_areas_of(one, other, refined(one, other, first, _ROUGH, _NEAR, monitor), monitor)
-    partner = refined(at, other, first, counts, _NEAR, monitor)  # from the first map again, which has not slid
-    there = on_triangles(at, other, partner, counts[-1], _NEAR, monitor)
+        resized = with_areas_of(one, other, refined(one, other, first, _ROUGH, _NEAR, monitor), monitor)
+    partner = refined(resized, other, first, counts, _NEAR, monitor)  # from the first map again, which has not slid
+    there = on_triangles(resized, other, partner, counts[-1], _NEAR, monitor)
     placed, there = elastic_fit(body, one, other, there, monitor)
     partner = there.nearest_corners(other.faces)
     rotation, shift = rigid_fit(one.form, other.form[partner], one.areas)
@@ -126,7 +126,7 @@ def working_map(one: Unfolded, other: Unfolded, side: Side, monitor: Monitor, *,
     time = _SMOOTH * one.found.mass.sum()
     smooth = factored(diags(one.found.mass) + time * one.found.stiffness).solve
     reached = there.on(other.form, other.faces)
-    sure = np.clip(smooth(one.found.mass * _confidence(at, other, partner, reached, rotation, monitor)), 0.0, 1.0)
+    sure = np.clip(smooth(one.found.mass * _confidence(resized, other, partner, reached, rotation, monitor)), 0.0, 1.0)
     return WorkingMap(there, sure, placed, rotation, shift)
 
 
